@@ -250,6 +250,7 @@ def close(
     resolution: Resolution,
     control: Control,
     jacobian: FloatArray | None = None,
+    kept: KeptFactors | None = None,
 ) -> Closure:
     """Find the edges at which the residual vanishes on meshes of one resolution.
 
@@ -262,10 +263,12 @@ def close(
     control : Control
     jacobian : FloatArray, optional
         From a coarser closure; without it one is made by differences and renewed when convergence is slow.
+    kept : KeptFactors, optional
+        To be left with those of the last mesh that was factorised.
     """
     own = jacobian is None
     mesh = layer_mesh(problem.depth, edges, resolution, problem.highest_order)
-    kept = KeptFactors()
+    kept = KeptFactors() if kept is None else kept
     here = evaluate(problem, mesh, resolution, control, kept)
     now = residual(problem, here, control)
     size = float(np.max(np.abs(now)))
@@ -356,12 +359,13 @@ def close_on_ladder(
     list of Closure
         The coarse one first, then one for each resolution reached.
     """
-    first = close(problem, start, scouting(resolutions[0]), control)
+    kept = KeptFactors()
+    first = close(problem, start, scouting(resolutions[0]), control, kept=kept)
     closures = [first]
     if first.outcome == "converged":
         coarse = first.evaluation
         base = residual(problem, coarse, control)
-        slope = difference_jacobian(problem, coarse.states.mesh, coarse.resolution, control, base, KeptFactors())
+        slope = difference_jacobian(problem, coarse.states.mesh, coarse.resolution, control, base, kept)
         closures[0] = Closure(first.outcome, first.message, coarse, first.residual, slope)
         for resolution in resolutions:
             last = close(problem, closures[-1].evaluation.edges, resolution, control, closures[-1].jacobian)

@@ -138,7 +138,7 @@ def solve_unit_states(problem: Problem, mesh: LayerMesh, order: int, kept: KeptF
     SingularSystemError
         When the linear solver misses its residual.
     """
-    spaces = taylor_hood(mesh.triangles, order)
+    spaces = taylor_hood(mesh.triangles, order, quadrature_order=0)  # integrals are those of the reference triangle
     stiffness = assemble(spaces, problem.shear_modulus, problem.inverse_bulk_modulus)
     constraints = constrain(spaces, mesh.depth, contact_indicator(mesh))
     near = None if kept is None else kept.near(mesh)

@@ -186,21 +186,31 @@ def _outer(first: FloatArray, second: FloatArray) -> FloatArray:
 
 
 def _combined(order: int, shear_modulus: float, inverse_bulk_modulus: float, given: Coefficients) -> FloatArray:
-    """Matrices (n_elements, k, k) from the integrals of the reference triangle."""
+    """Matrices (n_elements, k, k): sums of those of the reference triangle, each times one coefficient."""
+    parts = _parts(order, shear_modulus, inverse_bulk_modulus)
+    count = len(given.area)
+    each = (given.xx, given.yy, given.xy, given.x, given.y, given.area)
+    coefficients = np.concatenate([one.reshape(count, -1) for one in each], axis=1)
+    return np.asarray((coefficients @ parts.reshape(len(parts), -1)).reshape(count, *parts.shape[1:]))
+
+
+@lru_cache(maxsize=4)
+def _parts(order: int, shear_modulus: float, inverse_bulk_modulus: float) -> FloatArray:
+    """What every coefficient of an element is multiplied by, in the order of `Coefficients`, (17, k, k)."""
     products, divergence, masses = _reference_integrals(order)
     v, two_mu = products.shape[2], 2.0 * shear_modulus
-    elements = np.empty((len(given.area), 2 * v + len(masses), 2 * v + len(masses)))
+    k = 2 * v + len(masses)
     first, second, third = slice(0, v), slice(v, 2 * v), slice(2 * v, None)
-    yx = given.xy.swapaxes(1, 2)
-    elements[:, first, first] = np.tensordot(two_mu * (2.0 / 3.0 * given.xx + 0.5 * given.yy), products)
-    elements[:, second, second] = np.tensordot(two_mu * (2.0 / 3.0 * given.yy + 0.5 * given.xx), products)
-    elements[:, first, second] = np.tensordot(two_mu * (0.5 * yx - given.xy / 3.0), products)
-    elements[:, first, third] = -np.tensordot(given.x, divergence, axes=1)
-    elements[:, second, third] = -np.tensordot(given.y, divergence, axes=1)
-    for row, column in ((first, second), (first, third), (second, third)):
-        elements[:, column, row] = elements[:, row, column].swapaxes(1, 2)
-    elements[:, third, third] = -inverse_bulk_modulus * given.area * masses
-    return elements
+    xx, yy, xy = np.zeros((3, 2, 2, k, k))
+    xx[:, :, first, first] = yy[:, :, second, second] = two_mu * 2.0 / 3.0 * products
+    xx[:, :, second, second] = yy[:, :, first, first] = two_mu * 0.5 * products
+    xy[:, :, first, second] = two_mu * (0.5 * products.swapaxes(0, 1) - products / 3.0)
+    x, y, area = np.zeros((2, k, k)), np.zeros((2, k, k)), np.zeros((1, k, k))
+    x[:, first, third] = y[:, second, third] = -divergence
+    for block in (xy, x, y):
+        block += block.swapaxes(-1, -2).copy()
+    area[0, third, third] = -inverse_bulk_modulus * masses
+    return np.concatenate([one.reshape(-1, k, k) for one in (xx, yy, xy, x, y, area)])
 
 
 def _representatives(basis: Any) -> IntArray:

@@ -21,6 +21,7 @@ from skfem import Basis, ElementTriP2, MeshTri1
 
 from fem_reference.closure import ControlKind, evaluate
 from fem_reference.contact import UnitStates
+from fem_reference.elasticity import taylor_hood
 from fem_reference.mesh import LayerMesh, Resolution, check_edges
 from fem_reference.problem import FloatArray, IntArray, InvalidProblemError, Problem
 from fem_reference.result import Result, uncertainties
@@ -228,10 +229,11 @@ def _pressure_at_nodes(states: UnitStates, nodal: FloatArray, nodes: Basis) -> F
 
 def _stress_and_energy(states: UnitStates, field: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Means over each triangle of the stress tensor, (n_triangles, 9), the von Mises stress and the energy density."""
-    space, n = states.spaces.displacement, states.spaces.sizes[0]
+    spaces, n = taylor_hood(states.mesh.triangles, states.spaces.order), states.spaces.sizes[0]
+    space = spaces.displacement
     mu, softness = states.problem.shear_modulus, states.problem.inverse_bulk_modulus
     ux, uy = (space.interpolate(field[c * n : (c + 1) * n]) for c in range(2))
-    pressure = np.asarray(states.spaces.pressure.interpolate(field[2 * n :]))
+    pressure = np.asarray(spaces.pressure.interpolate(field[2 * n :]))
     xx, yy, xy = ux.grad[0], uy.grad[1], 0.5 * (ux.grad[1] + uy.grad[0])
     third = (xx + yy) / 3.0
     deviator = xx**2 + yy**2 + 2.0 * xy**2 - 3.0 * third**2  # eps' : eps' with the zz part

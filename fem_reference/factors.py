@@ -32,16 +32,23 @@ class SingularSystemError(RuntimeError):
 
 @dataclass(frozen=True)
 class Factorised:
-    """A constrained matrix with factors of it, or nearly so; `solve` refines on the matrix.
+    """A constrained matrix, element by element, with factors of it, or nearly so; `solve` refines on the matrix.
 
     Parameters
     ----------
-    matrix : csc_matrix, shape (n_free, n_free)
+    stiffness : Stiffness
+    constraints : Constraints
     factors : SuperLU
     """
 
-    matrix: csc_matrix
+    stiffness: Stiffness
+    constraints: Constraints
     factors: Any
+
+    def times(self, free: FloatArray) -> FloatArray:
+        """T^T K T times vectors of the free unknowns, (n_free, n_rhs), of the same shape: no matrix is put together."""
+        T = self.constraints.matrix
+        return np.asarray(T.T @ self.stiffness.times((T @ free).T).T)
 
     def solve(self, rhs: FloatArray) -> FloatArray:
         """Solve for right-hand sides (n_free, n_rhs).
@@ -55,7 +62,7 @@ class Factorised:
         scale = np.max(np.abs(rhs)) + 1e-300
         previous = np.inf
         for refinement in range(REFINEMENTS + 1):
-            residual = rhs - self.matrix @ solution
+            residual = rhs - self.times(solution)
             size = float(np.max(np.abs(residual))) / scale
             done = size <= (ROUNDED if refinement else 0.0)  # one refinement is due to small components
             if done or not np.isfinite(size) or size > 0.5 * previous or refinement == REFINEMENTS:
@@ -77,19 +84,18 @@ def factorise(
     SingularSystemError
         When the matrix is singular.
     """
-    matrix = constrained(stiffness, constraints, stiffness.elements)
     if factors is not None:
-        return Factorised(matrix, factors)
-    handed = matrix
+        return Factorised(stiffness, constraints, factors)
+    elements = stiffness.elements
     if inverse_bulk_modulus < REGULARISED_BELOW:
-        elements, pressures = stiffness.elements.copy(), stiffness.pressure_mass.shape[1]
+        elements, pressures = elements.copy(), stiffness.pressure_mass.shape[1]
         elements[:, -pressures:, -pressures:] -= REGULARISATION * stiffness.pressure_mass
-        handed = constrained(stiffness, constraints, elements)
+    handed = constrained(stiffness, constraints, elements)
     try:
         found = splu(handed, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except RuntimeError as error:
         raise SingularSystemError(str(error)) from None
-    return Factorised(matrix, found)
+    return Factorised(stiffness, constraints, found)
 
 
 def constrained(stiffness: Stiffness, constraints: Constraints, elements: FloatArray) -> csc_matrix:

@@ -141,7 +141,7 @@ def _run(options: argparse.Namespace) -> int:
         cases=records,
         changes=baseline.changes(records, kept_numbers),
     )
-    return _stored(made, folder, options.json)
+    return _stored(made, folder, options)
 
 
 def _cases_and_baselines(options: argparse.Namespace) -> tuple[tuple[Case, ...], Path, dict[str, str]]:
@@ -171,14 +171,14 @@ def _replicate(options: argparse.Namespace) -> int:
         say,
         f"python -m validation replicate{form} --out {options.out.name}",
     )
-    return _stored(made, options.out, options.json)
+    return _stored(made, options.out, options)
 
 
-def _stored(made: Report, folder: Path, as_json: bool) -> int:
+def _stored(made: Report, folder: Path, options: argparse.Namespace) -> int:
     """Write a report with its checksum, and its page."""
     report = with_checksum(made)
     write_atomically(folder / REPORT_FILE, report.model_dump_json(by_alias=True, indent=1) + "\n")
-    return _render(report, folder, as_json)
+    return _render(report, folder, options.json, options.jobs)
 
 
 def _report(options: argparse.Namespace) -> int:
@@ -187,7 +187,7 @@ def _report(options: argparse.Namespace) -> int:
     if not (folder / REPORT_FILE).exists() and (folder / RESULT_FILE).exists():
         code = _run_page(folder, options.json)
     else:
-        code = _render(read_report(folder), folder, options.json)
+        code = _render(read_report(folder), folder, options.json, os.cpu_count() or 1)
     if options.pdf:
         print(write_pdf(folder), file=sys.stderr if options.json else sys.stdout)
     return code
@@ -206,8 +206,8 @@ def _run_page(folder: Path, as_json: bool) -> int:
     return FAILED
 
 
-def _render(report: Report, folder: Path, as_json: bool) -> int:
-    write_html(report, folder)
+def _render(report: Report, folder: Path, as_json: bool, jobs: int) -> int:
+    write_html(report, folder, jobs)
     for case, why in failures(report):
         print(f"FAILED {case}: {why}" if case else f"FAILED: {why}", file=sys.stderr)
     failed = fails(report) or not is_intact(report)

@@ -11,9 +11,8 @@ from bem.solver import solve
 from validation.corpus.hard import hard_case_checks as checks
 from validation.corpus.hard.hard_case_run import judged, missed, run_case
 from validation.corpus.hard.hard_case_scenes import (
+    ADHESIVE,
     MODULUS,
-    PEAK_PRESSURE,
-    PERIOD,
     WAVE_WORK,
     HardCase,
     Reached,
@@ -22,6 +21,7 @@ from validation.corpus.hard.hard_case_scenes import (
     waves,
 )
 from validation.corpus.hard.hard_cases import HARD_CASES
+from validation.references.paper_problem import PERIOD
 
 MOST_HARMONICS = 125
 ids = [case.id for case in HARD_CASES]
@@ -228,7 +228,7 @@ def test_unequal_patches_are_seen():
 def test_flaw_opens_at_the_tension_of_a_griffith_crack():
     """K = T sqrt(pi g / 2) of a gap g under the local tension T = p* - P at the trough of a wave."""
     flaw, critical = 1e-5, (2 * MODULUS / 0.75 * WAVE_WORK) ** 0.5
-    opening = PEAK_PRESSURE - critical / (1.5707963267948966 * flaw) ** 0.5
+    opening = ADHESIVE.full_contact_pressure - critical / (1.5707963267948966 * flaw) ** 0.5
     targets, path = [0.0, 2 * opening], {"initial": "complete_contact", "flaw": flaw, "max_increment": 2.0}
     result = solve(parse_scene(scene(waves([1], [50e-6]), "mean_pressure", targets, WAVE_WORK, **path)))
     assert [state.status for state in result.targets] == ["complete_contact", "unreachable"]

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from bem.scene.scene import parse_scene
-from validation.studies.theory_correction.correction_members import MODULUS, RMS_SLOPE, Group, groups
+from validation.references.paper_problem import MODULUS, RMS_SLOPE
+from validation.studies.theory_correction.correction_members import Group, groups
 
 
 def of_part(part, kind=None):
@@ -49,11 +50,11 @@ def test_names_differ():
 def test_papers_adhesion_is_the_papers():
     paper = Group("fit", "self-affine", 0.7, 1000, 0.03, 1)
     # 0.0335: theta = 0.027 would be its 0.03 J/m^2 exactly
-    assert paper.work_of_adhesion * (50e-6 / paper.rms_height) ** 2 == pytest.approx(0.03, rel=0.15)
-    assert paper.rms_height == pytest.approx(50e-6, rel=0.01)
+    assert paper.work_of_adhesion * (50e-6 / paper.lines.h_rms) ** 2 == pytest.approx(0.03, rel=0.15)
+    assert paper.lines.h_rms == pytest.approx(50e-6, rel=0.01)
     assert pytest.approx(4e6 / 3) == MODULUS
 
 
 def test_unknown_kind_is_refused():
-    with pytest.raises(ValueError, match="kind"):
-        _ = Group("fit", "flat", np.nan, 10, 0.0, 1).amplitudes
+    with pytest.raises(ValueError, match="flat"):
+        _ = Group("fit", "flat", np.nan, 10, 0.0, 1).lines

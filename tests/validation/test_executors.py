@@ -21,7 +21,7 @@ from bem.scene.result_file import RESULT_FILE
 from validation import __main__ as command_line
 from validation.harness import executors
 from validation.harness.ensemble import read_member, run_ensemble
-from validation.harness.execution import Ended, Running, WorkerDiedError, run_in_processes
+from validation.harness.execution import Ended, Running, WorkerDiedError, answers_in_order, run_in_processes
 from validation.harness.executors import ExecutorError, opener_of
 
 needs_dask = pytest.mark.skipif(find_spec("distributed") is None, reason="the extra 'cluster' is not installed")
@@ -188,6 +188,12 @@ def test_where_nothing_waits_no_executor_is_asked():
 def test_item_that_ends_its_process_is_told_whatever_the_exit_code(forked, code):
     (_, ended) = run_in_processes(os._exit, [code], 1)
     assert isinstance(ended.answer, WorkerDiedError)
+
+
+def test_answers_stand_in_the_order_of_their_items_and_exceptions_in_their_place(forked):
+    late, wrong, soon = answers_in_order(eval, ["__import__('time').sleep(0.3)", "1 / 0", "3"], 2)
+    assert (late, soon) == (None, 3)
+    assert isinstance(wrong, ZeroDivisionError)
 
 
 def test_item_that_reaches_its_limit_ends_and_costs_no_other(forked):

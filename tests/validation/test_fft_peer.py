@@ -7,6 +7,7 @@ import pytest
 
 from bem.scene.scene import parse_scene
 from validation.cases.rough_profiles import fft_solvers
+from validation.harness.verdict import verdict_of
 from validation.references import fft_solver
 from validation.references.fft_solver import GridContact, extrapolated, grid_contact
 
@@ -35,12 +36,26 @@ def test_extrapolation_knows_what_it_does_not_remove():
     assert abs(limit.contact_fraction - 0.3) <= limit.contact_fraction_error
 
 
-def test_a_case_without_its_package_is_not_run_and_says_why(monkeypatch):
+def test_without_its_package_a_case_takes_stored_grids_and_says_so(monkeypatch):
     monkeypatch.setattr("validation.harness.route.find_spec", lambda name: None)
     outcome = next(case for case in fft_solvers.CASES if case.id == "fft-peer").compute()
-    assert outcome.rows == ()
-    assert "pip install" in outcome.skipped
-    assert "ContactMechanics" in outcome.skipped
+    assert [verdict_of(row) for row in outcome.rows] == ["agrees", "agrees"]
+    assert all("(stored: ContactMechanics 1.8" in row.reference.source for row in outcome.rows)
+
+
+def test_stored_grids_of_another_problem_are_refused(monkeypatch):
+    monkeypatch.setattr(fft_solvers, "SEED", 2010)
+    with pytest.raises(LookupError, match="'seed': 2010"):
+        fft_solvers.stored(100)
+
+
+@pytest.mark.skipif(find_spec("ContactMechanics") is None, reason="needs the extra peers")
+def test_stored_grids_are_those_of_the_peer():
+    (*_, sequence), _ = fft_solvers.stored(100)
+    scene = fft_solvers._posed(100, [share * MODULUS for share in fft_solvers.SHARES])
+    found = grid_contact(scene, fft_solvers.SHARES[-1] * MODULUS, sequence[0].points)
+    assert found.contact_fraction == sequence[0].contact_fraction
+    assert found.separation == pytest.approx(sequence[0].separation, rel=1e-9)
 
 
 def test_a_grid_that_does_not_resolve_the_profile_is_refused():

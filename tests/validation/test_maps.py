@@ -15,6 +15,7 @@ from bem.solver import solve
 from validation import __main__ as command_line
 from validation.corpus import maps as corpus
 from validation.harness.ensemble import Gathered
+from validation.references.paper_problem import MODULUS
 from validation.report.map_figures import Map, draw, table_of, write_map
 from validation.studies import maps
 
@@ -53,7 +54,7 @@ def state(penetration, pressure, area, branch="loading"):
 
 
 def test_slope_is_that_of_the_loading_branch_within_the_window():
-    unit = corpus.MODULUS * 0.2
+    unit = MODULUS * 0.2
     line = [state(0.0, p * unit, 0.01 + 2.5 * p) for p in (0.01, 0.02, 0.04, 0.05)]
     others = [state(0.0, unit, 0.1, "unloading"), state(0.0, unit, 0.5)]
     assert corpus.area_slope([*line, *others], 0.2) == pytest.approx(2.5, rel=1e-12)

@@ -17,6 +17,7 @@ from validation import __main__ as command_line
 from validation.harness.ensemble import Gathered
 from validation.harness.schema import CaseRecord, Figure, Panel, Reference, Report, Series
 from validation.harness.verdict import verdict_of
+from validation.references.paper_problem import MODULUS
 from validation.replicate import gather, members, realisations, scene_text, summary
 from validation.replicate.area import line_through
 from validation.replicate.double_gaussian_fit import WAYS, Sample, window_figure, window_table
@@ -412,7 +413,7 @@ def test_load_that_is_jumped_over_lies_on_the_line_between(replicated):
     folder, _, _ = replicated
     one = gather(TINY, folder / "members", {}).loading[0]
     states = sorted(one.touching, key=lambda state: state.mean_pressure)
-    loads = [state.mean_pressure / members.MODULUS for state in states]
+    loads = [state.mean_pressure / MODULUS for state in states]
     middle = (loads[-2] + loads[-1]) / 2
     assert one.index_of(middle) is None
     area = one.value_at(middle, lambda state: state.contact_fraction)

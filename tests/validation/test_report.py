@@ -100,6 +100,18 @@ def test_equal_reports_give_equal_pages(drawn, text):
     assert render(drawn) == text
 
 
+def test_figures_drawn_in_processes_are_the_same(drawn, text, monkeypatch):
+    asked = []
+
+    def noted(function, items, jobs):
+        asked.append((len(items), jobs))
+        return [function(item) for item in items]
+
+    monkeypatch.setattr("validation.report.render.MANY", 2)
+    monkeypatch.setattr("validation.report.render.answers_in_order", noted)
+    assert (render(drawn, 2), asked) == (text, [(2, 2)])
+
+
 @pytest.fixture(scope="module")
 def before():
     return svg_of(figure("curve"), "p")

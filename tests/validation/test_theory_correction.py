@@ -10,12 +10,13 @@ from in_this_process import here
 import persson
 from persson.corrected_variance import LITERATURE
 from validation.harness.provenance import provenance
+from validation.references.paper_problem import MODULUS
 from validation.report.render import render
 from validation.studies.theory_correction import theory_correction
 from validation.studies.theory_correction.correction_figures import chosen
-from validation.studies.theory_correction.correction_members import MODULUS, Group
+from validation.studies.theory_correction.correction_members import Group
 from validation.studies.theory_correction.data import STRESSES, Observed, mean_of, relative_errors
-from validation.studies.theory_correction.fit import NAMES, areas_of, calibrate, correction_from, lines_of
+from validation.studies.theory_correction.fit import NAMES, areas_of, calibrate, correction_from
 from validation.studies.theory_correction.hold_out import CALIBRATED, PLAIN, judge, rms
 
 TRUTH = (0.7, 0.8, 2.0)
@@ -39,7 +40,7 @@ def ensemble(group, factor=1.0, noise=0.01):
 
 def said(group):
     given = {"youngs_modulus": 1e6, "poisson_ratio": 0.5, "work_of_adhesion": group.work_of_adhesion}
-    states = (persson.corrected.solve(lines_of(group), load * MODULUS, **given) for load in group.loads)
+    states = (persson.corrected.solve(group.lines, load * MODULUS, **given) for load in group.loads)
     return np.array([state.contact_fraction for state in states])
 
 
@@ -100,7 +101,7 @@ def test_judge_finds_the_error_it_is_given(group):
     ]
     assert one.area[CALIBRATED] == pytest.approx(0.8 - 1, abs=1e-3)
     plain = persson.solve(
-        lines_of(group),
+        group.lines,
         one.load * MODULUS,
         youngs_modulus=1e6,
         poisson_ratio=0.5,
@@ -108,7 +109,7 @@ def test_judge_finds_the_error_it_is_given(group):
         resolution=0.4,
     )
     assert one.area[PLAIN] == pytest.approx(plain.contact_fraction / one.contact_fraction - 1, rel=1e-9)
-    assert one.separations[PLAIN] == pytest.approx(plain.separation / group.rms_height, rel=1e-9)
+    assert one.separations[PLAIN] == pytest.approx(plain.separation / group.lines.h_rms, rel=1e-9)
     assert 0 < one.distribution[CALIBRATED] < 1
 
 

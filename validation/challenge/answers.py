@@ -10,8 +10,10 @@ import csv
 import io
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
+
+from pydantic import TypeAdapter
 
 SCHEMA = "linecontact-challenge-answers/1"
 CSV_COLUMNS = ("problem", "quantity", "index", "value", "uncertainty", "unit")
@@ -34,7 +36,7 @@ class Certified:
     value: tuple[float, ...]
     uncertainty: tuple[float, ...]
     made: str
-    checks: tuple[Check, ...]
+    second_routes: tuple[Check, ...]
 
 
 @dataclass(frozen=True)
@@ -62,11 +64,11 @@ def json_of(key: Key) -> str:
     for name, one in key.answers.items():
         answers[name] = {
             "unit": one.unit,
-            "value": list(one.value),
-            "uncertainty": list(one.uncertainty),
+            "value": one.value,
+            "uncertainty": one.uncertainty,
             "scale": scale_of(name, one.value),
             "made": one.made,
-            "second_routes": [{"route": c.route, "difference": list(c.difference)} for c in one.checks],
+            "second_routes": [asdict(check) for check in one.second_routes],
         }
     return json.dumps({"schema": SCHEMA, "problem": key.problem, "answers": answers}, indent=1) + "\n"
 
@@ -84,14 +86,4 @@ def csv_of(key: Key) -> str:
 
 def key_of(content: Mapping[str, Any]) -> Key:
     """What answers.json holds."""
-    answers = {
-        name: Certified(
-            one["unit"],
-            tuple(map(float, one["value"])),
-            tuple(map(float, one["uncertainty"])),
-            one["made"],
-            tuple(Check(check["route"], tuple(check["difference"])) for check in one["second_routes"]),
-        )
-        for name, one in content["answers"].items()
-    }
-    return Key(content["problem"], answers)
+    return Key(content["problem"], TypeAdapter(dict[str, Certified]).validate_python(content["answers"]))

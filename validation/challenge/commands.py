@@ -67,7 +67,7 @@ def _answers(one: Shipped) -> list[str]:
         lines.append(f"{name}: {key.made}; errors are divided by {scale_of(name, key.value):.6g} {key.unit}".rstrip())
         pairs = zip(key.value, key.uncertainty, strict=True)
         lines += [f"    {value!r} +- {spread:.1g} {key.unit}".rstrip() for value, spread in pairs]
-        lines += [f"    {check.route}: differs by at most {max(check.difference):.1g}" for check in key.checks]
+        lines += [f"    {check.route}: differs by at most {max(check.difference):.1g}" for check in key.second_routes]
     return lines
 
 

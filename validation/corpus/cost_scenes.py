@@ -41,7 +41,7 @@ KERNELS = ("compiled", "NumPy")
 
 
 @dataclass(frozen=True)
-class Judged:
+class Foretold:
     """Predicted and measured cost of a scene; `kernels` are those of the seconds."""
 
     name: str
@@ -80,7 +80,7 @@ def cost_scenes() -> dict[str, tuple[str, Scene]]:
     return parts
 
 
-def judged() -> list[Judged]:
+def judged() -> list[Foretold]:
     """All scenes that take any evaluations, by kernels, against what was measured."""
     measured = json.loads(FOLDER.joinpath(MEASURED).read_text("utf-8"))
     found = []
@@ -91,7 +91,9 @@ def judged() -> list[Judged]:
                 continue
             cost = cost_of(scene, kernels)
             seconds = 1e-3 * cost.evaluations * cost.milliseconds
-            found.append(Judged(name, part, kernels, cost.evaluations, known["evaluations"], seconds, known["seconds"]))
+            found.append(
+                Foretold(name, part, kernels, cost.evaluations, known["evaluations"], seconds, known["seconds"])
+            )
     return found
 
 

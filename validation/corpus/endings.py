@@ -26,7 +26,7 @@ from validation.corpus.hard.hard_case_run import TrialOutcome
 from validation.corpus.hard.hard_case_scenes import HardCase
 from validation.corpus.hard.hard_cases import HARD_CASES
 from validation.corpus.random import random_trial
-from validation.harness.schema import Table
+from validation.harness.schema import Cells, Table
 
 LIMITS = {"reduced": 120.0, "full": 1800.0}  # s of the clock
 
@@ -149,14 +149,14 @@ RUNNERS: dict[Code, Callable[[Any, bool], TrialOutcome]] = {
 }
 
 
-def cells(row: TrialRow) -> list[str | float | int | None]:
+def cells(row: TrialRow) -> Cells:
     """A row as cells of the columns `COLUMNS`."""
     correct = "yes" if row.correct else "NO"
     seconds = None if row.seconds is None else round(row.seconds, 2)
     return [row.code, row.id, _short(row.expected), _short(row.observed), row.ending, correct, seconds]
 
 
-def _left(task: Trial) -> list[str | float | int | None]:
+def _left(task: Trial) -> Cells:
     """A task that is not run here as cells of the columns."""
     return [task.code, task.id, _short(_case(task).expectation(task.form == "full")), "", "not run", "–", None]
 

@@ -31,19 +31,17 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
-from typing import Any
 
 import numpy as np
 
 from bem.geometry.profile import Profile
 from bem.scene.result import FINAL_STATUSES, Result, State
 from validation.harness.ensemble import Member, member_seed
+from validation.references import paper_problem
+from validation.references.paper_problem import MODULUS, PERIOD, RMS_HEIGHT
 from validation.report.map_figures import Map
 
 STORED = "corpus/maps.json"
-PERIOD, RMS_HEIGHT = 0.01, 50e-6
-YOUNGS_MODULUS, POISSON_RATIO = 1e6, 0.5
-MODULUS = YOUNGS_MODULUS / (1 - POISSON_RATIO**2)
 DEEPEST = 0.5  # separation at the turning point, of h_rms
 FITTED = (0.02, 0.15)  # contact fractions
 ROOT = 2009  # of the seeds
@@ -137,28 +135,16 @@ def planes(axes: Axes) -> tuple[Plane, ...]:
 
 def member_of(point: Point, k: int) -> Member:
     """Realisation k of a point."""
-    surface = Profile.self_affine(PERIOD, point.hurst, RMS_HEIGHT, point.harmonics, member_seed(ROOT, k))
+    seed = member_seed(ROOT, k)
+    surface = Profile.self_affine(PERIOD, point.hurst, RMS_HEIGHT, point.harmonics, seed)
     loading = np.linspace(DEEPEST * RMS_HEIGHT, 0.95 * surface.max_height, LOADING_TARGETS)[::-1].tolist()
-    scene: dict[str, Any] = {
-        "title": f"map: H = {point.hurst:g}, {point.harmonics} harmonics, theta = {point.theta:g}",
-        "solid": {"youngs_modulus": YOUNGS_MODULUS, "poisson_ratio": POISSON_RATIO},
-        "profile": {
-            "kind": "self_affine",
-            "period": PERIOD,
-            "hurst": point.hurst,
-            "rms_height": RMS_HEIGHT,
-            "harmonics": point.harmonics,
-            "seed": member_seed(ROOT, k),
-        },
-        "loading": {
-            "control": "separation",
-            "targets": [*loading, surface.max_height + OFF * RMS_HEIGHT],
-        },
-    }
-    if point.theta > 0:
-        scene["adhesion"] = {"work_of_adhesion": point.theta * full_contact_energy(surface)}
-    if point.thickness is not None:
-        scene["layer"] = {"thickness": point.thickness * PERIOD}
+    scene = paper_problem.scene(
+        f"map: H = {point.hurst:g}, {point.harmonics} harmonics, theta = {point.theta:g}",
+        paper_problem.self_affine(seed, point.harmonics, point.hurst),
+        {"control": "separation", "targets": [*loading, surface.max_height + OFF * RMS_HEIGHT]},
+        point.theta * full_contact_energy(surface) if point.theta > 0 else None,
+        **({} if point.thickness is None else {"layer": {"thickness": point.thickness * PERIOD}}),
+    )
     depth = "half-space" if point.thickness is None else f"d{point.thickness:g}"
     return Member(f"H{point.hurst:g}-M{point.harmonics}-t{point.theta:g}-{depth}-{k:02d}", scene)
 
@@ -222,14 +208,10 @@ def maps_of(plane: Plane, runs: dict[tuple[Point, int], Run], seeds: int) -> Ite
     first, second = plane.axis
     rows = list(dict.fromkeys(getattr(point, first) for point in plane.points))
     columns = list(dict.fromkeys(getattr(point, second) for point in plane.points))
+    at = {(getattr(point, first), getattr(point, second)): point for point in plane.points}
+    found = {place: [runs[point, k] for k in range(seeds) if (point, k) in runs] for place, point in at.items()}
     for quantity, label in (("slope", SLOPE_TITLE), ("loop", LOOP_TITLE), ("tension", PULL_OFF_TITLE)):
-        cells = []
-        for row in rows:
-            line = []
-            for column in columns:
-                point = next(p for p in plane.points if (getattr(p, first), getattr(p, second)) == (row, column))
-                line.append(_cell([runs[point, k] for k in range(seeds) if (point, k) in runs], quantity))
-            cells.append(line)
+        cells = [[_cell(found[row, column], quantity) for column in columns] for row in rows]
         yield Map(
             name=f"{plane.name}-{quantity}",
             title=label,
@@ -245,14 +227,8 @@ def maps_of(plane: Plane, runs: dict[tuple[Point, int], Run], seeds: int) -> Ite
 
 def _cell(runs: Sequence[Run], quantity: str) -> tuple[float | None, float | None, str]:
     """Mean, standard error, and what is to be said of the realisations without a number."""
-    if quantity == "loop":
-        values = [
-            one.loop / one.work_of_adhesion if one.work_of_adhesion else one.loop
-            for one in runs
-            if one.loop is not None
-        ]
-    else:
-        values = [value for one in runs if (value := getattr(one, quantity)) is not None]
+    given = [(one, value) for one in runs if (value := getattr(one, quantity)) is not None]
+    values = [value / (one.work_of_adhesion or 1.0) if quantity == "loop" else value for one, value in given]
     without = [one.status for one in runs if getattr(one, quantity) is None]
     note = ", ".join(f"{without.count(status)} {status}" for status in dict.fromkeys(without))
     if not values:

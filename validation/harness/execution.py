@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Callable, Generator, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing
 from dataclasses import dataclass
+from functools import partial
 from typing import Generic, TypeVar
 
 from validation.harness.executors import Opener, local_processes, on_one_thread
@@ -123,6 +125,20 @@ def run_in_processes(
                     suspects.append(run.item)
                 else:
                     yield Ended(run.item, answer, run.seconds)
+
+
+def answers_in_order(function: Callable[[Item], Answer], items: Sequence[Item], jobs: int) -> list[Answer | Exception]:
+    """Answers of all items, or exceptions in their place, in the order of the items; by processes of this machine."""
+    found = dict[int, Answer | Exception]()
+    with closing(run_in_processes(partial(_at, function), enumerate(items), jobs)) as events:
+        for event in events:
+            if isinstance(event, Ended):
+                found[event.item[0]] = event.answer
+    return [found[place] for place in range(len(items))]
+
+
+def _at(function: Callable[[Item], Answer], placed: tuple[int, Item]) -> Answer:
+    return function(placed[1])
 
 
 def _answer(future: Future[Answer]) -> Answer | Exception:

@@ -27,6 +27,7 @@ ID = r"[A-Za-z0-9][A-Za-z0-9._-]*"
 Id = Annotated[str, Field(pattern=f"^{ID}$")]  # of elements of the page, and of files
 Beside = Annotated[str, Field(pattern=f"^{ID}(/{ID})*$")]  # the path of a file in the folder of the report
 Fact = str | int | float | bool | None | list[str | int | float] | dict[str, str | int | float | bool | None]
+Cells = list[str | float | int | None]  # of a line of a table
 LISTED = 3  # mistakes of a file that are told
 DRAWN = 1e250  # largest number of a figure: beyond it the margins of axes are no numbers
 Count = Annotated[int, Field(ge=-(2**63), lt=2**63)]
@@ -162,7 +163,7 @@ class Table(_Strict):
     id: Id | Literal[""] = ""
     caption: Text
     columns: list[str]
-    rows: list[list[str | float | int | None]]
+    rows: list[Cells]
 
 
 class CaseRecord(_Strict):

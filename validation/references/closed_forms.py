@@ -5,7 +5,12 @@ h = D cos(q0 x) on a half-space, contact width 2a, psi = pi a / wavelength, p* =
 - without adhesion (Westergaard, J. Appl. Mech. 6 (1939) A49): mean pressure p* sin^2 psi;
 - with JKR adhesion, no slope term (Johnson, Int. J. Solids Struct. 32 (1995) 423): mean pressure
   p* [sin^2 psi - alpha sqrt(tan psi)], alpha = sqrt(2 E* gamma / wavelength) / p*, and penetration
-  D S (1 - ln S) + alpha p* wavelength sqrt(tan psi) ln S / (pi E*), S = sin^2 psi.
+  D S (1 - ln S) + alpha p* wavelength sqrt(tan psi) ln S / (pi E*), S = sin^2 psi;
+- with v = sin(pi x / wavelength), x from the crest, and the mean tension T = alpha p* sqrt(tan psi): pressure
+  2 p* cos(pi x / wavelength) sqrt(S - v^2) - T cos(pi x / wavelength) / sqrt(S - v^2) and gap
+  2 D (v sqrt(v^2 - S) - S arcosh(v S^-1/2)) + (2 wavelength T / pi E*) arcosh(v S^-1/2);
+- elastic energy per area p* D (S^2/4 - S^2/2 ln S) + p* S delta - pi E* delta^2 / (2 wavelength ln S), which is
+  Westergaard's and that of a flat punch under T, delta = wavelength T ln S / (pi E*) (dU/dDelta = load at fixed edges).
 
 SI units.  Limits: one contact a period; near psi = pi/2 the formulas lose digits (up to contact fraction 0.95 none
 that matter).
@@ -67,6 +72,37 @@ class Sinusoid:
         return np.asarray(
             self.amplitude * share * (1 - np.log(share)) + adhesive * self.wavelength / (np.pi * self.modulus)
         )
+
+    def angle(self, penetration: float, least: float = 0.3, most: float = 1.4) -> float:
+        """psi at a penetration in m, between two on either side."""
+        return float(
+            brentq(lambda psi: float(self.penetration(psi)) - penetration, least, most, xtol=1e-16, rtol=1e-15)
+        )
+
+    def pressure(self, x: FloatArray, psi: float) -> FloatArray:
+        """Pressure in Pa at distances in m from the crest, on the contact."""
+        v = np.sin(np.pi * x / self.wavelength)
+        root = np.sqrt(np.sin(psi) ** 2 - v**2)
+        cosine = np.cos(np.pi * x / self.wavelength)
+        return np.asarray(cosine * (2 * self.full_contact_pressure * root - self._tension(psi) / root))
+
+    def gap(self, x: ArrayLike, psi: float) -> FloatArray:
+        """Gap in m at distances in m from the crest; zero on the contact."""
+        share = np.sin(psi) ** 2
+        v = np.maximum(np.abs(np.sin(np.pi * np.asarray(x) / self.wavelength)), np.sqrt(share))
+        angle = np.arccosh(v / np.sqrt(share))
+        dry = 2 * self.amplitude * (v * np.sqrt(np.maximum(v**2 - share, 0.0)) - share * angle)
+        return np.asarray(dry + 2 * self.wavelength * self._tension(psi) / (np.pi * self.modulus) * angle)
+
+    def elastic_energy(self, psi: float) -> float:
+        """Elastic energy in J/m^2 of nominal area."""
+        share, full, length = np.sin(psi) ** 2, self.full_contact_pressure, self.wavelength
+        lift = length * self._tension(psi) * np.log(share) / (np.pi * self.modulus)
+        energy = full * self.amplitude * (share**2 / 4 - share**2 / 2 * np.log(share)) + full * share * lift
+        return float(energy - np.pi * self.modulus * lift**2 / (2 * length * np.log(share)))
+
+    def _tension(self, psi: float) -> float:
+        return float(self.alpha * self.full_contact_pressure * np.sqrt(np.tan(psi)))
 
     def fold(self) -> float:
         """psi at which the penetration is least: pull-off under penetration control."""

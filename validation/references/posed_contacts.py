@@ -9,15 +9,6 @@ All but the last are given at a penetration, in raw data from which each method 
 contact fraction, mean pressure, elastic energy and the gap at one place.  Pressures are compared by their integrals,
 load and energy: with edges that differ, pointwise pressures have infinite differences beside them and no weighted
 square norm that is the same for all methods.
-
-Johnson's state at psi = pi/2 times the contact fraction, S = sin^2 psi, is Westergaard's at penetration
-D S (1 - ln S) and a flat punch of the mean tension sigma_1 on the same contact:
-
-    U_el / wavelength = p* D (S^2/4 - S^2/2 ln S) + p* S delta - pi E* delta^2 / (2 wavelength ln S),
-    gap at the trough = (2 wavelength / pi E*) [p* (sqrt(1-S) - S arcosh S^-1/2) + sigma_1 arcosh S^-1/2],
-
-delta = wavelength sigma_1 ln S / (pi E*), sigma_1 = alpha p* sqrt(tan psi) (from dU/dDelta = load at fixed edges, and
-from the closed pressures 2 p* cos v sqrt(S - sin^2 v) and sigma_1 cos v / sqrt(S - sin^2 v), v = pi x / wavelength).
 """
 
 from __future__ import annotations
@@ -27,7 +18,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from validation.harness.arrays import FloatArray
 from validation.harness.route import Place, Problem
@@ -143,18 +133,9 @@ def exact_sinusoid(posed: Posed) -> Numbers:
     0.478107
     """
     wave = _johnson()
-    psi = float(
-        brentq(lambda angle: float(wave.penetration(angle)) - posed.penetration, 0.5, 1.4, xtol=1e-16, rtol=1e-15)
-    )
-    share = np.sin(psi) ** 2
-    full, depth, length = wave.full_contact_pressure, wave.amplitude, wave.wavelength
-    tension = wave.alpha * full * np.sqrt(np.tan(psi))
-    lift = length * tension * np.log(share) / (np.pi * wave.modulus)
-    energy = full * depth * (share**2 / 4 - share**2 / 2 * np.log(share)) + full * share * lift
-    energy -= np.pi * wave.modulus * lift**2 / (2 * length * np.log(share))
-    angle = np.arccosh(1 / np.sqrt(share))
-    gap = 2 * length / (np.pi * wave.modulus) * (full * (np.sqrt(1 - share) - share * angle) + tension * angle)
-    return answer_of(psi * 2 / np.pi, float(wave.mean_pressure(psi)), float(energy), float(gap))
+    psi = wave.angle(posed.penetration)
+    gap = float(wave.gap(0.5 * wave.wavelength, psi))
+    return answer_of(psi * 2 / np.pi, float(wave.mean_pressure(psi)), wave.elastic_energy(psi), gap)
 
 
 def surface_of(problem: Problem) -> Surface:

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from contextlib import closing
 from dataclasses import replace
 from functools import lru_cache, partial
 from pathlib import Path
@@ -21,7 +20,7 @@ from bem.command_line.console import scene_text
 from bem.scene.result_file import CorruptResultError
 from validation.harness.case import Case, Outcome
 from validation.harness.ensemble import Member, OtherSceneError, read_member, run_ensemble
-from validation.harness.execution import Ended, Listener, Note, run_in_processes
+from validation.harness.execution import Listener, Note, answers_in_order
 from validation.harness.executors import Opener
 from validation.harness.provenance import provenance
 from validation.harness.runner import failed_record, record_of
@@ -104,15 +103,12 @@ def _topics(evidence: Evidence, folder: Path, failed: Mapping[str, str], jobs: i
     from_store = partial(_written_from, evidence.size, folder, tuple(failed.items()))
     order = sorted(range(len(TOPICS)), key=lambda index: TOPICS[index][-1] is not pressure.compute)
     records: dict[int, CaseRecord] = {}
-    with closing(run_in_processes(from_store, order, jobs)) as events:
-        for event in events:
-            if isinstance(event, Ended):
-                answer = event.answer
-                if isinstance(answer, OSError):  # the figures cannot be written
-                    raise answer
-                if isinstance(answer, Exception):
-                    answer = failed_record(asked[event.item], f"{type(answer).__name__}: {answer}", 0.0)
-                records[event.item] = answer
+    for index, answer in zip(order, answers_in_order(from_store, order, jobs), strict=True):
+        if isinstance(answer, OSError):  # the figures cannot be written
+            raise answer
+        if isinstance(answer, Exception):
+            answer = failed_record(asked[index], f"{type(answer).__name__}: {answer}", 0.0)
+        records[index] = answer
     return [records[index] for index in range(len(TOPICS))]
 
 

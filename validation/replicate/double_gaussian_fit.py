@@ -24,7 +24,7 @@ import numpy as np
 from persson import DoubleGaussian, fit_double_gaussian
 from validation.harness.arrays import FloatArray
 from validation.harness.figure_data import axes, drawn, shaded, trace
-from validation.harness.schema import Figure, Row, Series, Table
+from validation.harness.schema import Cells, Figure, Row, Series, Table
 from validation.replicate.evidence import jackknife
 from validation.replicate.statements import Alternative, statement
 
@@ -125,10 +125,10 @@ def window_figure(samples: Sequence[Sample]) -> Figure:
 
 def window_table(samples: Sequence[Sample], theories: Sequence[FloatArray]) -> Table:
     """Fits of the mean in all four ways, and of the theory's own distribution as printed."""
-    lines: list[list[str | float | int | None]] = []
+    lines: list[Cells] = []
     for sample, said in zip(samples, theories, strict=True):
 
-        def line(what: str, start: float, fit: DoubleGaussian, one: Sample = sample) -> list[str | float | int | None]:
+        def line(what: str, start: float, fit: DoubleGaussian, one: Sample = sample) -> Cells:
             variance = 2 * fit.diffusivity * one.load**2 / one.spread**2
             stress = fit.detachment_stress
             return [

@@ -24,7 +24,8 @@ from persson import AdhesiveContact, DiscreteSpectrum, NonadhesiveContact, solve
 from validation.harness.arrays import FloatArray
 from validation.harness.figure_data import marks, shaded, trace
 from validation.harness.schema import Series
-from validation.replicate.members import LOADS, MODULUS, PAPER, Size
+from validation.references.paper_problem import MODULUS
+from validation.replicate.members import LOADS, PAPER, Size
 
 SAME_LOAD = 1e-9  # of E*
 

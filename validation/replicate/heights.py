@@ -21,10 +21,10 @@ from bem.geometry.profile import Profile
 from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
 from validation.harness.figure_data import axes, drawn, trace
-from validation.harness.rows import compared
-from validation.harness.schema import Reference, Table
+from validation.harness.rows import Against
+from validation.harness.schema import Table
+from validation.references.paper_problem import RMS_HEIGHT
 from validation.replicate.evidence import Evidence, estimate, mean_and_error, scattered
-from validation.replicate.members import RMS_HEIGHT
 from validation.replicate.statements import Alternative, disagreement, statement
 
 BOUNDS = np.linspace(-3.5, 3.5, 36)  # of h_rms
@@ -54,13 +54,13 @@ def compute(evidence: Evidence) -> Outcome:
              Alternative(1 + 1e-9, "a profile that is not scaled"), measured=2e-16),
         says("skewness of the heights, mean over profiles", skewness, skewness_error, 0.0, 0.2,
              Alternative(1.0, "a profile of crests"), measured=0.074),
-        compared("excess kurtosis of the heights, mean over profiles, against that of independent phases", "",
-                 Reference(kind="exact", source="-(3/2) sum h_m^4 / (sum h_m^2)^2"), [_excess(power[first[0]])],
-                 [excess], 0.25, 0.11, "absolute", uncertainty=excess_error),
-        compared(f"fourth moment of the heights without the waves longer than order {first[-1]}, mean over "
-                 "profiles, against a Gaussian's 3", "",
-                 Reference(kind="exact", source="many waves of independent phases: Gaussian heights"), [3.0],
-                 [fourth[first[-1]][0]], 0.17, 0.057, "absolute", uncertainty=fourth[first[-1]][1]),
+        Against("exact", "-(3/2) sum h_m^4 / (sum h_m^2)^2").row(
+            "excess kurtosis of the heights, mean over profiles, against that of independent phases", "",
+            _excess(power[first[0]]), excess, (0.25, 0.11), "absolute", uncertainty=excess_error),
+        Against("exact", "many waves of independent phases: Gaussian heights").row(
+            f"fourth moment of the heights without the waves longer than order {first[-1]}, mean over profiles, "
+            "against a Gaussian's 3", "", 3.0, fourth[first[-1]][0], (0.17, 0.057), "absolute",
+            uncertainty=fourth[first[-1]][1]),
         disagreement("fourth moment of the heights, mean over profiles, against a Gaussian's 3", excess + 3,
                      excess_error, 3.0, (0.6, 0.8), CAUSE, **says.keywords),
     )  # fmt: skip

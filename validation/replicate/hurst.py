@@ -19,7 +19,7 @@ import numpy as np
 from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
 from validation.harness.figure_data import drawn, loglog, trace
-from validation.harness.schema import Row, Series, Table
+from validation.harness.schema import Cells, Row, Series, Table
 from validation.replicate.evidence import Evidence, Realisation, lines_of, scattered, theory_with_adhesion
 from validation.replicate.paper_spectra import Exponent, banded, exponent, exponent_of, exponent_of_mean
 from validation.replicate.statements import Alternative, disagreement, statement
@@ -36,7 +36,7 @@ def compute(evidence: Evidence) -> Outcome:
     """Rows, figure and table."""
     rows: list[Row] = []
     series: list[Series] = []
-    lines: list[list[str | float | int | None]] = []
+    lines: list[Cells] = []
     for hue, (value, group) in enumerate(evidence.hurst.items()):
         if len(group) < 2:
             return Outcome(skipped=f"H = {value:g}: {len(group)} realisations, 2 at least are needed")

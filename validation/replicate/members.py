@@ -13,14 +13,21 @@ scenes with fewer realisations and harmonics: it shows that everything runs, and
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from bem.geometry.profile import Profile
 from validation.harness.ensemble import Member
+from validation.references.paper_problem import (
+    HURST,
+    MODULUS,
+    PERIOD,
+    RMS_HEIGHT,
+    WORK_OF_ADHESION,
+    Table,
+    scene,
+    self_affine,
+    up_to,
+)
 
-PERIOD, RMS_HEIGHT, HURST = 0.01, 50e-6, 0.7
-YOUNGS_MODULUS, POISSON_RATIO, WORK_OF_ADHESION = 1e6, 0.5, 0.03
-MODULUS = YOUNGS_MODULUS / (1 - POISSON_RATIO**2)
 LOADS = (0.001, 0.0025, 0.005, 0.0075, 0.01, 0.0125, 0.015, 0.0175, 0.02, 0.0225, 0.025)  # of E*
 SPECTRA_AT = (0.005, 0.02)  # of E*
 SHAPES_AT = (86e-6, 48e-6, 38e-6, 9.6e-6)  # separations, m: the caption says 48 um where the text says 38 um
@@ -46,68 +53,35 @@ QUICK = Size(seeds=2, harmonics=64, fewer_harmonics=32, hurst_seeds=2)
 
 def loading(size: Size) -> list[Member]:
     """The ensemble that is loaded to the highest of `LOADS`."""
-    return [
-        Member(
-            f"loading-{seed:02d}",
-            _profile(seed, HURST, size.harmonics)
-            | {
-                "loading": {
-                    "control": "separation",
-                    "targets": [1e-6],
-                    "at_mean_pressures": [load * MODULUS for load in LOADS[:-1]],
-                    "stop_at_mean_pressure": LOADS[-1] * MODULUS,
-                },
-                "output": {"spectra": True, "pressure_distribution": True},
-            },
-        )
-        for seed in range(size.seeds)
-    ]
+    output, pressures = {"spectra": True, "pressure_distribution": True}, [load * MODULUS for load in LOADS]
+    return [_member(f"loading-{seed:02d}", seed, HURST, size.harmonics, up_to(pressures, 1e-6), output)
+            for seed in range(size.seeds)]  # fmt: skip
 
 
 def shapes(size: Size) -> Member:
     """The first realisation with a crest above `HIGHEST_CREST`, through `SHAPES_AT`."""
     surfaces = (Profile.self_affine(PERIOD, HURST, RMS_HEIGHT, size.harmonics, k) for k in range(1000))
     seed = next(k for k, surface in enumerate(surfaces) if surface.max_height > HIGHEST_CREST)
-    return Member(
-        f"shapes-{seed:02d}",
-        _profile(seed, HURST, size.harmonics)
-        | {
-            "loading": {"control": "separation", "targets": [SHAPES_AT[-1]]},
-            "output": {"shapes": list(SHAPES_AT), "spectra": True},
-        },
-    )
+    loading = {"control": "separation", "targets": [SHAPES_AT[-1]]}
+    output = {"shapes": list(SHAPES_AT), "spectra": True}
+    return _member(f"shapes-{seed:02d}", seed, HURST, size.harmonics, loading, output)
 
 
 def high_load(size: Size) -> Member:
     """A profile pressed to `NEARLY_FLAT`."""
-    return Member(
-        "high-load-02",
-        _profile(2, HURST, size.fewer_harmonics)
-        | {"loading": {"control": "separation", "targets": list(NEARLY_FLAT)}, "output": {"spectra": True}},
-    )
+    loading = {"control": "separation", "targets": list(NEARLY_FLAT)}
+    return _member("high-load-02", 2, HURST, size.fewer_harmonics, loading, {"spectra": True})
 
 
 def hurst(size: Size) -> dict[float, list[Member]]:
     """Profiles of the Hurst exponents `HURSTS`, to `HURST_LOAD`."""
     return {
-        exponent: [
-            Member(
-                f"hurst-{exponent:g}-{seed:02d}",
-                _profile(seed, exponent, size.fewer_harmonics)
-                | {
-                    "loading": {
-                        "control": "separation",
-                        "targets": [1e-6],
-                        "stop_at_mean_pressure": HURST_LOAD * MODULUS * slope,
-                    },
-                    "output": {"spectra": True},
-                },
-            )
-            for seed in range(size.hurst_seeds)
-        ]
+        exponent: [_member(f"hurst-{exponent:g}-{seed:02d}", seed, exponent, size.fewer_harmonics,
+                           up_to([HURST_LOAD * MODULUS * slope], 1e-6), {"spectra": True})
+                   for seed in range(size.hurst_seeds)]
         for exponent in HURSTS
         for slope in [Profile.self_affine(PERIOD, exponent, RMS_HEIGHT, size.fewer_harmonics, 0).rms_slope]
-    }
+    }  # fmt: skip
 
 
 def all_members(size: Size) -> list[Member]:
@@ -117,17 +91,7 @@ def all_members(size: Size) -> list[Member]:
     return [*loading(size), shapes(size), high_load(size), *others]
 
 
-def _profile(seed: int, exponent: float, harmonics: int) -> dict[str, Any]:
-    return {
-        "title": f"self-affine profile, H = {exponent:g}, seed {seed}",
-        "solid": {"youngs_modulus": YOUNGS_MODULUS, "poisson_ratio": POISSON_RATIO},
-        "profile": {
-            "kind": "self_affine",
-            "period": PERIOD,
-            "hurst": exponent,
-            "rms_height": RMS_HEIGHT,
-            "harmonics": harmonics,
-            "seed": seed,
-        },
-        "adhesion": {"work_of_adhesion": WORK_OF_ADHESION, "slope_term": True},
-    }
+def _member(name: str, seed: int, exponent: float, harmonics: int, loading: Table, output: Table) -> Member:
+    adhesion = {"work_of_adhesion": WORK_OF_ADHESION, "slope_term": True}
+    title = f"self-affine profile, H = {exponent:g}, seed {seed}"
+    return Member(name, scene(title, self_affine(seed, harmonics, exponent), loading, adhesion=adhesion, output=output))

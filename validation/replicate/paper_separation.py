@@ -21,8 +21,9 @@ from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
 from validation.harness.figure_data import drawn, semilogx, trace
 from validation.harness.schema import Row, Table
+from validation.references.paper_problem import RMS_HEIGHT
 from validation.replicate.evidence import Evidence, estimate, mean_and_error, scattered
-from validation.replicate.members import LOADS, RMS_HEIGHT
+from validation.replicate.members import LOADS
 from validation.replicate.statements import Alternative, differs, disagreement, statement
 
 FITTED = (0.0025, 0.005, 0.0075, 0.01)  # of E*

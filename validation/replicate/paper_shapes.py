@@ -16,8 +16,9 @@ from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
 from validation.harness.figure_data import axes, drawn, trace
 from validation.harness.schema import Figure, Reference, Row, Series, Table, Tolerance
+from validation.references.paper_problem import MODULUS, RMS_HEIGHT
 from validation.replicate.evidence import Evidence, Realisation
-from validation.replicate.members import MODULUS, RMS_HEIGHT, SHAPES_AT
+from validation.replicate.members import SHAPES_AT
 
 MOST_POINTS = 2400  # of a curve in a figure
 NEAR = 0.06  # of the period: half the width of the enlarged part, about the highest crest

@@ -23,9 +23,10 @@ import numpy as np
 from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
 from validation.harness.figure_data import drawn, loglog, semilogx, trace
-from validation.harness.schema import Figure, Row, Series, Table
+from validation.harness.schema import Cells, Figure, Row, Series, Table
+from validation.references.paper_problem import HURST, MODULUS
 from validation.replicate.evidence import Evidence, Realisation, estimate, jackknife, scattered
-from validation.replicate.members import HURST, LOADS, MODULUS, SPECTRA_AT
+from validation.replicate.members import LOADS, SPECTRA_AT
 from validation.replicate.statements import Alternative, differs, statement
 
 Window = tuple[float, float]
@@ -119,7 +120,7 @@ def spectra(evidence: Evidence, load: float, name: str = "C_u") -> FloatArray:
 def compute(evidence: Evidence) -> Outcome:
     """Rows, figures and table of the loading ensemble and of the profile at high load."""
     rows: list[Row] = []
-    lines: list[list[str | float | int | None]] = []
+    lines: list[Cells] = []
     for load in SPECTRA_AT:
         power = spectra(evidence, load)
         theory = evidence.with_adhesion[load].displacement_power(evidence.loading[0].surface.q0)

@@ -20,8 +20,9 @@ from scipy.optimize import minimize_scalar
 from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
 from validation.harness.figure_data import drawn, loglog, marks, shaded, trace
-from validation.harness.rows import compared
-from validation.harness.schema import Figure, Panel, Reference, Row, Series, Table
+from validation.harness.rows import Against
+from validation.harness.schema import Figure, Panel, Row, Series, Table
+from validation.references.paper_problem import MODULUS
 from validation.replicate.double_gaussian_fit import FACTOR, Sample, window_figure, window_table
 from validation.replicate.evidence import (
     Evidence,
@@ -32,7 +33,7 @@ from validation.replicate.evidence import (
     mean_and_error,
     theory_with_adhesion,
 )
-from validation.replicate.members import MODULUS, SPECTRA_AT
+from validation.replicate.members import SPECTRA_AT
 from validation.replicate.statements import Alternative, statement
 
 BOUNDS = np.linspace(-0.3, 0.7, 51)  # of E*
@@ -143,9 +144,9 @@ def _tensile_row(evidence: Evidence, load: float) -> Row:
         exact = limit * (TAIL_BOUNDS[1:] ** -2 - TAIL_BOUNDS[:-1] ** -2) / 2 / np.diff(TAIL_BOUNDS)
         ratios.append(float(np.mean((density(one, load, TAIL_BOUNDS) / exact)[inside])))
     ratio, error = estimate(ratios)
-    return compared(f"tensile tail P |sigma|^3 over its limit, -6 to -2 E*, at {load:g} E*", "",
-                    Reference(kind="exact", source="JKR edges: P -> (2 E*/(pi lambda)) sum w_e |sigma|^-3"), [1.0],
-                    [ratio], 0.01, 0.0035, "absolute", uncertainty=error)  # fmt: skip
+    return Against("exact", "JKR edges: P -> (2 E*/(pi lambda)) sum w_e |sigma|^-3").row(
+        f"tensile tail P |sigma|^3 over its limit, -6 to -2 E*, at {load:g} E*", "", 1.0, ratio, (0.01, 0.0035),
+        "absolute", uncertainty=error)  # fmt: skip
 
 
 def _figures(

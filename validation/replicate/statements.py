@@ -19,11 +19,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from validation.harness.compare import combined_tolerance, error_of
-from validation.harness.rows import counted
+from validation.harness.rows import REVIEW, Against
 from validation.harness.schema import Band, Reference, Row, Tolerance
 
 PAPER = "Carbone, Scaraggi, Tartaglino 2009"
-REVIEW = "2027-11-21"
 STALE = 0.2  # of the tolerance: a difference that left the stored one by more has moved
 
 
@@ -104,10 +103,8 @@ def stale(rows: Sequence[Row]) -> Row:
         and row.tolerance is not None
         and abs(error_of(row) - row.tolerance.measured) > STALE * row.tolerance.value
     ]
-    found = counted("statements whose stored difference is stale",
-                    Reference(kind="self", source="the differences stored beside the tolerances"), [0.0],
-                    [float(len(moved))])  # fmt: skip
-    return found.model_copy(update={"message": "; ".join(moved)})
+    stored = Against("self", "the differences stored beside the tolerances")
+    return stored.count("statements whose stored difference is stale", 0.0, len(moved), message="; ".join(moved))
 
 
 def disagreement(
@@ -149,8 +146,8 @@ def disagreement(
 
 def differs(quantity: str, found: bool, message: str, *, where: str, shortfall: str = "") -> Row:
     """A row where the paper says that two things differ, without a number: yes (1) or no (0), with what was found."""
-    row = counted(f"{quantity} (yes: 1)", Reference(kind="independent code", source=f"{PAPER}, {where}"), [1.0],
-                  [float(found)], message=shortfall or message)  # fmt: skip
+    row = Against("independent code", f"{PAPER}, {where}").count(f"{quantity} (yes: 1)", 1.0, found,
+                                                                 message=shortfall or message)  # fmt: skip
     return row.model_copy(update={"status": "not run"}) if shortfall else row
 
 

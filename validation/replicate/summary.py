@@ -13,11 +13,9 @@ from collections.abc import Sequence
 
 from validation.harness.case import Outcome
 from validation.harness.compare import combined_tolerance
-from validation.harness.schema import CaseRecord, Row, Table
+from validation.harness.schema import CaseRecord, Cells, Row, Table
 from validation.harness.verdict import verdict_of
 from validation.replicate.statements import PAPER, stale
-
-Line = list[str | float | int | None]
 
 BOX = "\N{BALLOT BOX}"
 COLUMNS = [
@@ -40,7 +38,7 @@ def compute(records: Sequence[CaseRecord]) -> Outcome:
     return Outcome(rows=(stale(judged),), tables=(table,))
 
 
-def _lines(record: CaseRecord) -> list[Line]:
+def _lines(record: CaseRecord) -> list[Cells]:
     """Of a topic; one that could not be judged says why."""
     topic = record.id.removeprefix("replicate-")
     if not record.rows:
@@ -52,7 +50,7 @@ def _of_paper(row: Row) -> bool:
     return row.reference.source.startswith(f"{PAPER}, ")
 
 
-def _line(topic: str, row: Row) -> Line:
+def _line(topic: str, row: Row) -> Cells:
     paper, ours = _farthest(row)
     accepted = f"+- {combined_tolerance(row):.2g}" if row.band is None else f"x {row.band.low:g} to {row.band.high:g}"
     cause = row.band.cause if row.band is not None and row.status == "run" else ""

@@ -7,7 +7,7 @@ import json
 import math
 import re
 from base64 import b64encode
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
 from importlib import resources
@@ -20,7 +20,8 @@ from markupsafe import Markup, escape
 from bem.scene.atomic_file import write_atomically
 from validation.harness.case import Case
 from validation.harness.compare import combined_tolerance, error_of, error_over_tolerance
-from validation.harness.schema import CaseRecord, Report, Row, is_intact
+from validation.harness.execution import answers_in_order
+from validation.harness.schema import CaseRecord, Figure, Report, Row, is_intact
 from validation.harness.verdict import GATING, VERDICTS, case_verdicts, counted, counts, fails, verdict_of
 from validation.report.figures import svg_of
 from validation.report.verification.all_results import first_sentence, scatter
@@ -49,6 +50,7 @@ from validation.report.verification.row_views import named, worst_place
 from validation.report.verification.typesetting import printable, subscripts, typeset, unset, with_links
 
 PAGE = "report.html"
+MANY = 12  # figures from which processes of their own draw them sooner
 POLICY = (  # attributes with a style are those of figures
     "default-src 'none'; script-src {script}; style-src {style}; style-src-attr 'unsafe-inline'; img-src data:; "
     "base-uri 'none'; form-action 'none'"
@@ -114,12 +116,12 @@ class Worst:
     case: str
 
 
-def write_html(report: Report, folder: Path) -> None:
-    """Render a report into folder/report.html, under a temporary name first."""
-    write_atomically(folder / PAGE, render(report))
+def write_html(report: Report, folder: Path, jobs: int = 1) -> None:
+    """Render a report into folder/report.html, under a temporary name first; its figures in so many processes."""
+    write_atomically(folder / PAGE, render(report, jobs))
 
 
-def render(report: Report) -> str:
+def render(report: Report, jobs: int = 1) -> str:
     """The page as text.
 
     ReportError where a case cites a source that is not in the bibliography, or the provenance has no date or commit.
@@ -130,6 +132,7 @@ def render(report: Report) -> str:
     lines = {case.id: [_line(case, place, row) for place, row in enumerate(case.rows)] for case in report.cases}
     groups = list(dict.fromkeys(case.group for case in report.cases))
     hard = hard_map(report.cases)
+    drawn = _drawn(report.cases, jobs)
     return filled(
         "page.jinja",
         report=report,
@@ -145,8 +148,8 @@ def render(report: Report) -> str:
         known=_known(report, lines),
         groups=[(group, [case for case in report.cases if case.group == group]) for group in groups],
         scenes={case.id: hashlib.sha256(case.scene.encode()).hexdigest() for case in report.cases},
-        placed={place: [one for case in report.cases for one in _drawn(case, place)] for place in PLACES},
-        drawn_of={case.id: _drawn(case, None) for case in report.cases},
+        placed={place: [one for given in drawn.values() for one, at in given if at == place] for place in PLACES},
+        drawn_of={case: [one for one, at in given if at is None] for case, given in drawn.items()},
         tables={place: tables_at(report.cases, place) for place in (PRICE, HARD)},
         hard=hard,
         hard_counts=counted_endings(hard),
@@ -304,13 +307,22 @@ def _sorted_as(value: float | None) -> float | str:
     return "" if value is None else value
 
 
-def _drawn(case: CaseRecord, place: str | None) -> list[DrawnFigure]:
-    """The figures of a case at a place of the first screen, or those that stand with the case."""
-    return [
-        DrawnFigure(case.id, figure.id, figure.caption, svg_of(figure, f"{case.id}-{figure.id}"), figure.files)
-        for figure in case.figures
-        if place_of(figure) == place
-    ]
+def _drawn(cases: Sequence[CaseRecord], jobs: int) -> dict[str, list[tuple[DrawnFigure, str | None]]]:
+    """The figures of every case, each with its place on the first screen; many are drawn in processes of their own."""
+    asked = [(case.id, figure) for case in cases for figure in case.figures]
+    processes = jobs if len(asked) >= MANY else 1
+    found = list(map(_in_svg, asked)) if processes == 1 else answers_in_order(_in_svg, asked, processes)
+    given: dict[str, list[tuple[DrawnFigure, str | None]]] = {case.id: [] for case in cases}
+    for (case, figure), one in zip(asked, found, strict=True):
+        if isinstance(one, Exception):
+            raise one
+        given[case].append((one, place_of(figure)))
+    return given
+
+
+def _in_svg(asked: tuple[str, Figure]) -> DrawnFigure:
+    case, figure = asked
+    return DrawnFigure(case, figure.id, figure.caption, svg_of(figure, f"{case}-{figure.id}"), figure.files)
 
 
 def _overview(report: Report) -> DrawnFigure | None:

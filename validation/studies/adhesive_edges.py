@@ -28,8 +28,9 @@ from validation.harness.execution import Note
 from validation.harness.executors import Opener, local_processes
 from validation.harness.provenance import provenance
 from validation.harness.store import write_json
+from validation.references.paper_problem import MODULUS, RMS_SLOPE, up_to
 from validation.studies import contact_slope
-from validation.studies.contact_slope import MODULUS, RMS_SLOPE, fitted_from, lines_of, name_of, rms
+from validation.studies.contact_slope import fitted_from, lines_of, name_of, rms
 from validation.studies.shown import text_table
 
 SCHEMA = "linecontact-adhesive-edges-study/1"
@@ -46,13 +47,8 @@ def member(group: Group, loads: FloatArray, root: int, k: int, theta: float) -> 
     dry = contact_slope.member(group, loads[loads <= group.get("loads_up_to", np.inf)], root, k)
     if theta == 0:
         return Member(f"{dry.name}-t0", dry.scene)
-    lines, targets = lines_of(group), dry.scene["loading"]["targets"]
-    loading = {
-        "control": "separation",
-        "targets": [DEEPEST * lines.h_rms],
-        "at_mean_pressures": targets[:-1],
-        "stop_at_mean_pressure": targets[-1],
-    }
+    lines = lines_of(group)
+    loading = up_to(dry.scene["loading"]["targets"], DEEPEST * lines.h_rms)
     adhesion = {"work_of_adhesion": theta * MODULUS * lines.full_contact_energy}
     return Member(f"{dry.name}-t{theta:g}", {**dry.scene, "loading": loading, "adhesion": adhesion})
 

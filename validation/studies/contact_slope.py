@@ -26,12 +26,12 @@ from validation.harness.execution import Listener
 from validation.harness.executors import Opener, local_processes
 from validation.harness.provenance import provenance
 from validation.harness.store import write_json
+from validation.references import paper_problem
+from validation.references.paper_problem import MODULUS, PERIOD, RMS_SLOPE
 from validation.studies.shown import text_table
 
 SCHEMA = "linecontact-contact-slope-study/1"
 FILE = "contact-slope.json"
-PERIOD, YOUNGS_MODULUS, POISSON_RATIO, RMS_SLOPE = 0.01, 1e6, 0.5, 0.272
-MODULUS = YOUNGS_MODULUS / (1 - POISSON_RATIO**2)
 SHORT = {"self-affine": "sa", "roll-off": "ro", "band": "nb", "gaussian": "ga", "lines": "li"}
 LEAST, FLOOR, QUICK = 0.02, 0.015, 2
 QUICK_HARMONICS = 10
@@ -81,19 +81,12 @@ def member(group: Group, loads: FloatArray, root: int, k: int) -> Member:
     order, _ = shape_of(group)
     seed = [root, zlib.crc32(name_of(group).encode()), k]
     phases = np.random.default_rng(seed).uniform(-np.pi, np.pi, order.size)
-    scene = {
-        "title": f"slope over the contact: {name_of(group)}, realisation {k} of root {root}",
-        "solid": {"youngs_modulus": YOUNGS_MODULUS, "poisson_ratio": POISSON_RATIO},
-        "profile": {
-            "kind": "harmonics",
-            "period": PERIOD,
-            "orders": order.astype(int).tolist(),
-            "amplitudes": lines_of(group).amplitudes.tolist(),
-            "phases": phases.tolist(),
-        },
-        "loading": {"control": "mean_pressure", "targets": (loads * RMS_SLOPE * MODULUS).tolist()},
-        "accuracy": {"tolerance": 1e-3},
-    }
+    scene = paper_problem.scene(
+        f"slope over the contact: {name_of(group)}, realisation {k} of root {root}",
+        paper_problem.lines(order, lines_of(group).amplitudes, phases),
+        {"control": "mean_pressure", "targets": (loads * RMS_SLOPE * MODULUS).tolist()},
+        accuracy={"tolerance": 1e-3},
+    )
     return Member(f"{name_of(group)}-{root}-{k:03d}", scene)
 
 

@@ -145,7 +145,7 @@ def run(
         found.append(answer if isinstance(answer, Cost) else Cost(**vars(one), status=_told(answer)))
         report(Note(f"[{done}/{len(chosen)}] {_line(found[-1])}"))
         _write(folder, facts, found, len(chosen), [])
-    runs = [one for one in found if one.load is None]
+    runs, _ = _on_paths(found)
     apart: list[Breakdown] = []
     for harmonics in sorted({one.harmonics for one in runs if one.seed == 0 and one.increment == INCREMENT}):
         if dissect is not None:
@@ -228,42 +228,43 @@ def _seconds_to(fraction: float, states: Sequence[State]) -> float:
     return float(np.interp(fraction, reached[last], seconds[last]))
 
 
-def drifts_of(runs: Iterable[Cost]) -> list[Drift]:
+def drifts_of(runs: Sequence[Cost]) -> list[Drift]:
     """Change between each run and the one of the same realisation at the smallest increment."""
     found = []
-    known = list(runs)
-    for run in known:
-        finer = [
-            other
-            for other in known
-            if (other.seed, other.harmonics) == (run.seed, run.harmonics) and other.increment < run.increment
-        ]
-        if finer:
-            finest = min(finer, key=lambda other: other.increment)
-            found.append(
-                Drift(
-                    run.seed,
-                    _change(run.contact_fractions, finest.contact_fractions, run.loads_asked_for),
-                    _change(run.separations, finest.separations, run.loads_asked_for),
-                )
-            )
+    for run in runs:
+        same = [one for one in runs if (one.seed, one.harmonics) == (run.seed, run.harmonics)]
+        finest = min(same, key=lambda one: one.increment)
+        if finest.increment < run.increment:
+            asked = run.loads_asked_for
+            area = _change(run.contact_fractions, finest.contact_fractions, asked)
+            found.append(Drift(run.seed, area, _change(run.separations, finest.separations, asked)))
     return found
 
 
-def exponents_of(runs: Iterable[Cost]) -> dict[str, float]:
+def exponents_of(runs: Sequence[Cost]) -> dict[str, float]:
     """Exponents p of cost ~ harmonics^p, over the runs that ended well at the default increment with seed 0."""
-    curve = [run for run in runs if run.seed == 0 and run.increment == INCREMENT and run.status == "converged"]
     found = {}
     for name in FITTED:
-        known = [(run.harmonics, getattr(run, name)) for run in curve if getattr(run, name) > 0]
+        known = [(run.harmonics, getattr(run, name)) for run in _curve(runs) if getattr(run, name) > 0]
         if len({size for size, _ in known}) >= 2:
             found[name] = fitted_order(*zip(*known, strict=True))
     return found
 
 
+def _on_paths(found: Sequence[Cost]) -> tuple[list[Cost], list[Cost]]:
+    """Runs along paths, and those at single loads without adhesion."""
+    return [one for one in found if one.load is None], [one for one in found if one.load is not None]
+
+
+def _curve(runs: Sequence[Cost]) -> list[Cost]:
+    """Those that ended well at the default increment with seed 0, by harmonics."""
+    known = [run for run in runs if run.seed == 0 and run.increment == INCREMENT and run.status == "converged"]
+    return sorted(known, key=lambda run: run.harmonics)
+
+
 def judged(found: Sequence[Cost], drifts: Sequence[Drift]) -> list[tuple[str, str, bool, bool]]:
     """What is asked for: name, what was found, whether it is met, whether it gates."""
-    runs, dry = [one for one in found if one.load is None], [one for one in found if one.load is not None]
+    runs, dry = _on_paths(found)
     paper = [run for run in runs if run.harmonics == PAPER_HARMONICS and run.increment == INCREMENT] or runs
     slowest, largest = _worst(run.cpu_seconds for run in paper), _worst(run.peak_megabytes for run in paper)
     closure = _worst(run.worst_closure for run in runs)
@@ -301,7 +302,7 @@ def _write(
     folder: Path, facts: dict[str, Any], found: Sequence[Cost], planned: int, apart: Sequence[Breakdown]
 ) -> None:
     """cost.json with the runs so far."""
-    runs, dry = [one for one in found if one.load is None], [one for one in found if one.load is not None]
+    runs, dry = _on_paths(found)
     drifts = drifts_of(runs)
     bare = [
         {**vars(one), "contact_fraction": _only(one.contact_fractions), "closure": one.worst_closure} for one in dry
@@ -331,10 +332,7 @@ def _table(caption: str, columns: list[str], found: Iterable[Mapping[str, Any]])
 
 def _figures(runs: Sequence[Cost]) -> list[tuple[str, Plot]]:
     """Seconds, memory and unknowns against harmonics, when more than one number of them ran."""
-    curve = sorted(
-        (run for run in runs if run.seed == 0 and run.increment == INCREMENT and run.status == "converged"),
-        key=lambda run: run.harmonics,
-    )
+    curve = _curve(runs)
     if len({run.harmonics for run in curve}) < 2:
         return []
     sizes = [float(run.harmonics) for run in curve]

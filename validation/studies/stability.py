@@ -116,7 +116,10 @@ def _rows(
     drawn = [task for task in tasks if task.code == "random"]
     others = [task for task in tasks if task.code != "random"]
     for some, opener in ((others, fresh_processes), (drawn, local_processes)):
-        found = store.answers(TrialRow, partial(_row, measure), some, _named, jobs, opener, lambda task: task.limit)
+        found = store.answers(
+            TrialRow, partial(_row, measure), some, lambda task: (f"{task.code} {task.id}", task.form), jobs, opener,
+            lambda task: task.limit,
+        )  # fmt: skip
         for task, answer, seconds in found:
             late = isinstance(answer, TimeoutError)
             yield answer if isinstance(answer, TrialRow) else row_of(task, None if late else answer, seconds)
@@ -125,11 +128,6 @@ def _rows(
 def _row(measure: Measure, task: Trial) -> TrialRow:
     """In a worker: the row of a case that ends."""
     return row_of(task, measure(task))
-
-
-def _named(task: Trial) -> tuple[str, str]:
-    """The name of a case, and what else decides its row."""
-    return _name(task), task.form
 
 
 def _write(path: Path, facts: dict[str, Any], rows: Sequence[TrialRow], planned: int) -> None:
@@ -145,10 +143,6 @@ def _write(path: Path, facts: dict[str, Any], rows: Sequence[TrialRow], planned:
         "table": table_of(rows).model_dump(mode="json"),
     }
     write_json(path, content)
-
-
-def _name(task: Trial | TrialRow) -> str:
-    return f"{task.code} {task.id}"
 
 
 def _key(task: Trial | TrialRow) -> tuple[str, str, str]:

@@ -22,11 +22,12 @@ from bem.geometry.scaling import Solid
 from bem.scene.result import State
 from bem.scene.scene import parse_scene
 from validation.cases.shared.checks import Against, case, column
-from validation.corpus.hard.hard_case_scenes import MODULUS, PERIOD, rough, scene, waves
+from validation.corpus.hard.hard_case_scenes import MODULUS, rough, scene, waves
 from validation.harness.case import Outcome
 from validation.harness.schema import Row
 from validation.references.closed_forms import layer_compliance
 from validation.references.lone_crack import closing, valleys
+from validation.references.paper_problem import PERIOD
 
 AMPLITUDE = 1e-4
 DEFICITS = (1e-3, 1e-6, 1e-9, 1e-12)

@@ -135,10 +135,11 @@ class FemEvent:
     released: Known
 
 
-def _crests(penetration: float, elements: str, patches: int) -> Result:
-    """The two crests at a penetration, with contact at the higher one or at both."""
+def _crests(penetration: float, elements: str, patches: int, near: Result | None = None) -> Result:
+    """The two crests at a penetration, with contact at the higher one or at both; from the edges of a state near by."""
     scene = posed("layer_two_crests", loading={"targets": [penetration]})
-    found = fem_adapter.solve_fem(scene, RESOLUTIONS[elements], patches)
+    start = None if near is None else near.edges
+    found = fem_adapter.solve_fem(scene, RESOLUTIONS[elements], patches, start=start)
     if found.closure_residual is None or found.status not in ("converged", "interpenetration"):
         raise ArithmeticError(f"finite elements, {patches} patches at {penetration:g} m: {found.status}")
     return found
@@ -155,14 +156,15 @@ def _lowest_gap(found: Result) -> Known:
 def touch(elements: str) -> Known:
     """Penetration at which the gap above the lower crest vanishes, m: by secants."""
     places = [0.8 * PRESSED, 0.9 * PRESSED]
-    gaps = [_lowest_gap(_crests(place, elements, 1)) for place in places]
+    found = _crests(places[0], elements, 1)
+    gaps = [_lowest_gap(found), _lowest_gap(_crests(places[1], elements, 1, found))]
 
     def slope() -> float:
         return (gaps[-1][0] - gaps[-2][0]) / (places[-1] - places[-2])
 
     while abs(gaps[-1][0]) > gaps[-1][1]:
         places.append(places[-1] - gaps[-1][0] / slope())
-        gaps.append(_lowest_gap(_crests(places[-1], elements, 1)))
+        gaps.append(_lowest_gap(_crests(places[-1], elements, 1, found)))
     return places[-1] - gaps[-1][0] / slope(), gaps[-1][1] / abs(slope())
 
 

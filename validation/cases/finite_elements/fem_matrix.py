@@ -28,7 +28,7 @@ from validation.cases.finite_elements.fem_comparison import (
 from validation.cases.shared.checks import Against, case
 from validation.corpus.random.random_scenes import draw
 from validation.harness.case import Case, Outcome
-from validation.harness.schema import Level, Table
+from validation.harness.schema import Cells, Level, Table
 
 SEED, DRAWN = 47, 200
 TINY = (3, 340, 577)  # 1, 2 and 1 patches, past 5, 2 and 1 events
@@ -74,7 +74,7 @@ def _matrix(elements: str, chosen: Iterable[int] | None) -> Outcome:
     return Outcome(rows=(*every, states), tables=(table,), counts=counts(list(found.values())))
 
 
-def _line(index: int, comparison: Comparison) -> list[str | float | int | None]:
+def _line(index: int, comparison: Comparison) -> Cells:
     """What a scene is, and how far the codes are apart."""
     scene = posed(index)
     assert scene.layer is not None

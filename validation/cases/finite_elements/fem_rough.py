@@ -26,7 +26,7 @@ from validation.cases.finite_elements.fem_comparison import (
 from validation.cases.finite_elements.fem_figures import figure
 from validation.cases.shared.checks import Against, case, column, posed
 from validation.harness.case import Outcome
-from validation.harness.schema import Row, Table
+from validation.harness.schema import Cells, Row, Table
 from validation.references import adapters
 
 HARMONICS, SEED, REALISATIONS = 20, 1, 12
@@ -65,7 +65,7 @@ def _rough(elements: str) -> Outcome:
         mean, spread, expected = float(ensemble.mean()), float(ensemble.std(ddof=1)), float(getattr(theory, name))
         judged.append(over_theory(f"mean of {REALISATIONS} realisations, boundary elements", unit, mean,
                                   spread / REALISATIONS**0.5, BANDS_OF_MEAN[name]))  # fmt: skip
-        line: list[str | float | int | None] = [label, float(f"{ensemble[SEED]:.9g}")]
+        line: Cells = [label, float(f"{ensemble[SEED]:.9g}")]
         if found.fem is not None:
             fem = float(getattr(found.fem, name))
             judged.append(over_theory("one realisation, finite elements", unit, fem, spread, BANDS_OF_ONE[name]))

@@ -1,14 +1,8 @@
 """One adhesive contact three ways: boundary elements, finite elements, and Johnson's closed form, each with the others.
 
 Both codes are given the same load on a layer of three periods, which is a half-space to 1e-12, and find their own
-edges.  With S = sin^2 psi, psi = pi/2 times the contact fraction, v = sin(pi x / wavelength) from the crest on and
-T = alpha p* sqrt(tan psi), the pressure and the gap are
-
-    p = 2 p* cos(pi x / wavelength) sqrt(S - v^2) - T cos(pi x / wavelength) / sqrt(S - v^2),
-    g = 2 D (v sqrt(v^2 - S) - S arcosh(v S^-1/2)) + (2 wavelength T / pi E*) arcosh(v S^-1/2)
-
-(K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423; H. M. Westergaard, J. Appl. Mech. 6 (1939) A49).  Points: the
-inner 0.8 of the contact, and the gap from a tenth of its width off the edge.  SI units.
+edges.  The closed form is that of references/closed_forms.py.  Points: the inner 0.8 of the contact, and the gap from a
+tenth of its width off the edge.  SI units.
 """
 
 from __future__ import annotations
@@ -35,8 +29,6 @@ from validation.references.closed_forms import Sinusoid
 WAVE = Sinusoid(amplitude=50e-6, wavelength=0.01, youngs_modulus=1e6, poisson_ratio=0.3, alpha=0.3)
 FRACTION = 0.5
 PSI = 0.5 * np.pi * FRACTION
-SHARE = float(np.sin(PSI) ** 2)
-TENSION = float(WAVE.alpha * WAVE.full_contact_pressure * np.sqrt(np.tan(PSI)))  # T, Pa
 CREST = -0.7 / (2 * np.pi) * WAVE.wavelength  # of the scene
 INNER, AWAY = 0.8, 0.1
 SMALLEST_SHOWN = 1e-17
@@ -72,29 +64,6 @@ class ThreeAnswers:
     scale: float
 
 
-def exact_pressure(x: FloatArray) -> FloatArray:
-    """Pressure in Pa at distances x, m, from the crest, on the contact."""
-    v = np.sin(np.pi * x / WAVE.wavelength)
-    root = np.sqrt(SHARE - v**2)
-    return np.asarray(np.cos(np.pi * x / WAVE.wavelength) * (2 * WAVE.full_contact_pressure * root - TENSION / root))
-
-
-def exact_gap(x: FloatArray) -> FloatArray:
-    """Gap in m at distances x, m, from the crest, off the contact."""
-    v = np.abs(np.sin(np.pi * x / WAVE.wavelength))
-    angle = np.arccosh(v / np.sqrt(SHARE))
-    open_gap = 2 * WAVE.amplitude * (v * np.sqrt(v**2 - SHARE) - SHARE * angle)
-    return np.asarray(open_gap + 2 * WAVE.wavelength * TENSION / (np.pi * WAVE.modulus) * angle)
-
-
-def exact_energy() -> float:
-    """Elastic energy per area, J/m^2: Westergaard's, and a flat punch under the mean tension T (posed_contacts.py)."""
-    full, length, log = WAVE.full_contact_pressure, WAVE.wavelength, float(np.log(SHARE))
-    lift = length * TENSION * log / (np.pi * WAVE.modulus)
-    dry = full * WAVE.amplitude * (SHARE**2 / 4 - SHARE**2 / 2 * log)
-    return float(dry + full * SHARE * lift - np.pi * WAVE.modulus * lift**2 / (2 * length * log))
-
-
 def _posed() -> Scene:
     return posed(
         "layer_sinusoid",
@@ -124,7 +93,7 @@ def _quantities(state: State, elastic: bem.ContactState, fem: Result) -> list[Th
     def at(key: str, nodes: NDArray[np.bool_]) -> float:
         return float(np.max(np.asarray(fem.uncertainty[key])[nodes]))
 
-    energy, height = exact_energy(), elastic.profile.height(x[outside]) - depth
+    energy, height = WAVE.elastic_energy(PSI), elastic.profile.height(x[outside]) - depth
     gap = elastic.displacement(x[outside]) - height - elastic.penetration
     return [
         of("contact fraction", "", FRACTION, state.contact_fraction, fem.contact_fraction, estimate.contact_fraction,
@@ -135,9 +104,9 @@ def _quantities(state: State, elastic: bem.ContactState, fem: Result) -> list[Th
            (estimate.contact_fraction or 0.0) * period, "edges", period),
         of("elastic energy per area", "J/m^2", energy, state.elastic_energy, fem.elastic_energy / period,
            estimate.elastic_energy, "elastic_energy", energy),
-        ThreeAnswers("pressure at points", "Pa", exact_pressure(distance[inside]), elastic.pressure(x[inside]),
+        ThreeAnswers("pressure at points", "Pa", WAVE.pressure(distance[inside], PSI), elastic.pressure(x[inside]),
                  fem.interface.pressure[inside], 0.0, at("pressure", inside), star),
-        ThreeAnswers("gap at points", "m", exact_gap(distance[outside]), gap,
+        ThreeAnswers("gap at points", "m", WAVE.gap(distance[outside], PSI), gap,
                  fem.gap(x[outside]), 0.0, at("gap", outside), depth),
     ]  # fmt: skip
 
@@ -187,8 +156,8 @@ def _figure(found: list[ThreeAnswers], elastic: bem.ContactState, fem: Result) -
 
     left = off < 0
     halves = [over(off[side], gap[side], depth) for side in (left, ~left)]
-    exact = [over(off[side], exact_gap(off[side]), depth) for side in (left, ~left)]
-    exact.insert(1, over(on, exact_pressure(on), star))
+    exact = [over(off[side], WAVE.gap(off[side], PSI), depth) for side in (left, ~left)]
+    exact.insert(1, over(on, WAVE.pressure(on, PSI), star))
     above = axes(
         "x / period, from the crest",
         "pressure / p*,  gap / amplitude",

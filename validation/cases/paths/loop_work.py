@@ -9,7 +9,7 @@ from __future__ import annotations
 from validation.cases.paths.energy_balance import accounts, closed
 from validation.cases.shared.checks import Against, case, posed
 from validation.harness.case import Outcome
-from validation.harness.schema import Table
+from validation.harness.schema import Cells, Table
 
 SEPARATIONS = (40e-6, 62.5e-6, 65e-6, 70e-6, 40e-6)  # m; patches nearly detach at 63.7 um
 PLATE = (40e-6, 62.5e-6, 65.5e-6, 70e-6, 40e-6)  # m, by which the plate is above first touch of the highest crest
@@ -24,7 +24,7 @@ def _loops() -> Outcome:
         "mean_pressure": list(LOADS),
         "total_displacement": [highest - place for place in PLATE],
     }
-    found, events, table = list[float](), 0, list[list[str | float | int | None]]()
+    found, events, table = list[float](), 0, list[Cells]()
     for control, ways in targets.items():
         scene = posed("thin_layer", solid={"poisson_ratio": 0.3}, layer={"thickness": 1e-3},
                       adhesion={"work_of_adhesion": 0.1}, loading={"control": control, "targets": ways},

@@ -1,12 +1,18 @@
 """Contact without adhesion against an FFT solver on equal footing: separations, and areas extrapolated from grids.
 
-Two comparisons: with figures recorded from such a solver for the paper's profile (seed 2009, 1000 harmonics), which
-needs nothing, and with the solver itself, which needs the extra `peers` and is not run without it.
+Two comparisons: with figures recorded from such a solver for the paper's profile (seed 2009, 1000 harmonics), and with
+the solver itself. Where the extra `peers` is not installed, its grids are those of corpus/fft_grids.json, which
+`record` wrote where it was, with its version, the date and the problem.
 """
 
 from __future__ import annotations
 
+import json
+from dataclasses import asdict
 from functools import partial
+from importlib import metadata
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -16,8 +22,10 @@ from bem.scene.scene import Scene
 from validation.cases.shared.checks import OVER_STATES, Against, case, column, posed
 from validation.harness.case import Outcome
 from validation.harness.figure_data import axes, drawn, marks, semilogy, trace
+from validation.harness.provenance import provenance
 from validation.harness.schema import Figure, Table
-from validation.references.fft_solver import Extrapolated, GridContact, extrapolated, grid_contact, missing
+from validation.harness.store import write_json
+from validation.references.fft_solver import PACKAGES, Extrapolated, GridContact, extrapolated, grid_contact, missing
 
 SEED = 2009
 MODULUS = 1e6 / (1 - 0.5**2)
@@ -25,6 +33,7 @@ SHARES = (0.005, 0.01, 0.02)  # of E*
 RECORDED_SEPARATION = (38.27e-6, 24.79e-6, 12.94e-6)  # m, to the last digit
 RECORDED_AREA = (0.0415, 0.0797, 0.1533)  # on the finest grid, still falling
 POINTS = {100: (4096, 8192, 16384), 1000: (16384, 32768, 65536)}
+STORED = Path(__file__).parents[2] / "corpus/fft_grids.json"
 MEASURED = {100: (2.4e-7, 2.6e-3), 1000: (1.3e-7, 1.9e-3)}  # separation, ratio of areas
 
 
@@ -59,20 +68,48 @@ def _recorded() -> Outcome:
     return Outcome(rows=rows, tables=(table,), counts={"unknowns": max(state.unknowns for state in states)})
 
 
+def _asked(harmonics: int) -> dict[str, Any]:
+    """The problem of stored grids."""
+    return {"seed": SEED, "harmonics": harmonics, "loads / E*": list(SHARES), "points": list(POINTS[harmonics])}
+
+
+def _solved(harmonics: int) -> list[list[GridContact]]:
+    """Grids at every pressure, by the peer."""
+    scene = _posed(harmonics, [share * MODULUS for share in SHARES])
+    return [[grid_contact(scene, share * MODULUS, count) for count in POINTS[harmonics]] for share in SHARES]
+
+
+def record() -> None:
+    """Store the grids of all problems, where the peer is installed."""
+    versions, facts = {name: metadata.version(name) for name in PACKAGES}, provenance()
+    made = [_asked(harmonics) | {"grids": [[asdict(grid) for grid in one] for one in _solved(harmonics)]}
+            for harmonics in POINTS]  # fmt: skip
+    known = {name: facts[name] for name in ("date", "commit", "python", "numpy")}
+    write_json(STORED, {"solver": versions, **known, "problems": made})
+
+
+def stored(harmonics: int) -> tuple[list[list[GridContact]], str]:
+    """Grids at every pressure as stored, and where they are from; LookupError where they are of another problem."""
+    content = json.loads(STORED.read_text("utf-8"))
+    for problem in content["problems"]:
+        if _asked(harmonics).items() <= problem.items():
+            made = ", ".join(f"{name} {version}" for name, version in content["solver"].items())
+            grids = [[GridContact(**grid) for grid in one] for one in problem["grids"]]
+            return grids, f" (stored: {made}, {content['date'][:10]})"
+    raise LookupError(f"{STORED.name} holds no grids of {_asked(harmonics)}")
+
+
 def _peer(harmonics: int) -> Outcome:
-    reason = missing()
-    if reason:
-        return Outcome(skipped=reason)
     pressures = [share * MODULUS for share in SHARES]
     scene = _posed(harmonics, pressures)
     states = bem.solve(scene).targets
     points = POINTS[harmonics]
-    grids = [[grid_contact(scene, pressure, count) for count in points] for pressure in pressures]
+    grids, whence = stored(harmonics) if missing() else (_solved(harmonics), "")
     limits = [extrapolated(sequence) for sequence in grids]
     of_separation, of_area = MEASURED[harmonics]
-    finest = Against("independent code", f"ContactMechanics, {points[-1]} points",
+    finest = Against("independent code", f"ContactMechanics, {points[-1]} points{whence}",
                      max(limit.separation_error for limit in limits))  # fmt: skip
-    both = Against("independent code", f"ContactMechanics, from {points[-2]} and {points[-1]} points",
+    both = Against("independent code", f"ContactMechanics, from {points[-2]} and {points[-1]} points{whence}",
                    max(limit.contact_fraction_error / limit.contact_fraction for limit in limits))  # fmt: skip
     rows = (
         finest.row("separation at 0.005, 0.01 and 0.02 E*, over the rms height", "m", column(limits, "separation"),

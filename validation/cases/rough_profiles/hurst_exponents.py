@@ -16,7 +16,7 @@ import bem
 from validation.cases.shared.checks import Against, case, column, posed
 from validation.harness.case import Outcome
 from validation.harness.figure_data import drawn, loglog, marks, trace
-from validation.harness.schema import Figure, Row, Table
+from validation.harness.schema import Cells, Figure, Row, Table
 from validation.references import adapters
 
 HURST = (0.3, 0.5, 0.7, 0.9)
@@ -70,7 +70,7 @@ def _theory(hurst: float, adhesive: bool) -> list[float]:
     return [adapters.persson_contact(scene, load, with_separation=False).contact_fraction for load in pressures]
 
 
-def _compared(adhesive: bool) -> tuple[list[Row], Figure, list[list[str | float | int | None]]]:
+def _compared(adhesive: bool) -> tuple[list[Row], Figure, list[Cells]]:
     seeds, bands = (ADHESIVE, BANDS_ADHESIVE) if adhesive else (DRY, BANDS_DRY)
     word = "with adhesion" if adhesive else "without adhesion"
     found = {hurst: np.array([_areas(hurst, seed, adhesive) for seed in seeds]) for hurst in HURST}
@@ -89,7 +89,7 @@ def _compared(adhesive: bool) -> tuple[list[Row], Figure, list[list[str | float 
                    "The same with adhesion, 0.03 J/m^2." if adhesive else
                    "Contact fraction without adhesion: the theory depends on the rms slope alone.",
                    loglog("mean pressure / (E* h'_rms)", "contact fraction", *series))  # fmt: skip
-    table: list[list[str | float | int | None]] = [
+    table: list[Cells] = [
         [word, hurst, load, float(areas.mean()), float(areas.std(ddof=1) / np.sqrt(areas.size)), theory,
          float(areas.mean()) / theory]
         for hurst in HURST

@@ -1,94 +1,21 @@
-"""A case in words, scenes solved, numbers of their states, and rows against one reference.
-
-A tolerance is 2.5 times the error measured, which stands in the row; or it is `required`, as asked for whatever was
-measured; or it is given as (tolerance, measured).
-"""
+"""A case in words, scenes solved, and numbers of their states; rows against one reference are those of `Against`."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from typing import Any, Literal
 
 import bem
 from bem.scene.result import Result, State
 from bem.scene.scene import Scene
 from validation.harness.case import Case, Outcome
-from validation.harness.rows import Pinned, compared, counted
-from validation.harness.schema import Band, Code, Level, Norm, Reference, ReferenceKind, Row
+from validation.harness.rows import Against as Against
+from validation.harness.schema import Code, Level, Norm
 from validation.references import adapters
 
-Values = float | None | Iterable[float | None]
 Work = Literal["unknowns", "evaluations", "states", "events"]
 
-SAFETY = 2.5  # times the error measured: a tolerance
 OVER_STATES: Norm = "maximum over states"
-REVIEW = "2027-11-21"  # of known discrepancies
-
-
-@dataclass(frozen=True)
-class Against:
-    """Makes rows against one reference; the first arguments of all are quantity, unit, expected and computed values."""
-
-    kind: ReferenceKind
-    source: str
-    uncertainty: float = 0.0
-
-    @property
-    def reference(self) -> Reference:
-        """As rows hold it."""
-        return Reference(kind=self.kind, source=self.source, uncertainty=self.uncertainty)
-
-    def row(
-        self,
-        quantity: str,
-        unit: str,
-        expected: Values,
-        computed: Values,
-        measured: float | tuple[float, float],
-        norm: Norm = "relative",
-        scale: float | None = None,
-        *,
-        required: float | None = None,
-        uncertainty: float = 0.0,
-        pinned: Pinned = "converged",
-        code: Code | None = None,
-    ) -> Row:
-        """A comparison with a tolerance, scaled as `compared` does."""
-        allowed, known = measured if isinstance(measured, tuple) else (SAFETY * measured, measured)
-        return compared(quantity, unit, self.reference, _listed(expected), _listed(computed),
-                        allowed if required is None else required, known, norm, scale,
-                        basis="measured" if required is None else "required", pinned=pinned, uncertainty=uncertainty,
-                        code=code)  # fmt: skip
-
-    def count(
-        self, quantity: str, expected: Values, computed: Values, tolerance: float = 0.5, message: str = ""
-    ) -> Row:
-        """A comparison of counts, or of yes (1) and no (0)."""
-        return counted(quantity, self.reference, _listed(expected), _listed(computed), tolerance, message)
-
-    def ratio(
-        self,
-        quantity: str,
-        unit: str,
-        expected: Values,
-        computed: Values,
-        band: tuple[float, float],
-        cause: str,
-        source: str,
-        *,
-        uncertainty: float = 0.0,
-        review: str = REVIEW,
-    ) -> Row:
-        """A known discrepancy: the ratio lies in a band, for this cause, by this source."""
-        known = Band(low=band[0], high=band[1], cause=cause, source=source, review=review)
-        return Row(quantity=quantity, unit=unit, reference=self.reference, norm="ratio", expected=_listed(expected),
-                   computed=_listed(computed), uncertainty=uncertainty, band=known)  # fmt: skip
-
-
-def _listed(values: Values) -> list[float | None]:
-    many = values if isinstance(values, Iterable) else [values]
-    return [None if value is None else float(value) for value in many]
 
 
 def case(

@@ -23,7 +23,7 @@ from bem.scene.scene import Scene
 from validation.cases.shared.checks import Against, case, posed, touching
 from validation.harness.case import Outcome
 from validation.harness.figure_data import drawn, loglog, marks, trace
-from validation.harness.schema import Figure, Row, Table
+from validation.harness.schema import Cells, Figure, Row, Table
 from validation.references.closed_forms import Sinusoid
 from validation.references.dense_equilibrium import reference
 
@@ -172,7 +172,7 @@ def _rows(found: list[Number], errors: dict[float, float]) -> tuple[Row, ...]:
 
 
 def _table(found: list[Number]) -> Table:
-    rows: list[list[str | float | int | None]] = []
+    rows: list[Cells] = []
     for quantity in QUANTITIES:
         of = [number for number in found if number.quantity == quantity]
         ratios = [number.ratio for number in of]

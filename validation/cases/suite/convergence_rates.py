@@ -19,7 +19,7 @@ from validation.corpus.convergence_curves import (
 )
 from validation.harness.case import Outcome
 from validation.harness.figure_data import drawn, marks, trace
-from validation.harness.schema import Figure, Panel, Row, Table
+from validation.harness.schema import Cells, Figure, Panel, Row, Table
 
 # relative distance of the fitted rate from the predicted one
 MEASURED = {
@@ -56,7 +56,7 @@ def _figure(name: str, caption: str, curves: Sequence[Curve]) -> Figure:
 
 def _table(curves: Sequence[Curve]) -> Table:
     """Errors with their rates between neighbours."""
-    rows: list[list[str | float | int | None]] = []
+    rows: list[Cells] = []
     for curve in curves:
         points = zip(curve.sizes, curve.errors, [None, *curve.rate.pairwise], strict=True)
         rows += [

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from validation.cases.shared.checks import Against, case, column
-from validation.corpus.cost_scenes import KERNELS, PARTS, Judged, cost_scenes, judged, measure, outside
+from validation.corpus.cost_scenes import KERNELS, PARTS, Foretold, cost_scenes, judged, measure, outside
 from validation.harness.case import Outcome
 from validation.harness.figure_data import drawn, loglog, marks, trace
 from validation.harness.schema import Figure, Row, Table
@@ -24,7 +24,7 @@ JUDGED = (  # kernels, place of the ratio, quantity, measured: of 54 none, one, 
 )
 
 
-def _rows(found: list[Judged]) -> list[Row]:
+def _rows(found: list[Foretold]) -> list[Row]:
     """The share of scenes that did not calibrate anything and are predicted worse than within the factor."""
     rows = []
     for kernels, which, quantity, measured in JUDGED:
@@ -35,7 +35,7 @@ def _rows(found: list[Judged]) -> list[Row]:
     return rows
 
 
-def _again(found: list[Judged]) -> Row:
+def _again(found: list[Foretold]) -> Row:
     """Evaluations of quick scenes solved now against those stored."""
     stored, scenes = {one.name: one.evaluations for one in found}, cost_scenes()
     ratios = [measure(scenes[name][1])["evaluations"] / float(stored[name]) for name in AGAIN]
@@ -44,7 +44,7 @@ def _again(found: list[Judged]) -> Row:
     )
 
 
-def _figure(found: list[Judged]) -> Figure:
+def _figure(found: list[Foretold]) -> Figure:
     """Predicted against measured seconds."""
     compiled = [one for one in found if one.kernels == KERNELS[0]]
     ends = [f(one.seconds for one in compiled) for f in (min, max)]
@@ -59,7 +59,7 @@ def _figure(found: list[Judged]) -> Figure:
     )  # fmt: skip
 
 
-def _table(found: list[Judged]) -> Table:
+def _table(found: list[Foretold]) -> Table:
     """The scenes that are predicted worst."""
     worst = sorted(found, key=lambda one: -max(abs(math.log(ratio)) for ratio in one.ratios))[:LISTED]
     return Table(

@@ -22,10 +22,11 @@ from bem.scene.result import Result, State
 from bem.scene.result_file import write_result
 from bem.scene.scene import Scene, parse_scene
 from bem.solver import solve
-from validation.corpus.hard.hard_case_scenes import Table, waves_of
+from validation.corpus.hard.hard_case_scenes import waves_of
 from validation.references.closed_forms import full_contact_amplitudes
 from validation.references.dense import evaluate_dense
 from validation.references.lone_crack import closing, crack, valleys
+from validation.references.paper_problem import Table
 
 Check = Callable[[Table, Scene, Result], list[str]]
 Carried = Callable[[NDArray[np.float64]], NDArray[np.float64]]

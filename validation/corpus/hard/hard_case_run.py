@@ -17,7 +17,8 @@ from bem.scene.result import Result
 from bem.scene.scene import SceneError, parse_scene
 from bem.solver import solve
 from validation.corpus.hard.hard_case_checks import CHECKS
-from validation.corpus.hard.hard_case_scenes import PERIOD, RMS_HEIGHT, HardCase, Reached, Samples, Table
+from validation.corpus.hard.hard_case_scenes import HardCase, Reached, Samples
+from validation.references.paper_problem import PERIOD, RMS_HEIGHT, Table
 
 ROUNDED = 1e-5  # of a contact fraction that is to be reached; measured 1.9e-6 at 1e-5
 # Of E* h_rms^2 / period, besides the error that an event states: rounding of the energy that it releases.  Measured:

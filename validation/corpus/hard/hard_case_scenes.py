@@ -12,14 +12,15 @@ from typing import Any
 import numpy as np
 
 from bem.geometry.profile import Profile
+from validation.references import paper_problem
+from validation.references.closed_forms import Sinusoid
+from validation.references.paper_problem import PERIOD, RMS_HEIGHT, Table
 
-Table = dict[str, Any]
-
-PERIOD, RMS_HEIGHT, MODULUS, WORK = 0.01, 50e-6, 1e6, 0.03
+MODULUS, WORK = paper_problem.YOUNGS_MODULUS, paper_problem.WORK_OF_ADHESION
 WAVE = 50e-6  # amplitude of single harmonics
-PEAK_PRESSURE = np.pi * MODULUS / 0.75 * WAVE / PERIOD  # p* of the wave of order 1
 JOHNSON = 0.3  # alpha of the adhesive waves
-WAVE_WORK = (JOHNSON * PEAK_PRESSURE) ** 2 * PERIOD * 0.75 / (2 * MODULUS)  # J/m^2, of the wave of order 1
+DRY, ADHESIVE = (Sinusoid(WAVE, PERIOD, MODULUS, 0.5, alpha) for alpha in (0.0, JOHNSON))  # waves of order 1
+WAVE_WORK = ADHESIVE.work_of_adhesion  # J/m^2
 
 
 @dataclass(frozen=True)
@@ -69,8 +70,7 @@ class HardCase:
 
 def rough(harmonics: int, hurst: float = 0.7, rms_height: float = RMS_HEIGHT, seed: int = 0) -> Table:
     """[profile] of a self-affine profile."""
-    kind = {"kind": "self_affine", "period": PERIOD, "hurst": hurst}
-    return kind | {"rms_height": rms_height, "harmonics": harmonics, "seed": seed}
+    return paper_problem.self_affine(seed, harmonics, hurst, rms_height)
 
 
 def waves(orders: list[int], amplitudes: list[float]) -> Table:
@@ -124,12 +124,9 @@ def both(
 
 def westergaard_pressure(fraction: float) -> float:
     """Mean pressure of the wave of order 1 without adhesion at a contact fraction."""
-    return float(PEAK_PRESSURE * np.sin(np.pi * fraction / 2) ** 2)
+    return float(DRY.mean_pressure(np.pi * fraction / 2))
 
 
 def johnson_penetration(fraction: float) -> float:
     """Penetration of the adhesive wave of order 1 at a contact fraction."""
-    psi = np.pi * fraction / 2
-    share = np.sin(psi) ** 2
-    bulk = WAVE * share * (1 - np.log(share))
-    return float(bulk + JOHNSON * WAVE * np.sqrt(np.tan(psi)) * np.log(share))
+    return float(ADHESIVE.penetration(np.pi * fraction / 2))

@@ -9,7 +9,6 @@ here, which live in hard_case_checks.py).  Cases along one parameter are in hard
 from __future__ import annotations
 
 from validation.corpus.hard.hard_case_scenes import (
-    PERIOD,
     WAVE,
     WAVE_WORK,
     WORK,
@@ -24,6 +23,7 @@ from validation.corpus.hard.hard_case_scenes import (
     westergaard_pressure,
 )
 from validation.corpus.hard.hard_case_sweeps import swept_cases
+from validation.references.paper_problem import PERIOD
 
 SCAN = {"kind": "samples", "file": "scan.csv", "unit_x": "m", "unit_h": "m"}
 

@@ -24,14 +24,13 @@ from validation.corpus.hard.hard_case_run import Asked, TrialOutcome, ended
 from validation.corpus.hard.hard_case_scenes import (
     JOHNSON,
     MODULUS,
-    PERIOD,
     WAVE,
     WAVE_WORK,
-    Table,
     johnson_penetration,
     westergaard_pressure,
 )
 from validation.references.closed_forms import Sinusoid, layer_compliance
+from validation.references.paper_problem import PERIOD, Table
 
 COARSE = Resolution(2, 10, 10)
 HALF_SPACE = 1e-10  # relative, by which a layer of two periods differs from it

@@ -17,7 +17,8 @@ from scipy.special import erf
 import persson
 from persson.spectrum import Spectrum
 from validation.corpus.hard.hard_case_run import Asked, TrialOutcome, ended
-from validation.corpus.hard.hard_case_scenes import MODULUS, PERIOD, RMS_HEIGHT, WORK, Table
+from validation.corpus.hard.hard_case_scenes import MODULUS, WORK
+from validation.references.paper_problem import PERIOD, RMS_HEIGHT, Table
 
 ROUTES = 4e-5  # of the contact fraction, between the routes; measured 1.6e-5 for one line, 2.4e-7 for the paper's
 CLOSED_FORM = 1e-12  # of the contact fraction without adhesion; measured 2e-16

@@ -25,14 +25,14 @@ DECADES = 10.0  # of seconds, from which powers of ten alone are labelled
 
 
 @dataclass(frozen=True)
-class Curve:
+class SolverCurve:
     """A solver: its points (seconds, error) from setting to setting; seconds None for answers without."""
 
     label: str
     points: tuple[tuple[float | None, float], ...]
 
 
-def drawn_standings(title: str, recorded: Sequence[Curve], judged: Curve | None = None) -> Figure:
+def drawn_standings(title: str, recorded: Sequence[SolverCurve], judged: SolverCurve | None = None) -> Figure:
     """Error against seconds on logarithmic axes; the judged solver as stars, or as a line where it has no seconds."""
     with styled():
         canvas = Figure(figsize=SIZE, layout="constrained")
@@ -60,7 +60,9 @@ def drawn_standings(title: str, recorded: Sequence[Curve], judged: Curve | None 
     return canvas
 
 
-def standings_svg(prefix: str, title: str, recorded: Sequence[Curve], judged: Curve | None = None) -> Markup:
+def standings_svg(
+    prefix: str, title: str, recorded: Sequence[SolverCurve], judged: SolverCurve | None = None
+) -> Markup:
     """The same as an element of a page, described in words."""
     every = [*recorded, judged] if judged is not None else list(recorded)
     words = [

@@ -10,7 +10,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from validation.report.challenge.challenge_figures import Curve, error_of_digits, standings_svg
+from validation.report.challenge.challenge_figures import SolverCurve, error_of_digits, standings_svg
 from validation.report.render import filled
 
 AREAS = ("contact_fraction", "gap_fraction")
@@ -99,7 +99,7 @@ def grid_errors(entries: Sequence[Shipped]) -> list[tuple[str, str, str, float, 
     return found
 
 
-def overall_curves(entries: Iterable[Shipped]) -> list[Curve]:
+def overall_curves(entries: Iterable[Shipped]) -> list[SolverCurve]:
     """A curve for each solver on record: geometric means of seconds and errors over the problems it answered."""
     by_solver: dict[str, list[list[Shipped]]] = {}
     for (solver, _), problems in _grouped(entries).items():
@@ -113,7 +113,7 @@ def _figure(problem: Shipped, entries: Sequence[Shipped], solver: str) -> Markup
     return standings_svg(problem["problem"], title, overall_curves(of_problem), _curve(solver, [[problem]]))
 
 
-def _curve(label: str, settings: Iterable[Sequence[Shipped]]) -> Curve:
+def _curve(label: str, settings: Iterable[Sequence[Shipped]]) -> SolverCurve:
     """A point for each setting that answered anything."""
     points = []
     for problems in settings:
@@ -123,7 +123,7 @@ def _curve(label: str, settings: Iterable[Sequence[Shipped]]) -> Curve:
         seconds = [spent for spent, _ in known if spent is not None]
         mean = statistics.geometric_mean([max(s, 1e-6) for s in seconds]) if seconds else None
         points.append((mean, error_of_digits([statistics.mean(digits) for _, digits in known])))
-    return Curve(label, tuple(points))
+    return SolverCurve(label, tuple(points))
 
 
 def _digits(problem: Shipped) -> list[float]:

@@ -33,12 +33,17 @@ Answered = Sequence[tuple[Setting, Solved]]
 
 @dataclass(frozen=True)
 class Off:
-    """A number of a target in one setting against another: relative distance, and by how much it may be off."""
+    """A number of a target in one setting against another: relative change, and by how much it may be off."""
 
     key: Key
     quantity: str
-    distance: float
+    change: float  # infinite where the target is missing
     estimate: float
+
+    @property
+    def distance(self) -> float:
+        """Without the sign."""
+        return abs(self.change)
 
 
 @dataclass(frozen=True)
@@ -158,7 +163,7 @@ def key_of(reading: Reading) -> Key:
 
 
 def offs(one: Solved, other: Solved, base: Solved) -> Iterator[Off]:
-    """Relative distances of all numbers of two settings, the targets being those of `other`."""
+    """Relative changes of all numbers between two settings, the targets being those of `other`."""
     found, scales = {key_of(reading): reading for reading in one.readings}, _scales(base)
     for there in other.readings:
         key, here = key_of(there), found.get(key_of(there))
@@ -177,21 +182,18 @@ def offs(one: Solved, other: Solved, base: Solved) -> Iterator[Off]:
             if quantity != FRACTION and math.isnan(here.free_value) and math.isnan(there.free_value):
                 continue  # complete contact under a given separation: any pressure would do
             scale = scales.get((key, quantity), 1.0)
-            distance = math.inf if math.isnan(change) else abs(change) / scale
-            yield Off(key, quantity.replace("_", " "), distance, estimates[quantity] / scale)
+            change = math.inf if math.isnan(change) else change / scale
+            yield Off(key, quantity.replace("_", " "), change, estimates[quantity] / scale)
 
 
 def _scales(base: Solved) -> dict[tuple[Key, str], float]:
     """What each number is measured by."""
-    numbers = {(key_of(reading), FRACTION): abs(reading.contact_fraction) for reading in base.readings}
-    numbers |= {(key_of(reading), reading.free): abs(reading.free_value) for reading in base.readings}
-    most: dict[str, float] = {}
-    for (_, quantity), value in numbers.items():
-        most[quantity] = max(most.get(quantity, 0.0), 0.0 if math.isnan(value) else value)
-    return {
-        (key, quantity): max(0.0 if math.isnan(value) else value, LEAST_SHARE * most[quantity]) or 1.0
-        for (key, quantity), value in numbers.items()
-    }
+    numbers: dict[tuple[Key, str], float] = {}
+    for reading in base.readings:
+        for quantity, value in ((FRACTION, reading.contact_fraction), (reading.free, reading.free_value)):
+            numbers[key_of(reading), quantity] = 0.0 if math.isnan(value) else abs(value)
+    most = {name: max(value for (_, other), value in numbers.items() if other == name) for _, name in numbers}
+    return {place: max(value, LEAST_SHARE * most[place[1]]) or 1.0 for place, value in numbers.items()}
 
 
 def compared(setting: Setting, solved: Solved, reference: Solved, base: Solved) -> Compared:
@@ -226,8 +228,9 @@ def _from_sources(answered: Answered, base: Solved) -> Iterator[Uncertainty]:
     for (kind, source), alternatives in sources.items():
         changes: dict[tuple[Key, str], list[float]] = {}
         for one in alternatives:
-            for off in _signed(one, base):
-                changes.setdefault((off.key, off.quantity), []).append(off.distance)
+            for off in offs(one, base, base):
+                if math.isfinite(off.change):
+                    changes.setdefault((off.key, off.quantity), []).append(off.change)
         for (key, quantity), values in changes.items():
             if source != RANDOM:
                 yield Uncertainty(kind, source, key, quantity, max(map(abs, values)), count=len(values))
@@ -235,18 +238,6 @@ def _from_sources(answered: Answered, base: Solved) -> Iterator[Uncertainty]:
             count = len(values) + 1
             spread = float(np.std([0.0, *values], ddof=1))
             yield Uncertainty(kind, source, key, quantity, spread, spread / math.sqrt(count), count)
-
-
-def _signed(one: Solved, base: Solved) -> Iterator[Off]:
-    """As `offs`, with the sign of the change, finite ones alone."""
-    there = {key_of(reading): reading for reading in one.readings}
-    here = {key_of(reading): reading for reading in base.readings}
-    for off in offs(one, base, base):
-        if not math.isfinite(off.distance):
-            continue
-        name = "contact_fraction" if off.quantity == FRACTION else "free_value"
-        sign = math.copysign(1.0, getattr(there[off.key], name) - getattr(here[off.key], name))
-        yield Off(off.key, off.quantity, sign * off.distance, off.estimate)
 
 
 def largest(uncertainties: Sequence[Uncertainty]) -> Uncertainty | None:

@@ -71,26 +71,22 @@ def settings_of(scene: Scene, tables: Tables, places: tuple[Path, Path], seeds: 
         Setting("numerical", FINEST, _accuracy_name(accuracy), changed(tables, {"accuracy": accuracy})),
     ]
     base = places[0]
-    numerical = (_tolerances(scene, quick), _increments(scene, quick))
-    question = (
-        _cuts(scene),
-        _detrends(scene, tables, base),
-        _windows(scene, tables, base),
-        _periods(scene, places),
-        _seeds(scene, seeds),
+    sources: tuple[tuple[Kind, Changes], ...] = (
+        ("numerical", _tolerances(scene, quick)),
+        ("numerical", _increments(scene, quick)),
+        ("input", _cuts(scene)),
+        ("input", _detrends(scene, tables, base)),
+        ("input", _windows(scene, tables, base)),
+        ("input", _periods(scene, places)),
+        ("input", _seeds(scene, seeds)),
+        ("model", _lengths(scene)),
     )
-    kinds: tuple[tuple[Kind, tuple[Changes, ...]], ...] = (
-        ("numerical", numerical),
-        ("input", question),
-        ("model", (_lengths(scene),)),
-    )
-    for kind, sources in kinds:
-        for source in sources:
-            for origin, name, change in source:
-                if isinstance(change, str):
-                    found.append(Setting(kind, origin, name, why_not=change))
-                else:
-                    found.append(Setting(kind, origin, name, changed(tables, change)))
+    for kind, source in sources:
+        for origin, name, change in source:
+            if isinstance(change, str):
+                found.append(Setting(kind, origin, name, why_not=change))
+            else:
+                found.append(Setting(kind, origin, name, changed(tables, change)))
     return found
 
 

@@ -23,13 +23,12 @@ from typing import Any
 
 import numpy as np
 
-from validation.harness.arrays import FloatArray
+from persson.spectrum import DiscreteSpectrum
 from validation.harness.ensemble import Member, member_seed
+from validation.references import paper_problem
+from validation.references.paper_problem import MODULUS
+from validation.studies.contact_slope import lines_of, shape_of
 
-PERIOD = 0.01
-YOUNGS_MODULUS, POISSON_RATIO = 1e6, 0.5
-MODULUS = YOUNGS_MODULUS / (1 - POISSON_RATIO**2)
-RMS_SLOPE = 0.272
 FIT_LOADS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.03, 0.05)  # of E*
 HOLD_OUT_LOADS = (0.0015, 0.003, 0.007, 0.014, 0.025, 0.04)
 FIT_ROOT, HOLD_OUT_ROOT = 820, 821  # of the seeds
@@ -73,77 +72,45 @@ class Group:
         return FIT_LOADS if self.part == "fit" else HOLD_OUT_LOADS
 
     @property
-    def orders(self) -> list[int]:
-        """Of the harmonics."""
-        return list(LINES) if self.kind == "lines" else list(range(1, self.harmonics + 1))
+    def spectrum(self) -> dict[str, Any]:
+        """As contact_slope.py takes it."""
+        roll_off, breadth = 16, 40.0
+        given = {
+            "self-affine": [self.hurst, self.harmonics],
+            "roll-off": [roll_off, self.hurst, self.harmonics],
+            "gaussian": [breadth, self.harmonics],
+            "lines": [LINES, 1.1],
+        }
+        return {"spectrum": self.kind, "parameters": given.get(self.kind, [1])}
 
     @property
-    def amplitudes(self) -> FloatArray:
-        """h_m in m, (n_harmonics,), of the rms slope that all share."""
-        m = np.array(self.orders, dtype=np.float64)
-        if self.kind == "self-affine":
-            shape = m ** -(self.hurst + 0.5)
-        elif self.kind == "roll-off":
-            shape = np.maximum(m, 16.0) ** -(self.hurst + 0.5)
-        elif self.kind == "gaussian":
-            shape = np.exp(-((m / 40.0) ** 2) / 2)
-        elif self.kind == "lines":
-            shape = m**-1.1
-        else:
-            raise ValueError(f"kind: {self.kind!r} is not one of self-affine, roll-off, gaussian, lines")
-        slope = 2 * np.pi / PERIOD * np.sqrt(np.sum((m * shape) ** 2) / 2)
-        return np.asarray(shape * RMS_SLOPE / slope)
-
-    @property
-    def wavenumbers(self) -> FloatArray:
-        """q_m in rad/m, (n_harmonics,)."""
-        return 2 * np.pi / PERIOD * np.array(self.orders, dtype=np.float64)
-
-    @property
-    def rms_height(self) -> float:
-        """In m."""
-        return float(np.sqrt(np.sum(self.amplitudes**2) / 2))
+    def lines(self) -> DiscreteSpectrum:
+        """Of the rms slope that all share."""
+        return lines_of(self.spectrum)
 
     @property
     def work_of_adhesion(self) -> float | None:
         """In J/m^2; None without adhesion."""
-        if self.theta == 0:
-            return None
-        return self.theta * MODULUS * float(np.sum(self.wavenumbers * self.amplitudes**2)) / 8
+        return self.theta * MODULUS * self.lines.full_contact_energy if self.theta else None
 
     def member(self, k: int) -> Member:
-        """Realisation k."""
+        """Realisation k: from first touch to the highest load; without adhesion, with no path to follow, by loads."""
         seed = member_seed(FIT_ROOT if self.part == "fit" else HOLD_OUT_ROOT, k)
-        phases = np.random.default_rng(seed).uniform(-np.pi, np.pi, len(self.orders))
-        scene: dict[str, Any] = {
-            "title": f"theory correction: {self.name}, realisation {k}, seed {seed}",
-            "solid": {"youngs_modulus": YOUNGS_MODULUS, "poisson_ratio": POISSON_RATIO},
-            "profile": {
-                "kind": "harmonics",
-                "period": PERIOD,
-                "orders": self.orders,
-                "amplitudes": self.amplitudes.tolist(),
-                "phases": phases.tolist(),
-            },
-            "loading": self._loading(),
-            "accuracy": {"tolerance": 1e-5},
-            "output": {"pressure_distribution": True},
-        }
-        if self.work_of_adhesion is not None:
-            scene["adhesion"] = {"work_of_adhesion": self.work_of_adhesion}
+        orders, amplitudes = shape_of(self.spectrum)[0], self.lines.amplitudes
+        phases = np.random.default_rng(seed).uniform(-np.pi, np.pi, orders.size)
+        pressures = [load * MODULUS for load in self.loads]
+        loading = {"control": "mean_pressure", "targets": pressures}
+        if self.theta:
+            loading = paper_problem.up_to(pressures, DEEPEST * self.lines.h_rms)
+        scene = paper_problem.scene(
+            f"theory correction: {self.name}, realisation {k}, seed {seed}",
+            paper_problem.lines(orders, amplitudes, phases),
+            loading,
+            self.work_of_adhesion,
+            accuracy={"tolerance": 1e-5},
+            output={"pressure_distribution": True},
+        )
         return Member(f"{self.name}-{k:02d}", scene)
-
-    def _loading(self) -> dict[str, Any]:
-        """From first touch to the highest load; without adhesion, where no path is followed, load by load."""
-        loads = [load * MODULUS for load in self.loads]
-        if self.work_of_adhesion is None:
-            return {"control": "mean_pressure", "targets": loads}
-        return {
-            "control": "separation",
-            "targets": [DEEPEST * self.rms_height],
-            "at_mean_pressures": loads[:-1],
-            "stop_at_mean_pressure": loads[-1],
-        }
 
     def members(self) -> list[Member]:
         """All realisations."""

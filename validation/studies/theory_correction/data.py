@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from bem.scene.result import Result
 from validation.harness.arrays import FloatArray
 from validation.harness.ensemble import read_member
-from validation.studies.theory_correction.correction_members import MODULUS, Group
+from validation.references.paper_problem import MODULUS
+from validation.studies.theory_correction.correction_members import Group
 
 STRESSES = np.linspace(-0.3, 0.7, 101)  # of E*, at which shares above are compared
 SAME_LOAD = 1e-9  # of E*
@@ -101,7 +102,7 @@ def observed(group: Group, folder: Path) -> Observed:
                 continue
             state = result.targets[place]
             areas[row, column] = state.contact_fraction
-            separations[row, column] = state.separation / group.rms_height
+            separations[row, column] = state.separation / group.lines.h_rms
             bounds = result.fields[f"sigma_bounds_{place}"] / MODULUS
             below = np.concatenate([[0.0], np.cumsum(result.fields[f"P_{place}"] * np.diff(bounds) * MODULUS)])
             shares[row, column] = below[-1] - np.interp(STRESSES, bounds, below)

@@ -19,7 +19,6 @@ from persson.corrected import contact_fractions
 from persson.corrected_variance import Correction, area_at, diffused
 from persson.diffusion import SAFE
 from persson.magnification import MagnificationMesh, magnification_mesh
-from persson.spectrum import DiscreteSpectrum
 from validation.harness.arrays import FloatArray
 from validation.studies.theory_correction.correction_members import Group
 from validation.studies.theory_correction.data import Observed, relative_errors
@@ -42,11 +41,6 @@ class Calibration:
     rms: dict[str, float]
 
 
-def lines_of(group: Group) -> DiscreteSpectrum:
-    """The lines of a group for the theory."""
-    return DiscreteSpectrum(group.wavenumbers, group.amplitudes)
-
-
 def correction_from(values: ArrayLike) -> Correction:
     """The calibrated closure with these coefficients, in the order of `NAMES`.
 
@@ -61,7 +55,7 @@ def correction_from(values: ArrayLike) -> Correction:
 
 def areas_of(group: Group, correction: Correction) -> FloatArray:
     """A/A0 by the factor of a correction, without adhesion, at the loads of a group, (n_loads,)."""
-    return contact_fractions(lines_of(group), group.loads, correction)
+    return contact_fractions(group.lines, group.loads, correction)
 
 
 def calibrate(ensembles: Sequence[Observed]) -> Calibration:
@@ -133,7 +127,7 @@ def _loads(one: Observed) -> FloatArray:
 
 
 def _mesh(group: Group) -> MagnificationMesh:
-    return magnification_mesh(lines_of(group), 4 * (min(group.loads) / SAFE) ** 2 * 0.99, 1 + GROWTH)
+    return magnification_mesh(group.lines, 4 * (min(group.loads) / SAFE) ** 2 * 0.99, 1 + GROWTH)
 
 
 def _weighted(one: Observed, errors: Mapping[str, FloatArray], area: FloatArray) -> FloatArray:

@@ -18,16 +18,15 @@ import numpy as np
 
 import persson
 from persson.corrected_variance import LITERATURE, Correction
-from persson.spectrum import DiscreteSpectrum
 from validation.harness.arrays import FloatArray
 from validation.harness.execution import Note
-from validation.studies.theory_correction.correction_members import MODULUS, POISSON_RATIO, YOUNGS_MODULUS
+from validation.references.paper_problem import MODULUS, POISSON_RATIO, YOUNGS_MODULUS
+from validation.studies.theory_correction.correction_members import Group
 from validation.studies.theory_correction.data import STRESSES, Observed
 
 PLAIN, CALIBRATED = "plain", "calibrated"
 WITH_ADHESION = ("yang_persson_2008", "wang_muser_2017", "xu_2024")  # a drift in every iteration costs minutes
 COARSE = 0.4  # resolution of the plain theory with adhesion: 1e-3 of the area
-SOLID: Any = {"youngs_modulus": YOUNGS_MODULUS, "poisson_ratio": POISSON_RATIO}
 FINE_STRESSES = np.linspace(-0.5, 1.5, 4001)  # of E*
 
 
@@ -104,53 +103,37 @@ def judge(
     plain_only : bool
         Leave out the corrections of the literature.
     """
-    found = []
     group = one.group
-    lines = DiscreteSpectrum(group.wavenumbers, group.amplitudes)
+    kept = (-1.0 if group.theta > 0 else 0.0) <= STRESSES
+    found = []
     for column, load in enumerate(group.loads):
-        count = int(one.counts[column])
-        if count == 0:
+        there = np.isfinite(one.areas[:, column])
+        if not there.any():
             continue
-        said = {
-            PLAIN: _plain(lines, load, group.work_of_adhesion, group.rms_height),
-            CALIBRATED: _corrected(lines, load, group.work_of_adhesion, group.rms_height, correction),
-        }
-        if not plain_only:
-            for name, other in LITERATURE.items():
-                if group.theta == 0 or name in WITH_ADHESION:
-                    said[name] = _literature(lines, load, group.work_of_adhesion, other)
-        reached = one.separations[:, column][np.isfinite(one.separations[:, column])]
-        lowest = -1.0 if group.theta > 0 else 0.0
-        kept = lowest <= STRESSES
-        area = float(one.area[column])
-        shares = one.shares[np.isfinite(one.areas[:, column]), column][:, kept]
-        scatter = shares.std(axis=0, ddof=1) / np.sqrt(count) if count > 1 else np.full(int(kept.sum()), np.nan)
+        said = _said(group, load, correction, plain_only)
+        area, shares = float(one.area[column]), one.shares[there, column][:, kept]
+        separations = one.separations[:, column][np.isfinite(one.separations[:, column])]
+        apart = {name: value.share - one.share[column] for name, value in said.items() if value.share is not None}
         found.append(
             HeldOut(
-                group.name,
-                group.kind,
-                group.hurst,
-                group.harmonics,
-                group.theta,
-                load,
-                count,
-                area,
-                float(noise[column]),
-                float(reached.mean()),
-                float(reached.std(ddof=1) / np.sqrt(count)) if count > 1 else np.nan,
-                {name: value.area / area - 1 for name, value in said.items()},
-                {name: value.separation for name, value in said.items() if np.isfinite(value.separation)},
-                {
-                    name: float(np.max(np.abs(value.share - one.share[column])[kept]) / area)
-                    for name, value in said.items()
-                    if value.share is not None
-                },
-                float(np.max(scatter) / area),
-                "; ".join(f"{name}: {v.status}" for name, v in said.items() if v.status != "converged"),
+                group.name, group.kind, group.hurst, group.harmonics, group.theta, load, int(one.counts[column]), area,
+                float(noise[column]), float(separations.mean()), float(_error(separations)),
+                area={name: value.area / area - 1 for name, value in said.items()},
+                separations={n: value.separation for n, value in said.items() if np.isfinite(value.separation)},
+                distribution={name: float(np.max(np.abs(off)[kept]) / area) for name, off in apart.items()},
+                distribution_noise=float(np.max(_error(shares)) / area),
+                remark="; ".join(f"{name}: {v.status}" for name, v in said.items() if v.status != "converged"),
             )
-        )
+        )  # fmt: skip
     report(Note(f"{group.name}: {len(found)} loads judged"))
     return found
+
+
+def _error(values: FloatArray) -> FloatArray:
+    """Standard error of the mean over the first axis; nan of a single value."""
+    if len(values) < 2:
+        return np.full(values.shape[1:], np.nan)
+    return np.asarray(values.std(axis=0, ddof=1) / np.sqrt(len(values)))
 
 
 def rms(values: Sequence[float]) -> float:
@@ -175,25 +158,25 @@ def theories_of(judged: Sequence[HeldOut]) -> list[str]:
     return list(dict.fromkeys(name for one in judged for name in one.area))
 
 
-def _plain(lines: DiscreteSpectrum, load: float, work: float | None, height: float) -> Said:
-    return _whole(persson.solve(lines, load * MODULUS, **SOLID, work_of_adhesion=work, resolution=COARSE), height)
-
-
-def _corrected(lines: DiscreteSpectrum, load: float, work: float | None, height: float, correction: Correction) -> Said:
-    asked: Any = {"work_of_adhesion": work, "correction": correction}
-    return _whole(persson.corrected.solve(lines, load * MODULUS, **SOLID, **asked), height)
-
-
-def _literature(lines: DiscreteSpectrum, load: float, work: float | None, correction: Correction) -> Said:
-    asked: Any = {"work_of_adhesion": work, "correction": correction, "with_separation": False, "resolution": COARSE}
-    found = persson.corrected.solve(lines, load * MODULUS, **SOLID, **asked)
-    return Said(found.contact_fraction, status=found.status)
-
-
-def _whole(found: Any, height: float) -> Said:
-    """All that a contact of the theory says."""
-    separation = np.nan if found.separation is None else found.separation / height
-    return Said(found.contact_fraction, separation, _share(found.pressure_distribution), found.status)
+def _said(group: Group, load: float, correction: Correction, plain_only: bool) -> dict[str, Said]:
+    """What the plain theory, the calibrated correction and those of the literature say of a group at a load."""
+    lines, at = group.lines, load * MODULUS
+    asked: Any = {"youngs_modulus": YOUNGS_MODULUS, "poisson_ratio": POISSON_RATIO}
+    asked["work_of_adhesion"] = group.work_of_adhesion
+    whole = {
+        PLAIN: persson.solve(lines, at, **asked, resolution=COARSE),
+        CALIBRATED: persson.corrected.solve(lines, at, **asked, correction=correction),
+    }
+    said = {}
+    for name, found in whole.items():
+        separation = np.nan if found.separation is None else found.separation / lines.h_rms
+        said[name] = Said(found.contact_fraction, separation, _share(found.pressure_distribution), found.status)
+    for name, other in {}.items() if plain_only else LITERATURE.items():
+        if group.theta == 0 or name in WITH_ADHESION:
+            area = persson.corrected.solve(lines, at, **asked, correction=other, with_separation=False,
+                                           resolution=COARSE)  # fmt: skip
+            said[name] = Said(area.contact_fraction, status=area.status)
+    return said
 
 
 def _share(density: Callable[[FloatArray], FloatArray]) -> FloatArray:

@@ -17,11 +17,11 @@ from persson import adhesive_edges
 from persson.contact_slope import contact_fractions, data
 from persson.domain import in_words
 from validation.harness.case import Case, Outcome
-from validation.harness.schema import Reference, Row, Table, Tolerance
+from validation.harness.schema import Cells, Reference, Row, Table, Tolerance
+from validation.references.paper_problem import RMS_SLOPE
 from validation.studies.adhesive_edges import areas_of
 from validation.studies.theory_correction.correction_figures import chosen, figures_of, known
-from validation.studies.theory_correction.correction_members import RMS_SLOPE, Group
-from validation.studies.theory_correction.fit import lines_of
+from validation.studies.theory_correction.correction_members import Group
 from validation.studies.theory_correction.hold_out import CALIBRATED, PLAIN, HeldOut, rms, rms_of, theories_of
 
 CASE = "theory-correction"
@@ -72,20 +72,10 @@ def outcome(calibration: Mapping[str, Any], judged: Sequence[HeldOut], planned: 
     short : bool
         The quick form, which shows that everything runs and judges nothing.
     """
-    rows = tuple(_rows(judged, short))
-    tables = (
-        _areas_without_adhesion(),
-        _uncertainties_without_adhesion(),
-        _areas(),
-        _uncertainties_with_adhesion(),
-        _uncertainties(judged),
-        _aims(judged),
-        _coefficients(calibration),
-        _by_kind(judged),
-        _all(judged),
-    )
+    made = (_areas_without_adhesion(), _uncertainties_without_adhesion(), _areas(), _uncertainties_with_adhesion())
+    of_judged = (_uncertainties(judged), _aims(judged), _coefficients(calibration), _by_kind(judged), _all(judged))
     counts = {"loads judged": len(judged), "loads planned": planned, "without a state": planned - len(judged)}
-    return Outcome(rows=rows, figures=tuple(figures_of(judged)), tables=tables, counts=counts)
+    return Outcome(tuple(_rows(judged, short)), tuple(figures_of(judged)), (*made, *of_judged), counts)
 
 
 def case_of(made: Outcome, domain: Mapping[str, Any]) -> Case:
@@ -108,6 +98,7 @@ JUDGED: dict[str, tuple[str, dict[bool, tuple[float, float]]]] = {
     ),
 }
 ADHESION = {False: "without adhesion", True: "with adhesion"}
+SHORT = {False: "without", True: "with adhesion"}
 
 
 def _rows(judged: Sequence[HeldOut], short: bool) -> Iterator[Row]:
@@ -132,9 +123,9 @@ def _rows(judged: Sequence[HeldOut], short: bool) -> Iterator[Row]:
 
 def _areas_without_adhesion() -> Table:
     loads = np.array(SHOWN_LOADS) * RMS_SLOPE
-    rows: list[list[str | float | int | None]] = []
+    rows: list[Cells] = []
     for hurst, bandwidth in product(SHOWN_HURSTS, SHOWN_BANDWIDTHS):
-        area, _ = contact_fractions(lines_of(Group("fit", "self-affine", hurst, bandwidth, 0.0, 1)), loads)
+        area, _ = contact_fractions(Group("fit", "self-affine", hurst, bandwidth, 0.0, 1).lines, loads)
         rows.append([hurst, bandwidth, *(round(float(value), 4) for value in area)])
     return Table(
         caption="Without adhesion, what to expect: contact fraction A/A0 by the slope over the contact "
@@ -171,10 +162,10 @@ def _uncertainties_with_adhesion() -> Table:
 
 def _areas() -> Table:
     loads = np.array(SHOWN_LOADS)
-    rows: list[list[str | float | int | None]] = []
+    rows: list[Cells] = []
     for hurst, bandwidth in product(SHOWN_HURSTS, SHOWN_BANDWIDTHS):
         for theta in SHOWN_THETAS:
-            lines = lines_of(Group("fit", "self-affine", hurst, bandwidth, theta, 1))
+            lines = Group("fit", "self-affine", hurst, bandwidth, theta, 1).lines
             rows.append([theta, hurst, bandwidth, *(round(float(a), 4) for a in areas_of(lines, loads, theta))])
     rows.sort(key=lambda row: [float(value or 0) for value in row[:3]])
     return Table(
@@ -187,23 +178,14 @@ def _areas() -> Table:
 
 
 def _uncertainties(judged: Sequence[HeldOut]) -> Table:
-    rows: list[list[str | float | int | None]] = []
+    rows: list[Cells] = []
     for adhesive, (name, low, high) in product(ADHESION, RANGES):
         if some := chosen(judged, adhesive, low, high):
             found = [one.area[CALIBRATED] for one in some]
-            rows.append(
-                [
-                    "with adhesion" if adhesive else "without",
-                    f"{name}: {low / RMS_SLOPE:.3f} to {min(high, 0.05) / RMS_SLOPE:.3f}",
-                    len(some),
-                    rms_of(some, "area", PLAIN),
-                    rms(found),
-                    float(np.mean(found)),
-                    float(np.max(np.abs(found))),
-                    float(np.mean(np.abs(found) < AIM)),
-                    rms([one.area_noise for one in some]),
-                ]
-            )
+            over = f"{name}: {low / RMS_SLOPE:.3f} to {min(high, 0.05) / RMS_SLOPE:.3f}"
+            rows.append([SHORT[adhesive], over, len(some), rms_of(some, "area", PLAIN), rms(found),
+                         float(np.mean(found)), float(np.max(np.abs(found))), float(np.mean(np.abs(found) < AIM)),
+                         rms([one.area_noise for one in some])])  # fmt: skip
     return Table(
         caption="How certain: relative error of the contact fraction on the hold-out; the rms column is the standard "
         "uncertainty to be used. Part of it is the noise of the ensembles it was judged by, in the last column.",
@@ -214,7 +196,7 @@ def _uncertainties(judged: Sequence[HeldOut]) -> Table:
 
 
 def _aims(judged: Sequence[HeldOut]) -> Table:
-    rows: list[list[str | float | int | None]] = []
+    rows: list[Cells] = []
     for adhesive, words in ADHESION.items():
         if not (some := chosen(judged, adhesive)):
             continue
@@ -234,7 +216,7 @@ def _aims(judged: Sequence[HeldOut]) -> Table:
     )
 
 
-def _aim(words: str, found: float, most: float) -> list[str | float | int | None]:
+def _aim(words: str, found: float, most: float) -> Cells:
     return [words, found, "met" if found <= most else "not met"]
 
 
@@ -248,11 +230,11 @@ def _coefficients(calibration: Mapping[str, Any]) -> Table:
 
 
 def _by_kind(judged: Sequence[HeldOut]) -> Table:
-    rows: list[list[str | float | int | None]] = []
+    rows: list[Cells] = []
     for adhesive, kind in sorted({(one.adhesive, one.kind) for one in judged}):
         some = [one for one in judged if (one.adhesive, one.kind) == (adhesive, kind)]
         rows += [
-            ["with adhesion" if adhesive else "without", kind, name, len(some), rms_of(some, "area", name),
+            [SHORT[adhesive], kind, name, len(some), rms_of(some, "area", name),
              known(rms_of(some, "separation", name)), known(rms_of(some, "pressure distribution", name)),
              rms([one.area_noise for one in some])]
             for name in theories_of(some)

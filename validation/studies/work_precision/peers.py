@@ -10,7 +10,7 @@ from validation.harness.case import CaseError
 from validation.harness.route import Answer, Problem
 from validation.routes import cohesive_grid
 from validation.studies.work_precision.methods import Method
-from validation.studies.work_precision.points import MethodPoint
+from validation.studies.work_precision.points import MethodPoint, by_method
 
 POINTS = tuple(2**k for k in range(10, 17))
 
@@ -66,15 +66,14 @@ PEER_COLUMNS = ("scene", "peer", "points", "rho/um", "error of area", "of mean p
 
 def peer_sentences(points: Sequence[MethodPoint]) -> Iterator[str]:
     """Who needs what time for which error, and how much the area still depends on the cohesive range."""
-    known = [point for point in points if point.timed.found is not None and point.errors]
-    peers = {method.name for method in FFT_METHODS}
-    for scene in dict.fromkeys(point.scene for point in known):
-        for name in (method.name for method in FFT_METHODS):
-            tried = [point for point in known if (point.scene, point.method) == (scene, name)]
-            if tried:
-                best = min(tried, key=lambda point: point.error)
-                yield _beside(best, [p for p in known if p.scene == scene and p.method not in peers])
-        yield from _dependence([point for point in known if point.scene == scene and point.method in peers])
+    peers = [method.name for method in FFT_METHODS]
+    for scene in dict.fromkeys(point.scene for point in points):
+        found = by_method(points, scene)
+        others = [point for name, known in found.items() if name not in peers for point in known]
+        for name in peers:
+            if name in found:
+                yield _beside(min(found[name], key=lambda point: point.error), others)
+        yield from _dependence([point for name in peers for point in found.get(name, [])])
 
 
 def _beside(best: MethodPoint, others: Sequence[MethodPoint]) -> str:

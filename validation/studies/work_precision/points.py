@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from validation.harness.route import Answer
@@ -44,3 +45,12 @@ class MethodPoint:
     def grey(self) -> bool:
         """Below what the reference resolves."""
         return self.error < self.floor
+
+
+def by_method(points: Iterable[MethodPoint], scene: str) -> dict[str, list[MethodPoint]]:
+    """The points of a scene that have an error, by the names of their methods."""
+    found: dict[str, list[MethodPoint]] = {}
+    for point in points:
+        if point.scene == scene and not math.isnan(point.error):
+            found.setdefault(point.method, []).append(point)
+    return found

@@ -6,7 +6,7 @@ a warm-up, against the scene without the effect.  Digits: the same effect on one
 - bare: Westergaard's contact; adhesion and unloading: Johnson's; slope term: Johnson's with the work of adhesion
   gamma sqrt(1 + h'^2) at the edge;
 - layer: finite elements, digits up to their uncertainty;
-- shapes: the gap, 2 D (v sqrt(v^2 - S) - S arcosh(v S^-1/2)), v = sin(pi x / wavelength);
+- shapes: the gap along the period;
 - spectra: the first line of the pressure, p* (2 S - S^2);
 - pressure distribution: the share of the period above a pressure, from p = 2 p* cos v sqrt(S - sin^2 v), and the
   highest pressure, 2 p* sqrt(S);
@@ -18,8 +18,9 @@ The scenes of the effects stand in corpus/effects.py.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
@@ -35,6 +36,10 @@ from validation.studies.stages import timed_stages
 
 DEPTH = 6e-5  # penetration of the sinusoid, m
 NU = 0.45
+ROUNDING = 1e-15
+DRY, STICKY = (Sinusoid(1e-4, 0.01, 1e6, 0.5, alpha) for alpha in (0.0, 0.3))
+JOHNSON: Changes = {"adhesion": {"work_of_adhesion": STICKY.work_of_adhesion}}
+Digits = tuple[float, float, str]  # relative error on the sinusoid, uncertainty of the reference, and what that is
 
 
 @dataclass(frozen=True)
@@ -79,12 +84,10 @@ def priced(item: tuple[int, int]) -> list[Price]:
     error, floor, reference = DIGITS["error estimate"]()
     without = times.total - whole
     calls = times.calls["error estimate"]
-    return [
-        *prices,
-        Price(
-            "error estimate", "slope term", times.total, whole, times.total / without, calls, error, floor, reference
-        ),
-    ]
+    last = Price(
+        "error estimate", "slope term", times.total, whole, times.total / without, calls, error, floor, reference
+    )
+    return [*prices, last]
 
 
 def sentences(prices: Sequence[Price], loaded: Sequence[str]) -> list[str]:
@@ -108,132 +111,98 @@ def digits_of(price: Price) -> str:
     return f"{price.digits:.1f}{more}"
 
 
-def _wave(alpha: float) -> Sinusoid:
-    return Sinusoid(amplitude=1e-4, wavelength=0.01, youngs_modulus=1e6, poisson_ratio=0.5, alpha=alpha)
-
-
-def _sinusoid(changes: Changes) -> Result:
+def _solved(changes: Changes) -> Result:
     return solved(adapters.scene("sinusoid", {"loading": {"targets": [DEPTH]}} | changes))
 
 
-def _fraction_error(result: Result, psi: float) -> float:
+def _area(changes: Changes, psi: float, by: str) -> Digits:
     """Relative error of the contact fraction at the last target."""
-    return abs(result.targets[-1].contact_fraction / (psi * 2 / np.pi) - 1)
+    found = _solved(changes).targets[-1].contact_fraction
+    return abs(found / (psi * 2 / np.pi) - 1), ROUNDING, by
 
 
-def _angle(wave: Sinusoid) -> float:
-    return float(brentq(lambda psi: float(wave.penetration(psi)) - DEPTH, 0.3, 1.4, xtol=1e-16, rtol=1e-15))
-
-
-def _bare() -> tuple[float, float, str]:
-    return _fraction_error(_sinusoid({"adhesion": None}), _angle(_wave(0.0))), 1e-15, "Westergaard 1939"
-
-
-def _adhesion() -> tuple[float, float, str]:
-    wave = _wave(0.3)
-    found = _sinusoid({"adhesion": {"work_of_adhesion": wave.work_of_adhesion}})
-    return _fraction_error(found, _angle(wave)), 1e-15, "Johnson 1995"
-
-
-def _slope_term() -> tuple[float, float, str]:
-    wave = _wave(0.3)
+def _sloped() -> float:
+    """psi of Johnson's wave with the slope term."""
 
     def excess(psi: float) -> float:
         share = np.sin(psi) ** 2
-        slope = 2 * np.pi * wave.amplitude / wave.wavelength * np.sin(2 * psi)
-        work = wave.work_of_adhesion * np.sqrt(1 + slope**2)
-        tension = np.sqrt(2 * wave.modulus * work * np.tan(psi) / wave.wavelength)
-        lift = wave.wavelength * tension * np.log(share) / (np.pi * wave.modulus)
-        return float(wave.amplitude * share * (1 - np.log(share)) + lift - DEPTH)
+        slope = 2 * np.pi * STICKY.amplitude / STICKY.wavelength * np.sin(2 * psi)
+        work = STICKY.work_of_adhesion * np.sqrt(1 + slope**2)
+        tension = np.sqrt(2 * STICKY.modulus * work * np.tan(psi) / STICKY.wavelength)
+        lift = STICKY.wavelength * tension * np.log(share) / (np.pi * STICKY.modulus)
+        return float(STICKY.amplitude * share * (1 - np.log(share)) + lift - DEPTH)
 
-    found = _sinusoid({"adhesion": {"work_of_adhesion": wave.work_of_adhesion, "slope_term": True}})
-    psi = float(brentq(excess, 0.3, 1.4, xtol=1e-16, rtol=1e-15))
-    return _fraction_error(found, psi), 1e-15, "Johnson 1995 with gamma sqrt(1 + h'^2) at the edge"
+    return float(brentq(excess, 0.3, 1.4, xtol=1e-16, rtol=1e-15))
 
 
-def _layer() -> tuple[float, float, str]:
-    found = _sinusoid(
-        {"solid": {"poisson_ratio": NU}, "layer": {"thickness": LAYER}, "adhesion": {"work_of_adhesion": 0.5}}
-    )
+def _layer() -> Digits:
+    work, layer = 0.5, {"thickness": LAYER}
+    found = _solved({"solid": {"poisson_ratio": NU}, "layer": layer, "adhesion": {"work_of_adhesion": work}})
     reference = fem_reference.solve(
         youngs_modulus=1e6, poisson_ratio=NU, thickness=LAYER, period=0.01, harmonics=([1], [1e-4], [0.0]),
-        control="penetration", value=DEPTH, work_of_adhesion=0.5, resolution=Resolution(4, 8, 18),
+        control="penetration", value=DEPTH, resolution=Resolution(4, 8, 18), work_of_adhesion=work,
     )  # fmt: skip
     error = abs(found.targets[-1].contact_fraction / reference.contact_fraction - 1)
     floor = float(np.max(reference.uncertainty["contact_fraction"])) / reference.contact_fraction
     return error, floor, "finite elements, quartic, three meshes up to 8 cells"
 
 
-def _unloading() -> tuple[float, float, str]:
-    wave = _wave(0.3)
-    changes: Changes = {
-        "adhesion": {"work_of_adhesion": wave.work_of_adhesion},
-        "loading": {"targets": [1.2 * DEPTH, DEPTH]},
-    }
-    return _fraction_error(_sinusoid(changes), _angle(wave)), 1e-15, "Johnson 1995, on the way back"
+def _fields(**output: Any) -> Any:
+    """Fields of Westergaard's contact."""
+    return _solved({"adhesion": None, "output": output}).fields
 
 
-def _shapes() -> tuple[float, float, str]:
-    wave = _wave(0.0)
-    edge = np.sin(_angle(wave))
-    found = _sinusoid({"adhesion": None, "output": {"shapes": [wave.amplitude - DEPTH]}}).fields
-    sine = np.abs(np.sin(np.pi * found["x_0"] / wave.wavelength))
-    reach = np.maximum(sine, edge)  # on the contact the gap is that of its edge: zero
-    root = np.sqrt((reach - edge) * (reach + edge))
-    gap = reach * root - edge**2 * np.arcsinh(root / edge)
-    error = float(np.max(np.abs(found["gap_0"] / (2 * wave.amplitude) - gap)))
-    return error, 1e-15, "Westergaard 1939, gap along the period"
+def _shapes() -> Digits:
+    found = _fields(shapes=[DRY.amplitude - DEPTH])
+    error = float(np.max(np.abs(found["gap_0"] - DRY.gap(found["x_0"], DRY.angle(DEPTH))))) / (2 * DRY.amplitude)
+    return error, ROUNDING, "Westergaard 1939, gap along the period"
 
 
-def _spectra() -> tuple[float, float, str]:
-    wave = _wave(0.0)
-    share = np.sin(_angle(wave)) ** 2
-    line = (wave.full_contact_pressure * (2 * share - share**2) / 2) ** 2 * wave.wavelength / (2 * np.pi)
-    found = _sinusoid({"adhesion": None, "output": {"spectra": True}})
-    return abs(float(found.fields["C_sigma_0"][0]) / line - 1), 1e-15, "Westergaard 1939, first line of the pressure"
+def _spectra() -> Digits:
+    share = np.sin(DRY.angle(DEPTH)) ** 2
+    line = (DRY.full_contact_pressure * (2 * share - share**2) / 2) ** 2 * DRY.wavelength / (2 * np.pi)
+    error = abs(float(_fields(spectra=True)["C_sigma_0"][0]) / line - 1)
+    return error, ROUNDING, "Westergaard 1939, first line of the pressure"
 
 
-def _distribution() -> tuple[float, float, str]:
-    wave = _wave(0.0)
-    edge = np.sin(_angle(wave))
-    found = _sinusoid({"adhesion": None, "output": {"pressure_distribution": True}}).fields
+def _distribution() -> Digits:
+    edge, found = np.sin(DRY.angle(DEPTH)), _fields(pressure_distribution=True)
     bounds, density = found["sigma_bounds_0"], found["P_0"]
     above = np.cumsum((density * np.diff(bounds))[::-1])[::-1]
-    reduced = bounds / (2 * wave.full_contact_pressure)
+    reduced = bounds / (2 * DRY.full_contact_pressure)
     # at the highest pressure the share is the square root of a difference that is all rounding: it is compared itself
     below, highest = reduced[:-1], reduced[-1]
     square = 2 * (edge - below) * (edge + below) / (1 + edge**2 + np.hypot(1 - edge**2, 2 * below))
     exact = 2 / np.pi * np.arcsin(np.sqrt(square))
     error = max(float(np.max(np.abs(above - exact))), abs(float(highest) / edge - 1))
-    return error, 1e-15, "Westergaard 1939, share of the period above a pressure, and the highest pressure"
+    return error, ROUNDING, "Westergaard 1939, share of the period above a pressure, and the highest pressure"
 
 
-def _widths() -> tuple[float, float, str]:
-    wave = _wave(0.0)
-    found = _sinusoid({"adhesion": None, "output": {"width_distributions": True}})
-    width = float(found.fields["patch_width_0"][0])
+def _widths() -> Digits:
+    width = float(_fields(width_distributions=True)["patch_width_0"][0])
     return (
-        abs(width / (_angle(wave) * 2 / np.pi * wave.wavelength) - 1),
-        1e-15,
+        abs(width / (DRY.angle(DEPTH) * 2 / np.pi * DRY.wavelength) - 1),
+        ROUNDING,
         "Westergaard 1939, width of the contact",
     )
 
 
-def _estimate() -> tuple[float, float, str]:
-    wave = _wave(0.3)
-    state = _sinusoid({"adhesion": {"work_of_adhesion": wave.work_of_adhesion}}).targets[-1]
+def _estimate() -> Digits:
+    state = _solved(JOHNSON).targets[-1]
     estimated = state.error_estimate.contact_fraction or math.nan
-    true = abs(state.contact_fraction - _angle(wave) * 2 / np.pi)
+    true = abs(state.contact_fraction - STICKY.angle(DEPTH) * 2 / np.pi)
     reported = f"Johnson 1995: estimated {estimated:.1e}, true {true:.1e}; the error listed is their difference"
-    return abs(estimated - true), 1e-15, reported
+    return abs(estimated - true), ROUNDING, reported
 
 
-DIGITS = {
-    "bare": _bare,
+BACK: Changes = {"loading": {"targets": [1.2 * DEPTH, DEPTH]}}
+SLOPED: Changes = {"adhesion": {"work_of_adhesion": STICKY.work_of_adhesion, "slope_term": True}}
+DIGITS: dict[str, Callable[[], Digits]] = {
+    "bare": lambda: _area({"adhesion": None}, DRY.angle(DEPTH), "Westergaard 1939"),
     "layer": _layer,
-    "adhesion": _adhesion,
-    "slope term": _slope_term,
-    "unloading": _unloading,
+    "adhesion": lambda: _area(JOHNSON, STICKY.angle(DEPTH), "Johnson 1995"),
+    "slope term": lambda: _area(SLOPED, _sloped(), "Johnson 1995 with gamma sqrt(1 + h'^2) at the edge"),
+    "unloading": lambda: _area(JOHNSON | BACK, STICKY.angle(DEPTH), "Johnson 1995, on the way back"),
     "shapes": _shapes,
     "spectra": _spectra,
     "pressure distribution": _distribution,

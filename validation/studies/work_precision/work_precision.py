@@ -31,7 +31,7 @@ from validation.studies.shown import peak_megabytes, text_table
 from validation.studies.work_precision.conclusion import MethodCurve, Spot, sentences
 from validation.studies.work_precision.methods import METHODS, Method
 from validation.studies.work_precision.peers import FFT_METHODS, PEER_COLUMNS, PeersError, peer_sentences, peer_table
-from validation.studies.work_precision.points import SHOWN, MethodPoint, Timed
+from validation.studies.work_precision.points import SHOWN, MethodPoint, Timed, by_method
 from validation.studies.work_precision.price_list import Price, digits_of, priced
 from validation.studies.work_precision.price_list import sentences as price_sentences
 from validation.studies.work_precision.references import SOURCES, Source, Yardstick, source_for
@@ -205,50 +205,36 @@ def point_of(posed: Posed, method: Method, timed: Timed, reference: Yardstick | 
 
 def curves_of(points: Sequence[MethodPoint], scene: str) -> list[MethodCurve]:
     """Curves of a scene as the conclusion takes them."""
-    names = dict.fromkeys(point.method for point in points if point.scene == scene)
-    curves = []
-    for name in names:
-        known = [point for point in points if _is(point, scene, name) and not math.isnan(point.error)]
-        if known:
-            marks = tuple(
-                Spot(point.timed.setting, max(point.error, point.floor), point.timed.cpu_seconds) for point in known
-            )
-            curves.append(MethodCurve(name, known[0].reference, marks, known[0].floor))
-    return curves
+    return [
+        MethodCurve(name, known[0].reference, tuple(_spot(point) for point in known), known[0].floor)
+        for name, known in by_method(points, scene).items()
+    ]
+
+
+def _spot(point: MethodPoint) -> Spot:
+    return Spot(point.timed.setting, max(point.error, point.floor), point.timed.cpu_seconds)
 
 
 def figures_of(points: Sequence[MethodPoint], chosen: dict[str, Posed]) -> Iterator[tuple[str, Plot]]:
     """A figure for every scene."""
     for scene, posed in chosen.items():
-        here = [point for point in points if point.scene == scene]
-        lines, bands = [], dict[str, float]()
-        for name in dict.fromkeys(point.method for point in here):
-            known = [point for point in here if point.method == name and not math.isnan(point.error)]
-            if not known:
-                continue
-            bands[f"uncertainty of {known[0].reference}"] = known[0].floor
-            lines.append(
-                Line(
-                    label=f"{name}, against {known[0].reference}",
-                    x=[max(point.error, 1e-17) for point in known],
-                    y=[point.timed.cpu_seconds for point in known],
-                    notes=[str(point.timed.found.unknowns) if point.timed.found else "" for point in known],
-                    grey=[point.grey for point in known],
-                )
+        found = by_method(points, scene)
+        lines = [
+            Line(
+                label=f"{name}, against {known[0].reference}",
+                x=[max(point.error, 1e-17) for point in known],
+                y=[point.timed.cpu_seconds for point in known],
+                notes=[str(point.timed.found.unknowns) if point.timed.found else "" for point in known],
+                grey=[point.grey for point in known],
             )
-        failed = [f"{p.method} at {p.timed.setting}: {p.timed.status}" for p in here if p.timed.found is None]
-        yield (
-            f"work-precision-{scene}",
-            Plot(
-                title=f"{posed.title} (points: unknowns)",
-                xlabel="error of contact fraction and mean pressure, the larger",
-                ylabel="CPU time / s, one thread",
-                lines=lines,
-                bands=list(bands.items()),
-                failures=failed,
-                size=(8.4, 6.0),
-            ),
-        )
+            for name, known in found.items()
+        ]
+        bands = {f"uncertainty of {known[0].reference}": known[0].floor for known in found.values()}
+        failed = [f"{p.method} at {p.timed.setting}: {p.timed.status}" for p in points
+                  if p.scene == scene and p.timed.found is None]  # fmt: skip
+        across, up = "error of contact fraction and mean pressure, the larger", "CPU time / s, one thread"
+        yield f"work-precision-{scene}", Plot(f"{posed.title} (points: unknowns)", across, up, lines,
+                                              bands=list(bands.items()), failures=failed, size=(8.4, 6.0))  # fmt: skip
 
 
 def _timed(task: Sweep, setting: Any) -> Timed:
@@ -304,10 +290,6 @@ def _references(
         else:
             failures.append(f"{posed.id}, reference {name}: {type(answer).__name__}: {answer}")
     return found
-
-
-def _is(point: MethodPoint, scene: str, method: str) -> bool:
-    return point.scene == scene and point.method == method
 
 
 def _price_row(price: Price) -> list[Any]:
