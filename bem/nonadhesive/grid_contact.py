@@ -29,7 +29,6 @@ CONVERGED = 5e-3  # what the preconditioner would still change of the unknown, r
 FINE = 4096  # speed: points of the grid of a profile above which every second one is enough: Newton sorts out the rest
 NESTED, COARSER = 1024, 4  # speed: points of grids on which the start is found on every fourth point
 DENSE = 0.5  # speed: contact fraction above which gaps are the unknown
-SOFTEST = 1e-12  # derived: least compliance of a mode over that of the first: below is rounding of a layer's series
 LAYER = 1e-4  # accuracy to which the series of a layer is sampled
 POINTS_PER_MODE = 2
 MOST_POINTS = 1 << 17  # limit: of a grid
@@ -113,11 +112,8 @@ def grid_problem(elastic: Elastic) -> GridProblem:
         x = np.linspace(0.0, TWO_PI, size, endpoint=False)
         height = elastic.profile.height(x)
     compliance = np.zeros(x.size // 2 + 1)
-    compliance[1:] = 1 / np.arange(1, compliance.size)
-    if elastic.kernel is not None:
-        series = np.fft.rfft(elastic.kernel.field(x, np.zeros(1), np.ones(1)))[1:] * (2 / x.size)
-        compliance[1:] -= series.real
-    compliance[1:] = np.maximum(compliance[1:], SOFTEST * compliance[1])
+    orders = np.arange(1, compliance.size)
+    compliance[1:] = (1.0 if elastic.kernel is None else elastic.kernel.ratio(orders)) / orders
     return GridProblem(height - elastic.profile.max_height, compliance)
 
 
