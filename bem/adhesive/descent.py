@@ -340,7 +340,7 @@ class _Going(Walk):
         return self.here
 
     def reshaped(self, here: Balance) -> Verdict | Literal["again"] | None:
-        """Gaps close, edges move out of interpenetration, or patches vanish; None where nothing of that is due."""
+        """Whether gaps close, edges move out of interpenetration or patches vanish; None where none of these does."""
         self.gone = closing_gaps(self.system, here)
         if self.gone.size:
             return "closing"

@@ -84,7 +84,7 @@ typedef struct {
     Size cells;
     double beta, delta, margins[2], low, high, far_penetration;
     const double *far_charge, *far_table;
-    /* logarithmic_potential.LogarithmicPotential of charges at rest, where there are some */
+    /* logarithmic_potential.LogarithmicPotential of fixed charges, where there are some */
     PyObject *potential;
     Size charges, calls;
     const double *position, *sources, *charge, *series[MOST_DOUBLINGS];

@@ -90,7 +90,7 @@ static void halves_of(Size n, const double *x, int sources, double *values)
     }
 }
 
-/* The series of charges at rest for a number of boxes, asked of Python once a call. */
+/* The series of fixed charges for a number of boxes, asked of Python once a call. */
 static const double *series_of(Setting *setting, int doublings)
 {
     if (doublings < 2 || doublings >= MOST_DOUBLINGS) {
@@ -102,8 +102,8 @@ static const double *series_of(Setting *setting, int doublings)
     return setting->series[doublings];
 }
 
-/* LogarithmicPotential of charges at rest. */
-static int potential_at_rest(Setting *setting, Size n, const double *x, const double *points, double *values)
+/* LogarithmicPotential of fixed charges. */
+static int potential_of_fixed(Setting *setting, Size n, const double *x, const double *points, double *values)
 {
     double pairs = (double)n * (double)setting->charges * (double)setting->calls;
     int doublings = pairs > DIRECT ? (int)log2(sqrt(pairs) / PER_BOX) : 0;
@@ -134,7 +134,7 @@ static Status solved_state(Setting *setting, State *state)
         return FAILED;
     if (setting->charges > 0) {
         halves_of(unknowns, state->x, 0, points);
-        if (!potential_at_rest(setting, unknowns, state->x, points, state->skeleton))
+        if (!potential_of_fixed(setting, unknowns, state->x, points, state->skeleton))
             return FAILED;
         for (i = 0; i < unknowns; i++)
             state->sides[i] -= state->skeleton[i];
@@ -273,7 +273,7 @@ Status gap_at(Setting *setting, const State *state, Size n, const double *x, con
     halves_of(unknowns, state->x, 1, sources);
     pairs_potential(n, points, unknowns, sources, state->skeleton, values);
     memset(added, 0, (size_t)n * sizeof(double));
-    if (setting->charges > 0 && !potential_at_rest(setting, n, x, points, added))
+    if (setting->charges > 0 && !potential_of_fixed(setting, n, x, points, added))
         status = FAILED;
     for (i = 0; i < n; i++)
         values[i] += added[i];

@@ -16,10 +16,8 @@ from types import ModuleType
 from typing import Any, TypeVar
 
 VARIABLE = "LINECONTACT_KERNELS"
-EXTENSION, INTERFACE = (
-    "bem.compiled.linecontact_kernels",
-    "8",
-)  # the number that the extension names too: raised when arguments change
+EXTENSION = "linecontact_kernels"
+INTERFACE = "8"  # the number that the extension names too: raised when arguments change
 REFERENCES: dict[str, Callable[..., Any]] = {}
 F = TypeVar("F", bound=Callable[..., Any])
 
