@@ -1,11 +1,11 @@
 """A path of few digits: from value to value of the control in leaps, with exact equilibria where states are kept.
 
 What lies between two leaps is not located.  An event is a bracket: it lies somewhere in the interval of its leap, and
-its error says so.  At 1e-4 brackets are narrower than leaps: one in which something happens is halved until the event is
-in a short one.  Overdriven by up to an interval, a jump may end in another minimum, so that now and then a state is an
-equilibrium of another branch; the shorter the interval, the rarer (bem/README.md, section 4).  States that are kept are
-settled at the accuracy of targets, and a short leap comes before each value that is asked for: events beside it are told
-apart.
+its error says so.  At 1e-4 brackets are narrower than leaps: one in which something happens is halved until the event
+is in a short one.  Overdriven by up to an interval, a jump may end in another minimum, so that now and then a state is
+an equilibrium of another branch; the shorter the interval, the rarer (bem/README.md, section 4).  States that are kept
+are settled at the accuracy of targets, and a short leap comes before each value that is asked for: events beside it are
+told apart.
 
 First touch, complete contact, stored states and their assessment are those of the exact path.  Dimensionless.
 """

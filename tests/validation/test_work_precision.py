@@ -91,13 +91,15 @@ def test_point_below_the_uncertainty_is_grey():
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
 def test_references_are_of_another_code_and_settings_are_many(method):
     for scene in method.scenes:
-        assert source_for(scene, method).code != method.code
-        assert len(method.settings_for(scene, quick=False)) >= 6
+        source = source_for(scene, method)
+        assert source.code != method.code or (scene == "paper" and source.of_itself)  # where no other code reaches
+        minutes = (method.name, scene) == ("fem", "rough")  # one a mesh
+        assert len(method.settings_for(scene, quick=False)) >= (3 if minutes else 6)
     assert set(method.scenes) | set(method.cannot) <= set(scenes())
 
 
 def test_every_scene_is_done_or_told_why_not():
-    for scene in ("sinusoid", "layer", "rough"):
+    for scene in ("sinusoid", "layer", "rough", "paper"):
         assert all(scene in method.scenes or scene in method.cannot for method in METHODS)
 
 

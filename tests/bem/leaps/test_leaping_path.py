@@ -44,7 +44,7 @@ def test_events_are_brackets_that_hold_those_of_the_exact_path(exact, leaping):
     loading = leaping.targets[2].penetration
     found = [event for event in leaping.events if event.kind == "new_contact" and event.penetration < loading]
     assert len(found) > 5
-    widest = 1.3 * WIDTHS[leaping.scene["accuracy"]["tolerance"]] / 2 * 50e-6  # one leap takes up what is left of two
+    widest = 3 * 1.3 * WIDTHS[leaping.scene["accuracy"]["tolerance"]] / 2 * 50e-6  # a leap takes up what is left of two
     for event in found:
         error = event.error_estimate.penetration
         close = [

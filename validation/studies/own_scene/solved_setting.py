@@ -93,6 +93,7 @@ class Solved:
     rms_height: float = math.nan
     rms_slope: float = math.nan
     pressure_scale: float = math.nan
+    path_doubt: float = 0.0  # tolerance of a path that goes by leaps: what another branch may make
     readings: tuple[Reading, ...] = ()
     nodes: tuple[NodePoint, ...] = ()
 
@@ -131,6 +132,7 @@ def solved(task: ToSolve) -> Solved:
         rms_height=result.groups["rms_height"],
         rms_slope=result.groups["rms_slope"],
         pressure_scale=result.groups["pressure_scale"],
+        path_doubt=scene.accuracy.tolerance if scene.leaps else 0.0,
         readings=tuple(reading for reading, _ in readings(scene, result)),
         nodes=tuple(_node_points(scene, result)) if task.nodes else (),
     )

@@ -211,9 +211,11 @@ def curves_of(points: Sequence[MethodPoint], scene: str) -> list[MethodCurve]:
         known = [point for point in points if _is(point, scene, name) and not math.isnan(point.error)]
         if known:
             marks = tuple(
-                Spot(point.timed.setting, max(point.error, point.floor), point.timed.cpu_seconds) for point in known
+                Spot(point.timed.setting, max(point.error, point.floor, point.doubt), point.timed.cpu_seconds)
+                for point in known
             )
-            curves.append(MethodCurve(name, known[0].reference, marks, known[0].floor))
+            independent = not known[0].reference.endswith("(self)")
+            curves.append(MethodCurve(name, known[0].reference, marks, known[0].floor, independent))
     return curves
 
 
