@@ -39,7 +39,7 @@ def _method(spacings: int, finest: int, finest_rough: int) -> Method:
                   settings=tuple(points for points in POINTS if points <= finest), scenes=("sinusoid", "rough"),
                   solve=partial(solve_adhesive, spacings),
                   cannot={"layer": "the package provides layers under areas, not under lines",
-                          "paper": "eight points a wave and cohesion along as many: hours"}, slow=2,
+                          "paper": "not tried: a path of a hundred steps on grids of 2^14 points and more"}, slow=2,
                   other_settings={"rough": tuple(points for points in POINTS if points <= finest_rough)})  # fmt: skip
 
 
