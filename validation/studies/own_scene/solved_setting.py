@@ -93,9 +93,9 @@ class Solved:
     rms_height: float = math.nan
     rms_slope: float = math.nan
     pressure_scale: float = math.nan
-    path_doubt: float = 0.0  # tolerance of a path that goes by leaps: what another branch may make
     readings: tuple[Reading, ...] = ()
     nodes: tuple[NodePoint, ...] = ()
+    path_doubt: float = 0.0  # tolerance of a path that goes by leaps: what another branch may make
 
     @property
     def good(self) -> bool:
