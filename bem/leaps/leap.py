@@ -17,6 +17,7 @@ from bem.adhesive.equilibrium import Balance, System, balance, edge_positions
 from bem.adhesive.relaxation import Cause, Relaxed, interpenetration, relax
 from bem.continuation.curve import imbalance_by_edges
 from bem.continuation.locating import Start
+from bem.elastic.gap import GapMinima
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches
@@ -33,10 +34,16 @@ PREDICTED = 0.15  # edge scales that edges are moved at most before Newton begin
 
 @dataclass(frozen=True, eq=False)
 class Newton:
-    """Where Newton led: forces in equilibrium, or the patches that it lost."""
+    """Where Newton led: forces in equilibrium, or the patches that it lost; and the gaps that have closed there."""
 
     balance: Balance | None
     lost: IntArray
+    closed: GapMinima | None = None
+
+    @property
+    def is_quiet(self) -> bool:
+        """Whether it led to an equilibrium, and nothing happened on the way."""
+        return self.balance is not None and self.closed is None and not self.lost.size
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,18 +73,12 @@ def leap(
     before : Balance, optional
         Forces at the start, if they are known.
     """
-    patches, most = start.patches, PREDICTED * start.patches.edge_scale
-    found = newton(system, patches.moved(np.clip(outward, -most, most)), start.penetration, value, accuracy)
-    cause, lost = Cause(), found.lost
-    if found.balance is not None:
-        there = found.balance.state
-        closed = interpenetration(system, there, accuracy.allowed)
-        if closed.position.size:
-            patches, cause = there.patches, Cause(None, closed, there, LOCAL_STEP)
-        else:
-            lost = passing_patches(system.elastic.profile, patches, there.patches)
-            if not lost.size:
-                return Leapt(Relaxed("converged", value, found.balance, ()))
+    found = tried(system, start, outward, value, accuracy)
+    if found.is_quiet:
+        return Leapt(Relaxed("converged", value, found.balance, ()))
+    patches, cause, lost = start.patches, Cause(), found.lost
+    if found.balance is not None and found.closed is not None:
+        patches, cause = found.balance.state.patches, Cause(None, found.closed, found.balance.state, LOCAL_STEP)
     if before is None:
         before = balance(system, start.patches, start.penetration, start.value, accuracy.tolerance)
     if lost.size:
@@ -86,6 +87,25 @@ def leap(
     if not relaxed.changes and lost.size:
         relaxed = replace(relaxed, changes=(("bifurcation", float(start.patches.center[lost[0]])),))
     return Leapt(relaxed, before)
+
+
+def quiet_leap(system: System, start: Start, outward: FloatArray, value: float, accuracy: Accuracy) -> Leapt | None:
+    """The same where nothing happens on the way; None where something does."""
+    found = tried(system, start, outward, value, accuracy)
+    return Leapt(Relaxed("converged", value, found.balance, ())) if found.is_quiet else None
+
+
+def tried(system: System, start: Start, outward: FloatArray, value: float, accuracy: Accuracy) -> Newton:
+    """Where Newton leads from predicted edges, and what happened on the way."""
+    patches, most = start.patches, PREDICTED * start.patches.edge_scale
+    found = newton(system, patches.moved(np.clip(outward, -most, most)), start.penetration, value, accuracy)
+    if found.balance is None:
+        return found
+    there = found.balance.state
+    closed = interpenetration(system, there, accuracy.allowed)
+    if closed.position.size:
+        return Newton(found.balance, NONE, closed)
+    return Newton(found.balance, passing_patches(system.elastic.profile, patches, there.patches))
 
 
 def newton(system: System, patches: Patches, penetration: float, value: float, accuracy: Accuracy) -> Newton:

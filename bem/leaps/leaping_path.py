@@ -1,7 +1,8 @@
 """A path of few digits: from value to value of the control in leaps, with exact equilibria where states are kept.
 
 What lies between two leaps is not located.  An event is a bracket: it lies somewhere in the interval of its leap, and
-its error says so.  Overdriven by up to an interval, a jump may end in another minimum, so that now and then a state is
+its error says so.  At 1e-4 brackets are narrower than leaps: one in which something happens is halved until the event
+is in a short one.  Overdriven by up to an interval, a jump may end in another minimum, so that now and then a state is
 an equilibrium of another branch; the shorter the interval, the rarer (bem/README.md, section 4).  States that are kept
 are settled at the accuracy of targets, and a short leap comes before each value that is asked for: events beside it are
 told apart.
@@ -25,17 +26,18 @@ from bem.continuation.path import Path
 from bem.continuation.points_with_edges import Equilibrium, Point
 from bem.geometry.patches import Patches
 from bem.leaps.brackets import brackets, unbracketed
-from bem.leaps.leap import Leapt, leap, newton
+from bem.leaps.leap import Leapt, leap, newton, quiet_leap
 from bem.leaps.spread import Spread, Spreading
 from bem.loading.assessment import Assessment, Quantities
 from bem.loading.increments import Accuracy, Effort, Increments
 from bem.loading.path_point import Complete, Failed, Separated
 
-INTERVAL, GROWTH = 0.01, 0.7  # rms heights at a tolerance of 1e-3, and the power of the tolerance with which it grows
-RESIDUAL = 1e-2  # speed: of states that are not kept
+# rms heights at a tolerance of 1e-3, and the power of the tolerance with which it grows from there
+INTERVAL, GROWTH = 0.01, 0.7
+RESIDUAL = 1e-2  # speed: of states that are not kept, and in proportion less where brackets are
 LAST_LEAP = 2e-3  # rms heights before a value that is asked for
 NOT_SHORT = 0.3  # speed: of an interval: no leap of its own is that short
-HALVINGS = 6  # limit: of an interval in which a leap fails
+HALVINGS = 16  # limit: leaps tried in an interval in which one fails
 WINDOWED, FEW = 64, 0.8  # speed: patches from which windows leap; part of them below which they no longer do
 CLOSE = 1e-9  # derived: of the smallest increment: as good as there
 STATES_APART = 20.0  # speed: times `accuracy.max_increment`: a state takes as long as ten leaps
@@ -61,9 +63,15 @@ class LeapingPath:
     has_history: ClassVar[bool] = True
 
     @cached_property
+    def bracket(self) -> float:
+        """Change of the control in a leap in which something happens."""
+        ratio = self.tolerance / 1e-3
+        return min(INTERVAL * float(min(ratio, ratio**GROWTH)), self.exact.increments.largest)
+
+    @cached_property
     def interval(self) -> float:
-        """Change of the control in a leap."""
-        return min(INTERVAL * float((self.tolerance / 1e-3) ** GROWTH), self.exact.increments.largest)
+        """Change of the control in a leap at most: where nothing happens it is no shorter than at 1e-3."""
+        return max(self.bracket, min(INTERVAL, self.exact.increments.largest))
 
     @cached_property
     def increments(self) -> Increments:
@@ -74,7 +82,7 @@ class LeapingPath:
     def between(self) -> Accuracy:
         """That of states that are not kept: edges need only be near enough for the next leap."""
         coarse = self.increments.coarse
-        return replace(coarse, residual=max(coarse.residual, RESIDUAL))
+        return replace(coarse, residual=max(coarse.residual, RESIDUAL * min(1.0, self.tolerance / 1e-3)))
 
     @cached_property
     def spreading(self) -> Spreading:
@@ -202,14 +210,24 @@ class LeapingPath:
             if point.value >= end - CLOSE * self.increments.smallest:
                 return self.exact.bare.closed(point.patches, goal)
         change = self._change(abs(end - point.value))
-        for halved in range(HALVINGS):
-            reached = not halved and change == abs(end - point.value)
-            found = self._leapt(before, point, end if reached else point.value + direction * change / 2**halved)
-            if not isinstance(found, Failed):
-                self.effort.accepted += 1
+        value = end if change == abs(end - point.value) else point.value + direction * change
+        beyond = None
+        for _ in range(HALVINGS):
+            found = self._leapt(before, point, value)
+            if isinstance(found, Failed):
+                self.effort.rejected += 1
+                beyond, value = value, (point.value + value) / 2
+                continue
+            self.effort.accepted += 1
+            if beyond in (None, value) or found.events or not isinstance(found, Equilibrium | Spread):
                 return found
-            self.effort.rejected += 1
+            before, point = point, found
+            value = beyond if self._may_hold_events(beyond - value) else (value + beyond) / 2
         return found
+
+    def _may_hold_events(self, change: float) -> bool:
+        """Whether a leap is so short that events may lie in it."""
+        return abs(change) <= (1 + NOT_SHORT) * self.bracket
 
     def _change(self, left: float) -> float:
         """Change of the control in the next leap: the last one is short, and none is much shorter than an interval."""
@@ -218,18 +236,22 @@ class LeapingPath:
         return left - LAST_LEAP if left - LAST_LEAP < (1 + NOT_SHORT) * self.interval else self.interval
 
     def _leapt(self, before: AnyPoint | None, point: Equilibrium | Spread, value: float) -> AnyPoint:
-        """The point behind a leap to a value of the control."""
-        if isinstance(point, Spread):
-            return self._gathered(self.spreading.leapt(point, value, self.between), value)
+        """The point behind a leap to a value of the control; where something happens in it, it must be short."""
         system, change = self.exact.system, value - point.value
+        quiet = not self._may_hold_events(change)
+        if isinstance(point, Spread):
+            return self._gathered(self.spreading.leapt(point, value, self.between, quiet=quiet), value)
         rate = tangent(system, point.balance)
         motion = change * rate
         if isinstance(before, Equilibrium) and not point.events:
             past = point.value - before.value
             motion = motion + change**2 / (2 * past) * (rate - tangent(system, before.balance))
         start = Start(point.patches, point.state.penetration, point.value)
-        landed = leap(system, start, motion, value, self.between, point.balance)
-        return self._spread(self._behind(point, landed, change))
+        if quiet:
+            landed = quiet_leap(system, start, motion, value, self.between)
+        else:
+            landed = leap(system, start, motion, value, self.between, point.balance)
+        return Failed(value, "not_converged") if landed is None else self._spread(self._behind(point, landed, change))
 
     def _spread(self, point: Point) -> AnyPoint:
         """A point that leaps in windows, if its patches are many."""

@@ -25,7 +25,7 @@ from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI, Patches, ordered
 from bem.leaps.brackets import brackets
-from bem.leaps.leap import PREDICTED, leap
+from bem.leaps.leap import PREDICTED, leap, quiet_leap
 from bem.leaps.settling import Jacobians, Settling, charges_of, moved_in
 from bem.leaps.windows import Window, in_core, seams, wider, windows_of
 from bem.loading.assessment import Assessment
@@ -146,10 +146,13 @@ class Spreading:
         rate = jacobians.rate()
         return Spread(value, state, rate, np.zeros(rate.size), jacobians)
 
-    def leapt(self, point: Spread, value: float, accuracy: Accuracy, width: float | None = None) -> Spread | None:
+    def leapt(
+        self, point: Spread, value: float, accuracy: Accuracy, width: float | None = None, quiet: bool = False
+    ) -> Spread | None:
         """The state behind a leap to a value of the control; None where windows find none, or do not fit.
 
-        Its events lie in a bracket of this width before it, by default in the leap.
+        Its events lie in a bracket of this width before it, by default in the leap.  It may be asked
+        that nothing happens in it.
         """
         change = value - point.value
         width = change if width is None else width
@@ -162,8 +165,8 @@ class Spreading:
         for k, (window, far) in enumerate(
             zip(windows, far_fields([window.arc for window in windows], here, ahead), strict=True)
         ):
-            landing = self._landed(window, far, point, motion, (value, accuracy, width))
-            for more in WIDER if landing is None else ():
+            landing = self._landed(window, far, point, motion, (value, accuracy, width), quiet)
+            for more in WIDER if landing is None and not quiet else ():
                 again = wider(point.patches, k, more)
                 if again is None:
                     break
@@ -178,14 +181,20 @@ class Spreading:
         return self._joined(windows, found, value, accuracy.tolerance)
 
     def _landed(
-        self, window: Window, far: FarField, point: Spread, motion: FloatArray, goal: tuple[float, Accuracy, float]
+        self,
+        window: Window,
+        far: FarField,
+        point: Spread,
+        motion: FloatArray,
+        goal: tuple[float, Accuracy, float],
+        quiet: bool = False,
     ) -> Landing | None:
         """Where the leap of a window ends."""
         value, accuracy, width = goal
         change = value - point.value
         system = self.inside(far)
         start = Start(window.of(point.patches), point.value, point.value)
-        landed = if_solvable(leap, system, start, window.edges(motion), value, accuracy)
+        landed = if_solvable(quiet_leap if quiet else leap, system, start, window.edges(motion), value, accuracy)
         self.system.effort.local_evaluations += system.effort.evaluations + system.effort.local_evaluations
         if landed is None or landed.relaxed.balance is None or landed.relaxed.status != "converged":
             return None

@@ -34,7 +34,7 @@ FOLDER = ROOT / "tests" / "frozen_paths"
 FINER = 3
 STATES, PLACES, ENERGIES = 1e-8, 1e-6, 1e-5
 DEFAULT_INCREMENT = 0.05
-EVENT_BY_EVENT = 1e-6  # tolerance of paths: from 1e-3 on they go by leaps, whose events are brackets
+EVENT_BY_EVENT = 1e-6  # tolerance of paths: from 1e-4 on they go by leaps, whose events are brackets
 
 Record = dict[str, Any]
 

@@ -80,11 +80,11 @@ def test_words_name_setting_seconds_reference_and_the_others():
         "flat 100.0 times as long."
     )
     assert reported[4] == (
-        "scene: 10 digits cost least with flat at flat-12 (1 s, error 1.0e-12 against exact); steep not at all."
+        "scene: 9 digits cost least with flat at flat-12 (1 s, error 1.0e-12 against exact); steep not at all."
     )
     assert reported[5] == "scene: steep is cheaper than flat down to an error of 1.0e-06; then the other way."
 
 
 def test_words_when_no_method_reaches_the_digits():
     reported = sentences("scene", [power("a", 1.0, 0.2, range(1, 4))])
-    assert reported[1] == "scene: no setting reaches 4 digits that its reference resolves."
+    assert reported[2] == "scene: no setting reaches 4 digits that its reference resolves."

@@ -161,15 +161,28 @@ def made_up():
 
 def test_advice_is_the_cheapest_setting_that_is_accurate_enough():
     advice = {one.digits: one for one in findings_of(made_up()).advice}
-    assert [advice[digits].setting for digits in (2, 4, 8)] == ["tolerance 0.0001", "as it is", "finest finest"]
-    assert [advice[digits].evaluations for digits in (2, 4, 8)] == [100, 400, 9000]
+    assert [advice[digits].setting for digits in (2, 3, 4, 6, 9)] == [
+        "tolerance 0.0001",
+        "tolerance 0.0001",
+        "as it is",
+        "as it is",
+        "finest finest",
+    ]
+    assert [advice[digits].evaluations for digits in (2, 4, 9)] == [100, 400, 9000]
     assert advice[2].error == pytest.approx(1e-3)
     assert (advice[2].open_source, advice[2].open_share) == ("seed", pytest.approx(0.1))
 
 
+def test_a_path_in_leaps_is_advised_for_no_more_digits_than_it_was_asked_for():
+    lucky = Setting("numerical", "tolerance", "0.001"), replace(answer(0.5, 2.0, 20), path_doubt=1e-3)
+    advice = {one.digits: one for one in findings_of([*made_up(), lucky]).advice}
+    assert [advice[digits].evaluations for digits in (2, 3, 4)] == [20, 20, 400]
+    assert advice[3].error == 1e-3
+
+
 def test_digits_that_the_finest_setting_does_not_resolve_are_not_promised():
     coarse = [(one, replace(found, readings=(reading(0.5, 2.0, error=1e-3),))) for one, found in made_up()]
-    assert [one.setting is None for one in findings_of(coarse).advice] == [False, True, True]
+    assert [one.setting is None for one in findings_of(coarse).advice] == [False, True, True, True, True]
 
 
 def test_the_sentence_names_the_largest_uncertainty():
@@ -197,7 +210,7 @@ def sources(tables, folder):
 
 def test_what_is_varied_of_a_random_profile(tmp_path):
     found = sources(ROUGH, tmp_path)
-    assert found["tolerance"] == ["0.01", "0.0001", "1e-08", "1e-10", "1e-12"]  # 1e-6 is the scene's
+    assert found["tolerance"] == ["0.01", "0.001", "0.0001", "1e-09", "1e-12"]  # 1e-6 is the scene's
     assert found["max_increment"] == ["0.4", "0.2", "0.1", "0.025", "0.0125"]
     assert (found["cut"], found["seed"]) == (["fewer than 3", "4 harmonics", "16 harmonics"], ["2", "3"])
     assert [found[name] for name in ("detrending", "window", "period")] == [[NO_SCAN]] * 3

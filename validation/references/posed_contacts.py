@@ -3,12 +3,13 @@
 - sinusoid: Johnson's, alpha = 0.3, on a half-space; exact.
 - layer: two unequal crests on a bonded layer a fifth of a period thick.
 - rough: a self-affine profile with 60 harmonics on a half-space, nine contacts at the end of a loading path.
+- paper: the paper's profile, 1000 harmonics, at six separations of a loading path, up to some forty contacts.
 - theory: Persson's theory of the same profile, its two routes against each other.
 
-All but the last are given at a penetration, in raw data from which each method derives its own constants.  Compared are
-contact fraction, mean pressure, elastic energy and the gap at one place.  Pressures are compared by their integrals,
-load and energy: with edges that differ, pointwise pressures have infinite differences beside them and no weighted
-square norm that is the same for all methods.
+They are raw data, from which each method derives its own constants; the first three are given at a penetration.
+Compared are contact fraction, mean pressure, elastic energy and the gap at one place.  Pressures are compared by their
+integrals, load and energy: with edges that differ, pointwise pressures have infinite differences beside them and no
+weighted square norm that is the same for all methods.
 """
 
 from __future__ import annotations
@@ -27,12 +28,18 @@ from validation.references.paper_method import Surface
 Harmonics = tuple[tuple[int, ...], tuple[float, ...], tuple[float, ...]]
 QUANTITIES = ("contact_fraction", "mean_pressure", "elastic_energy", "gap")
 THEORY_LOAD = 1.0e4  # Pa
-Numbers = dict[str, float]
+PAPER_SEPARATIONS = (6.0e-5, 5.0e-5, 4.5e-5, 4.0e-5, 3.5e-5, 3.0e-5)  # m
+Numbers = dict[str, float]  # by quantity; of several targets by quantity and number of the target, "gap 2"
+
+
+def quantity_of(name: str) -> str:
+    """The quantity of a number."""
+    return name.partition(" ")[0]
 
 
 @dataclass(frozen=True)
 class Posed(Problem):
-    """A problem of one target."""
+    """A problem of the comparison."""
 
     title: str = ""
 
@@ -62,9 +69,13 @@ class Posed(Problem):
         return surface_of(self)
 
     def errors(self, found: Numbers, reference: Numbers) -> Numbers:
-        """Errors over their scales, of the quantities that both know."""
-        known = [name for name in QUANTITIES if name in found and name in reference]
-        return {name: abs(found[name] - reference[name]) / self.scales[name] for name in known}
+        """Errors over their scales, of the quantities that both know; of several targets the largest."""
+        scales, largest = self.scales, dict[str, float]()
+        for name in found.keys() & reference.keys():
+            quantity = quantity_of(name)
+            error = abs(found[name] - reference[name]) / scales[quantity]
+            largest[quantity] = max(largest.get(quantity, 0.0), error)
+        return {quantity: largest[quantity] for quantity in QUANTITIES if quantity in largest}
 
 
 def answer_of(contact_fraction: float, mean_pressure: float, elastic_energy: float, gap: float) -> Numbers:
@@ -73,16 +84,20 @@ def answer_of(contact_fraction: float, mean_pressure: float, elastic_energy: flo
 
 
 def numbers_of(values: Mapping[str, Any]) -> Numbers:
-    """The values, or uncertainties, of an answer to a problem of one target, by the names of QUANTITIES."""
-    return {name.removesuffix("_at"): float(value[0]) for name, value in values.items()}
+    """The values, or uncertainties, of an answer, by the names of QUANTITIES."""
+    found: Numbers = {}
+    for name, value in values.items():
+        quantity = name.removesuffix("_at")
+        if len(value) == 1:
+            found[quantity] = float(value[0])
+        else:
+            found |= {f"{quantity} {k}": float(number) for k, number in enumerate(value, 1) if number is not None}
+    return found
 
 
 def scenes() -> dict[str, Posed]:
     """All, by their ids."""
-    m = np.arange(1, 61)
-    heights = m**-1.2 * 50e-6 / np.sqrt(np.sum(m**-2.4) / 2)
-    phases = np.random.default_rng(1).uniform(-np.pi, np.pi, m.size)
-    rough = tuple(int(order) for order in m), tuple(heights.tolist()), tuple(phases.tolist())
+    rough = _self_affine(60)
     posed = (
         _pressed("sinusoid", "Johnson's sinusoid, alpha = 0.3", 0.5, ((1,), (1e-4,), (0.0,)), 6e-5, 0.005,
                  work_of_adhesion=_johnson().work_of_adhesion),
@@ -93,8 +108,19 @@ def scenes() -> dict[str, Posed]:
         Posed("theory", 1e6, 0.5, 0.01, *rough, "mean_pressure", (THEORY_LOAD,),
               {"contact_fraction": {}, "elastic_energy": {}}, work_of_adhesion=0.03, slope_term=True,
               title="Persson's theory of the rough profile, 60 lines"),
+        Posed("paper", 1e6, 0.5, 0.01, *_self_affine(1000), "separation", PAPER_SEPARATIONS,
+              {"contact_fraction": {}, "mean_pressure": {}, "elastic_energy": {}}, work_of_adhesion=0.03,
+              slope_term=True, title="the paper's profile, 1000 harmonics, six separations"),
     )  # fmt: skip
     return {scene.id: scene for scene in posed}
+
+
+def _self_affine(count: int) -> Harmonics:
+    """A realisation of Hurst exponent 0.7 and rms height 50 um."""
+    m = np.arange(1, count + 1)
+    heights = m**-1.2 * 50e-6 / np.sqrt(np.sum(m**-2.4) / 2)
+    phases = np.random.default_rng(1).uniform(-np.pi, np.pi, m.size)
+    return tuple(int(order) for order in m), tuple(heights.tolist()), tuple(phases.tolist())
 
 
 def _pressed(

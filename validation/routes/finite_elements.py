@@ -24,9 +24,12 @@ POINTS = 4096
 MOST_HARMONICS = 4
 
 
-def solve(problem: Problem, setting: tuple[int, int, int]) -> Answer:
-    """Every target as a state of its own, on a mesh of an order, cells and halvings at an edge."""
-    if len(problem.orders) > MOST_HARMONICS or problem.control == "separation":
+def solve(problem: Problem, setting: tuple[int, int, int], start: FloatArray | None = None) -> Answer:
+    """Every target as a state of its own, on a mesh of an order, cells and halvings at an edge.
+
+    From the crests, or from edges near those that are sought, (L, 2) in m.
+    """
+    if (start is None and len(problem.orders) > MOST_HARMONICS) or problem.control == "separation":
         raise NotImplementedError("a few contacts, whose number is known, at given penetration or load")
     if problem.work_of_adhesion is not None and len(problem.targets) > 1:
         raise NotImplementedError("paths of loading and unloading")
@@ -37,7 +40,7 @@ def solve(problem: Problem, setting: tuple[int, int, int]) -> Answer:
     found: list[Evaluation] = []
     for target in problem.targets:
         control = control_of(posed, problem.control, target)  # type: ignore[arg-type]
-        last = closed(posed, control, [Resolution(*setting)], patches, 1.0)[-1]
+        last = closed(posed, control, [Resolution(*setting)], patches, 1.0, start)[-1]
         if last.outcome not in ("converged", "complete_contact"):
             raise ArithmeticError(f"{last.outcome}: {last.message}")
         found.append(last.evaluation)

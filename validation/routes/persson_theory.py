@@ -6,6 +6,7 @@ the load is found at which the theory has it.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -17,6 +18,7 @@ from persson import solve as solve_plain
 from persson.adhesive import Route
 from persson.corrected import solve as solve_corrected
 from validation.harness.route import Answer, Laps, Problem, behind_the_door
+from validation.references.posed_contacts import surface_of
 
 LEAST_LINES = 20
 LOWEST, HIGHEST = 1e-4, 2.0  # of E* times the rms slope: where loads are looked for
@@ -70,6 +72,15 @@ def solve(problem: Problem, entry: Any) -> Answer:
 def by_route(name: Route, problem: Problem, resolution: float) -> Answer:
     """By a numerical route of the published theory, `finite_volumes` or `volterra`, without separations."""
     return solve(problem, partial(solve_plain, route=name, resolution=resolution, with_separation=False))
+
+
+def by_separation(problem: Problem, resolution: float) -> Answer:
+    """The published theory at separations, or penetrations."""
+    if problem.control == "penetration":
+        surface = surface_of(problem)
+        highest = surface.highest * surface.unit_height
+        problem = replace(problem, control="separation", targets=tuple(highest - depth for depth in problem.targets))
+    return solve(problem, partial(solve_plain, route="volterra", resolution=resolution))
 
 
 plain, corrected = (behind_the_door(solve, entry) for entry in (solve_plain, solve_corrected))

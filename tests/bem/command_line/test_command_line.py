@@ -129,7 +129,8 @@ def test_check_as_json(scene, capsys):
     assert content["scene"] == load_scene(scene).resolved()
     assert content["seconds"] == pytest.approx(sum(effect["seconds"] for effect in content["effects"]))
     by_digits = content["seconds_by_tolerance"]
-    assert by_digits["0.001"] == pytest.approx(LEAPING_SHARE * by_digits["1e-06"])
+    assert by_digits["0.001"] == pytest.approx(LEAPING_SHARE[0] * by_digits["1e-06"])
+    assert by_digits["0.0001"] == pytest.approx(LEAPING_SHARE[1] * by_digits["1e-06"])
 
 
 def test_check_lists_every_mistake(scene, capsys):

@@ -10,6 +10,7 @@ from bem.continuation import locating
 from bem.solver import solve
 
 TARGETS = [70e-6, 50e-6, 35e-6, 60e-6, 90e-6]
+WIDTHS = {1e-2: 0.05, 1e-3: 0.01, 1e-4: 0.002}  # of brackets, rms heights; 0.001 at 1e-4 but beside targets
 SAME = 1e-8  # of two settled states, relative; measured 3e-12
 
 
@@ -18,7 +19,7 @@ def exact():
     return solve(rough_scene(TARGETS))
 
 
-@pytest.fixture(scope="module", params=[1e-2, 1e-3])
+@pytest.fixture(scope="module", params=[1e-2, 1e-3, 1e-4])
 def leaping(request):
     return solve(rough_scene(TARGETS, accuracy={"tolerance": request.param}))
 
@@ -43,6 +44,7 @@ def test_events_are_brackets_that_hold_those_of_the_exact_path(exact, leaping):
     loading = leaping.targets[2].penetration
     found = [event for event in leaping.events if event.kind == "new_contact" and event.penetration < loading]
     assert len(found) > 5
+    widest = 3 * 1.3 * WIDTHS[leaping.scene["accuracy"]["tolerance"]] / 2 * 50e-6  # a leap takes up what is left of two
     for event in found:
         error = event.error_estimate.penetration
         close = [
@@ -51,7 +53,7 @@ def test_events_are_brackets_that_hold_those_of_the_exact_path(exact, leaping):
             if other.kind == event.kind and abs(other.position - event.position) < 0.01 / 40 / 4
         ]
         assert any(abs(other.penetration - event.penetration) < error for other in close)
-        assert error > 1e-3 * 50e-6
+        assert 0.2 * widest < error <= widest
 
 
 def test_energy_released_is_that_of_the_exact_path(exact, leaping):
@@ -59,7 +61,7 @@ def test_energy_released_is_that_of_the_exact_path(exact, leaping):
     sums = [sum(event.energy_released for event in result.events) for result in (exact, leaping)]
     errors = sum(event.error_estimate.energy_released for event in leaping.events)
     assert abs(sums[0] - sums[1]) < errors  # measured 0.14 and 0.03 of it
-    assert errors < sums[0]  # 0.78 and 0.32
+    assert errors < sums[0]  # 0.78, 0.32
 
 
 def test_an_interrupted_path_goes_on_as_if_it_had_not_been(leaping):

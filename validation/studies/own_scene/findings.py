@@ -22,7 +22,7 @@ from validation.studies.own_scene.settings import BASE, FINEST, Kind, Setting
 from validation.studies.own_scene.solved_setting import Reading, Solved
 from validation.studies.work_precision.conclusion import MethodCurve, Spot, cheapest
 
-DIGITS = (2, 4, 8)
+DIGITS = (2, 3, 4, 6, 9)
 LEAST_SHARE = 0.1  # of the largest number of its kind on the path: smaller ones are measured by that
 RANDOM = "seed"  # the source whose settings are realisations
 FRACTION = "contact fraction"
@@ -253,10 +253,17 @@ def combined(uncertainties: Sequence[Uncertainty], kind: Kind) -> float:
 def _advice(
     numerical: Sequence[Compared], finest: Setting, floor: float, uncertain: Sequence[Uncertainty]
 ) -> Iterator[Advice]:
-    """For each number of digits the setting with the fewest evaluations."""
+    """For each number of digits the setting with the fewest evaluations; by leaps no more than were asked for.
+
+    That a path in leaps has come to the right branch here says nothing of a change of the scene.
+    """
     by_name = {f"{one.setting.source} {one.setting.name}": one for one in numerical}
     marks = [
-        Spot(name, floor if one.setting == finest else max(one.error, floor), float(one.solved.evaluations))
+        Spot(
+            name,
+            floor if one.setting == finest else max(one.error, floor, one.solved.path_doubt),
+            float(one.solved.evaluations),
+        )
         for name, one in by_name.items()
     ]
     left = largest([one for one in uncertain if one.kind != "numerical"])

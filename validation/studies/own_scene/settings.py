@@ -28,7 +28,7 @@ Kind = Literal["base", "numerical", "input", "model"]
 Tables = dict[str, Any]
 
 BASE, FINEST = "as it is", "finest"
-TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-6, 1e-9, 1e-12)
 INCREMENTS = (8.0, 4.0, 2.0, 0.5, 0.25)  # of the scene's
 FINEST_TOLERANCE, FINEST_INCREMENT = 1e-12, 0.25
 CUTS = (0.25, 0.5, 2.0)  # of the scene's harmonics
@@ -99,7 +99,7 @@ def _accuracy_name(accuracy: Mapping[str, float]) -> str:
 
 
 def _tolerances(scene: Scene, quick: bool) -> Changes:
-    for value in TOLERANCES[::3] if quick else TOLERANCES:
+    for value in TOLERANCES[1:4:2] if quick else TOLERANCES:
         if value != scene.accuracy.tolerance:
             yield "tolerance", f"{value:g}", {"accuracy": {"tolerance": value}}
 

@@ -95,6 +95,7 @@ class Solved:
     pressure_scale: float = math.nan
     readings: tuple[Reading, ...] = ()
     nodes: tuple[NodePoint, ...] = ()
+    path_doubt: float = 0.0  # tolerance of a path that goes by leaps: what another branch may make
 
     @property
     def good(self) -> bool:
@@ -131,6 +132,7 @@ def solved(task: ToSolve) -> Solved:
         rms_height=result.groups["rms_height"],
         rms_slope=result.groups["rms_slope"],
         pressure_scale=result.groups["pressure_scale"],
+        path_doubt=scene.accuracy.tolerance if scene.leaps else 0.0,
         readings=tuple(reading for reading, _ in readings(scene, result)),
         nodes=tuple(_node_points(scene, result)) if task.nodes else (),
     )

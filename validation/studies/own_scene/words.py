@@ -78,7 +78,7 @@ def _sentence(words: str) -> str:
 
 
 def table_text(found: Findings) -> str:
-    """What to use for 2, 4, 8 digits, for a terminal."""
+    """What to use for so many digits, for a terminal."""
     rows = [
         [one.digits, one.setting or "not reached", one.evaluations, one.seconds, one.error, one.open_source or "-"]
         for one in found.advice

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from validation.harness.route import Answer
+from validation.routes.boundary_elements import PATH_DOUBT
 
 SHOWN = ("contact_fraction", "mean_pressure")  # the error of a point is the larger of these
 
@@ -40,6 +41,11 @@ class MethodPoint:
     def error(self) -> float:
         """The larger of the errors of SHOWN; nan where the setting failed."""
         return max((self.errors[name] for name in SHOWN if name in self.errors), default=math.nan)
+
+    @property
+    def doubt(self) -> float:
+        """What the path leaves uncertain, whatever the error happens to be."""
+        return self.timed.found.details.get(PATH_DOUBT, 0.0) if self.timed.found else 0.0
 
     @property
     def grey(self) -> bool:

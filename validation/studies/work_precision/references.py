@@ -1,8 +1,9 @@
 """What the error of each method is measured against: an exact answer, or another code, finer, with its uncertainty.
 
-Nothing is measured against its own code.  Uncertainties: of finite elements those of `fem_reference.solve` (three
-meshes); of the paper's method, of second order, the change of its extrapolation in 1/cells^2 by one level; of the
-solver and of Persson's routes the change by one level.
+Nothing is measured against its own code where another one reaches; where none does, against a far finer run of it, and
+then no digits are claimed.  Uncertainties: of finite elements those of `fem_reference.solve` (three meshes); of
+the paper's method, of second order, the change of its extrapolation in 1/cells^2 by one level; of the solver and of
+Persson's routes the change by one level.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from persson.adhesive import Route
 from validation.harness.schema import ReferenceKind
 from validation.references.paper_method import follow
 from validation.references.paper_method import solve as paper_solve
-from validation.references.posed_contacts import Numbers, Posed, answer_of, exact_sinusoid, numbers_of
+from validation.references.posed_contacts import Numbers, Posed, answer_of, exact_sinusoid, numbers_of, quantity_of
 from validation.routes import boundary_elements
 from validation.routes.finite_elements import crests, finest
 from validation.routes.paper_method import GAP
@@ -40,7 +41,9 @@ class Yardstick:
 
     def floor(self, posed: Posed, names: tuple[str, ...]) -> float:
         """Uncertainty of the error: the largest of the named quantities over their scales."""
-        return max(self.uncertainty[name] / posed.scales[name] for name in names if name in self.uncertainty)
+        scales = posed.scales
+        known = {name: quantity_of(name) for name in self.uncertainty if quantity_of(name) in names}
+        return max(self.uncertainty[name] / scales[quantity] for name, quantity in known.items())
 
 
 @dataclass(frozen=True)
@@ -50,6 +53,7 @@ class Source:
     name: str
     code: str
     compute: Callable[[Posed], Yardstick]
+    of_itself: bool = False  # whether it measures its own code where no other does
 
 
 def johnson(posed: Posed) -> Yardstick:
@@ -69,6 +73,12 @@ def solver(posed: Posed) -> Yardstick:
     """The production solver at 1e-12; uncertainty: the change from 1e-10, at least rounding."""
     fine, coarse = (numbers_of(boundary_elements.solve(posed, tolerance).values) for tolerance in (1e-12, 1e-10))
     return Yardstick("bem", "independent code", "bem at tolerance 1e-12", fine, _changes(posed, fine, coarse))
+
+
+def far_finer(posed: Posed) -> Yardstick:
+    """The production solver at 1e-12 and a quarter of the increment; uncertainty: the change from 1e-10."""
+    fine, coarse = (numbers_of(boundary_elements.solve(posed, *at).values) for at in ((1e-12, 0.25), (1e-10, 1.0)))
+    return Yardstick("bem", "self", "bem at 1e-12, a quarter of the increment", fine, _changes(posed, fine, coarse))
 
 
 def paper_extrapolated(posed: Posed) -> Yardstick:
@@ -98,6 +108,7 @@ def persson_route(route: Route, name: str, posed: Posed) -> Yardstick:
 JOHNSON = Source("Johnson 1995", "exact", johnson)
 FINITE_ELEMENTS = Source("finite elements", "fem", finite_elements)
 SOLVER = Source("solver", "bem", solver)
+FAR_FINER = Source("far finer run", "bem", far_finer, of_itself=True)
 PAPER = Source("paper's method, extrapolated", "paper's method", paper_extrapolated)
 VOLTERRA = Source("Volterra route", "persson, volterra", partial(persson_route, "volterra", "Volterra route"))
 FINITE_VOLUMES = Source(
@@ -108,13 +119,14 @@ SOURCES: dict[str, tuple[Source, ...]] = {
     "layer": (FINITE_ELEMENTS, SOLVER),
     "rough": (SOLVER, PAPER),
     "theory": (VOLTERRA, FINITE_VOLUMES),
+    "paper": (FAR_FINER,),
 }
 
 
 def source_for(scene: str, method: Method, sources: dict[str, tuple[Source, ...]] | None = None) -> Source:
-    """The first reference of a scene that is not of the method's own code; ValueError where there is none."""
+    """The first reference of a scene that may measure a method: of another code, or made to; ValueError without one."""
     for source in (SOURCES if sources is None else sources)[scene]:
-        if source.code != method.code:
+        if source.code != method.code or source.of_itself:
             return source
     raise ValueError(f"{scene}: no reference of another code than {method.code}")
 
@@ -125,4 +137,4 @@ def _extrapolated(fine: Numbers, coarse: Numbers) -> Numbers:
 
 
 def _changes(posed: Posed, fine: Numbers, coarse: Numbers) -> Numbers:
-    return {name: max(abs(fine[name] - coarse[name]), ROUNDING * posed.scales[name]) for name in fine}
+    return {name: max(abs(fine[name] - coarse[name]), ROUNDING * posed.scales[quantity_of(name)]) for name in fine}

@@ -205,14 +205,15 @@ def point_of(posed: Posed, method: Method, timed: Timed, reference: Yardstick | 
 
 def curves_of(points: Sequence[MethodPoint], scene: str) -> list[MethodCurve]:
     """Curves of a scene as the conclusion takes them."""
-    return [
-        MethodCurve(name, known[0].reference, tuple(_spot(point) for point in known), known[0].floor)
-        for name, known in by_method(points, scene).items()
-    ]
-
-
-def _spot(point: MethodPoint) -> Spot:
-    return Spot(point.timed.setting, max(point.error, point.floor), point.timed.cpu_seconds)
+    curves = []
+    for name, known in by_method(points, scene).items():
+        spots = tuple(
+            Spot(point.timed.setting, max(point.error, point.floor, point.doubt), point.timed.cpu_seconds)
+            for point in known
+        )
+        independent = not known[0].reference.endswith("(self)")
+        curves.append(MethodCurve(name, known[0].reference, spots, known[0].floor, independent))
+    return curves
 
 
 def figures_of(points: Sequence[MethodPoint], chosen: dict[str, Posed]) -> Iterator[tuple[str, Plot]]:
