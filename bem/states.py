@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from bem.audit import certificate
-from bem.audit.verdict import Certificate, Judged
+from bem.audit.verdict import Certificate, DimensionlessCertificate
 from bem.elastic.collocation import Evaluation
 from bem.flat import FlatState
 from bem.geometry.profile import Profile
@@ -106,7 +106,9 @@ def equilibrium_state(
     )
 
 
-def _judged(problem: Problem, state: Evaluation | GapEvaluation, assessment: Assessment, tolerance: float) -> Judged:
+def _judged(
+    problem: Problem, state: Evaluation | GapEvaluation, assessment: Assessment, tolerance: float
+) -> DimensionlessCertificate:
     """The certificate, by pressures or by gaps, whichever were the unknowns."""
     if not isinstance(state, Evaluation):
         from bem.audit import gap_certificate  # only the last gaps

@@ -23,7 +23,7 @@ import numpy as np
 
 from bem.audit.displacement import ComplianceRatio, DisplacementField, regular_part
 from bem.audit.gap_depths import gap_depths
-from bem.audit.verdict import Judged, Verdict
+from bem.audit.verdict import DimensionlessCertificate, Verdict
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
@@ -85,7 +85,7 @@ def certify(
     *,
     compliance_ratio: ComplianceRatio | None = None,
     demands: Demands | None = None,
-) -> Judged:
+) -> DimensionlessCertificate:
     """Check a dimensionless state with at least one patch and one gap, by its edges and its series of the pressure.
 
     The ratio is that of the compliance of a layer to that of the half-space for orders m >= 1, (n,) to (n,), tending
@@ -137,7 +137,7 @@ def certify(
     verdict.reasons.extend(f"displacement not resolved in the gap behind patch {i}" for i in unresolved)
     error = abs(float(np.sum(gap_integrals)) / (2 * np.pi) - (profile.max_height - penetration))
     mean_gap_error = verdict.judge("mean gap less separation", error, demands.mean_gap_error, "")
-    return Judged(
+    return DimensionlessCertificate(
         closure=closure,
         min_gap=min_gap,
         min_eigenvalue=eigenvalue,

@@ -29,7 +29,7 @@ import numpy as np
 
 from bem.audit.certificate import Demands
 from bem.audit.displacement import ComplianceRatio
-from bem.audit.verdict import Judged, Verdict
+from bem.audit.verdict import DimensionlessCertificate, Verdict
 from bem.geometry.arrays import ComplexArray, FloatArray
 from bem.geometry.profile import Profile
 
@@ -82,7 +82,7 @@ def certify_gaps(
     *,
     compliance_ratio: ComplianceRatio | None = None,
     demands: Demands | None = None,
-) -> Judged:
+) -> DimensionlessCertificate:
     """Check a dimensionless state without adhesion that has at least one gap and one patch.
 
     The ratio is as of `certify`. Of the demands, `interpenetration` is taken relative to the largest opening of a gap,
@@ -110,7 +110,7 @@ def certify_gaps(
     error = abs(profile.max_height - levels.penetration - volume)
     mean_gap_error = verdict.judge("mean gap less separation", error, demands.mean_gap_error, "")
     verdict.judge("deficit", abs(field.least_mean - levels.deficit - levels.mean_pressure), noise, "")
-    return Judged(
+    return DimensionlessCertificate(
         closure=closure,
         min_gap=lowest,
         min_eigenvalue=None,

@@ -41,7 +41,7 @@ class Certificate:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Judged(Certificate):
+class DimensionlessCertificate(Certificate):
     """The certificate of a dimensionless state: lengths in rms heights; `largest_gap` is that at the points tried."""
 
     min_gap: float
