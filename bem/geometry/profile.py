@@ -230,6 +230,11 @@ class Profile:
         return self._extrema(1.0)
 
     @property
+    def repeats(self) -> bool:
+        """Whether the period holds two or more equal parts: its orders have a common divisor."""
+        return int(np.gcd.reduce(self.orders)) > 1
+
+    @property
     def highest_crests(self) -> FloatArray:
         """Positions of the highest crests, ascending; more than one where they are equally high, to rounding."""
         positions, heights = self.crests

@@ -129,10 +129,12 @@ class Scene:
 
     @property
     def leaps(self) -> bool:
-        """Whether its path goes by leaps: few digits of an adhesive contact, whose load is not what is held."""
-        return (
-            self.adhesion is not None and self.accuracy.tolerance >= LEAPING and self.loading.control != "mean_pressure"
-        )
+        """Whether its path goes by leaps: few digits of an adhesive contact whose load is not what is held.
+
+        Nor may its profile repeat: what breaks such a symmetry would be decided by the end of a leap.
+        """
+        few = self.accuracy.tolerance >= LEAPING and self.loading.control != "mean_pressure"
+        return self.adhesion is not None and few and not self.surface().repeats
 
     def resolved(self) -> dict[str, Any]:
         """Everything as plain values, defaults included; a file is given by its name and digest."""

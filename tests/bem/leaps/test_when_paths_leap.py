@@ -1,0 +1,33 @@
+"""Which scenes are followed in leaps."""
+
+import pytest
+
+from bem.scene.scene import parse_scene
+
+ROUGH = {"kind": "self_affine", "hurst": 0.7, "rms_height": 50e-6, "harmonics": 12, "seed": 1}
+WAVES = {"kind": "harmonics", "amplitudes": [5e-5, 1e-5], "phases": [0.0, 0.3]}
+
+
+def scene(profile=ROUGH, tolerance=1e-3, control="separation", target=3e-5):
+    return parse_scene(
+        {
+            "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
+            "profile": {"period": 0.01} | profile,
+            "adhesion": {"work_of_adhesion": 0.03},
+            "loading": {"control": control, "targets": [target]},
+            "accuracy": {"tolerance": tolerance},
+        }
+    )
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-4])
+def test_few_digits_of_a_rough_profile_are_found_in_leaps(tolerance):
+    assert scene(tolerance=tolerance).leaps
+    assert scene(WAVES | {"orders": [2, 3]}, tolerance).leaps
+
+
+def test_many_digits_a_load_that_is_held_and_a_profile_that_repeats_are_not():
+    """What breaks the symmetry of equal parts would be decided by the end of a leap."""
+    assert not scene(tolerance=1e-5).leaps
+    assert not scene(control="mean_pressure", target=1e3).leaps
+    assert not scene(WAVES | {"orders": [4, 6]}).leaps
