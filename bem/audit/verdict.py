@@ -21,8 +21,12 @@ class Certificate:
         The largest |G/w - 1|, without adhesion |K| over that of a flat punch, with K recomputed by the audit.
     min_gap : float
         Smallest at the points tried, which come close to the edges but exclude them (there it vanishes).
-    min_eigenvalue, hessian_asymmetry : float
+    min_eigenvalue, hessian_asymmetry : float or None
         Handed in by the solver; None without adhesion.
+    truncation : float
+        The last coefficients of a patch over its largest.
+    contact_residual, mean_gap_error : float or None
+        How far contact is from the profile, and the mean gap from the separation.
     ok : bool
         No reason against the state was found.
     reasons : tuple of str

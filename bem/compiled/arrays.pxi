@@ -91,8 +91,10 @@ cdef int coefficients_of(Py_ssize_t n, double *samples) except -1:
     cdef Py_ssize_t size
     held = []
     series = modules["bem.geometry.chebyshev"].coefficients(copied(samples, 1, n))
-    memcpy(samples, reals(held, series, 1, &size), <size_t>n * sizeof(double))
-    return expect(size == n, "coefficients of another number")
+    cdef double *found = reals(held, series, 1, &size)
+    expect(size == n, "coefficients of another number")
+    memcpy(samples, found, <size_t>n * sizeof(double))
+    return 0
 
 
 cdef Table *tables(Call *call, Packing packing, const int64_t *sizes, Py_ssize_t count) except NULL:

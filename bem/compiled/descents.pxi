@@ -63,13 +63,15 @@ cdef int take_ahead(list held, profile, ahead, Walk *walk) except -1:
 cdef int take_edges(list held, patches, seen, Walk *walk) except -1:
     """Copied: they move.  The five arrays of the walk stand one behind the other."""
     cdef Py_ssize_t n = len(patches.left), size, k
+    cdef double *given
     expect(n > 0, "no patches")
     walk.n, walk.left = n, workspace(5 * n)
     walk.right, walk.seen_left, walk.seen_right = walk.left + n, walk.left + 2 * n, walk.left + 3 * n
     walk.gone = <int64_t *>(walk.left + 4 * n)
     for k, edges in enumerate((patches.left, patches.right, seen.left, seen.right)):
-        memcpy(walk.left + k * n, reals(held, edges, 1, &size), <size_t>(n * sizeof(double)))
+        given = reals(held, edges, 1, &size)
         expect(size == n, "edges differ")
+        memcpy(walk.left + k * n, given, <size_t>(n * sizeof(double)))
     return 0
 
 

@@ -24,7 +24,7 @@ typedef struct {
 
 extern Asked asked;
 
-/* Nodes, patches and their tables; sine and cosine of half of each position, one behind the other; what edges do at
+/* Nodes, patches and their tables; what an effect adds to the matrix, and to the edge vectors, (2, n), or NULL; sine and cosine of half of each position, one behind the other; what edges do at
    edges, two of each patch, above the diagonal, and, a column each, the slopes that they make at edges. */
 typedef struct {
     Call *call;

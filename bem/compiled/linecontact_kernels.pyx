@@ -1,7 +1,7 @@
 # cython: language_level=3, boundscheck=False, wraparound=False
 """The module linecontact_kernels: kernels that stand beside functions of the same names in NumPy, and say the same.
 
-Each function here takes the arguments of the function that it mirrors (which stands above it), looks at their types and
+Each function here takes the arguments of the function that it mirrors (its docstring names it), looks at their types and
 sizes, and calls what computes, in C.  BLAS and LAPACK are those of scipy.linalg.cython_blas and cython_lapack, whose
 functions are looked up when the module is imported: an ImportError where one is not there or has other arguments.
 """

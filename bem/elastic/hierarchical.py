@@ -176,7 +176,7 @@ class Skeleton:
 
     @cached_property
     def edge_vectors(self) -> FloatArray:
-        """The same, with what modes that are not coupled do at the nodes added to the edge vectors."""
+        """`at_edges`, with what modes that are not coupled do at the nodes added to the edge vectors, (4, n)."""
         if self.coupling is None or self.coupling.left_out is None:
             return self.at_edges
         return np.concatenate([self.at_edges[:2] + self.coupling.left_out.fields, self.at_edges[2:]])

@@ -5,7 +5,7 @@ An effect gives mode m the compliance ratio_m / m instead of 1/m, so that
     -sum_m ratio_m cos(m x) / m = log|2 sin(x/2)| + S(x),   S(x) = sum_m s_m cos(m x),   s_m = (1 - ratio_m) / m.
 
 1 - ratio_m decays like exp(-strip m), the strip being where S is analytic about the real axis: ln(1/tolerance) / strip
-terms are needed, and few Chebyshev modes of a patch feel them.  Dimensionless.  Limits: effects that decay as a power
+terms are needed.  Dimensionless.  Limits: effects that decay as a power
 of m, a surface tension say, are no such series.
 """
 
@@ -114,7 +114,8 @@ class KernelSeries:
     def coupling(self, x: FloatArray, patches: Patches, modes: IntArray, tolerance: float, few: bool) -> Coupling:
         """What S adds to the system of coupled modes, with nodes x: as waves, if these are few, or to its matrix.
 
-        Between the nodes it is S itself, but within patches that have fewer modes than S.
+        The matrix holds S between the nodes, but within a patch that has fewer modes than S its projection onto them;
+        waves are projected on such patches.
         """
         matrix = None if few else self.smooth(np.subtract.outer(x, x))
         waves = _powers(np.exp(1j * x), self.terms).T if few else None

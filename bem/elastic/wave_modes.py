@@ -4,16 +4,18 @@ On a patch x = c + r t a wave of order m has the Chebyshev series (Jacobi, Anger
 
     cos(z t) = J_0(z) + 2 sum_k (-1)^k J_2k(z) T_2k(t),   sin(z t) = 2 sum_k (-1)^k J_2k+1(z) T_2k+1(t).
 
-Its first p terms are all that p modes of the pressure feel, and all that they answer to.  At p nodes the waves of a
-thin layer would alias, as z is up to a half width times the waves of its thickness; their projections do not.  So a
-wide patch needs the modes of its pressure only, not those of the kernel.
+with k from 1 on in the first sum, from 0 in the second.  The first p terms are all that p modes of the pressure feel,
+and all that they answer to.  At p nodes the waves of a thin layer would alias, as z goes up to many half widths over
+its thickness, far above p; their projections do not.  So a wide patch needs the modes of its pressure only, not those
+of the kernel.  Dimensionless.
 
-The pressure that an edge adds when it moves has all modes: Q_n = (2 n / pi^2) (+-1)^n of half-space, and what the
-effect makes of it, which is smooth.  What the waves feel of those with n >= p is, as 2 n J_n = z (J_n-1 + J_n+1),
+The pressure that an edge adds when it moves has all modes: of a unit edge vector Q_n = (2 n / pi^2) (+-1)^n as on the
+half-space, and what the effect makes of it, which is smooth.  What the waves feel of those with n >= p is, as
+2 n J_n = z (J_n-1 + J_n+1),
 
     int cos(m x) dQ = (z/pi) (-1)^k J_2k-1(z),  2k >= p,     int sin(m x) dQ = +-(z/pi) (-1)^k J_2k(z),  2k + 1 >= p,
 
-with the least such k.  Dimensionless.
+with the least such k.
 """
 
 from __future__ import annotations

@@ -231,8 +231,8 @@ class Profile:
 
     @property
     def repeats(self) -> bool:
-        """Whether the period holds two or more equal parts: its orders have a common divisor."""
-        return int(np.gcd.reduce(self.orders)) > 1
+        """Whether the period holds two or more equal parts, to rounding: its orders have a common divisor."""
+        return int(np.gcd.reduce(self.orders[np.abs(self.amplitudes) > EQUAL_HEIGHTS * self.rms_height])) > 1
 
     @property
     def highest_crests(self) -> FloatArray:

@@ -34,7 +34,7 @@ PREDICTED = 0.15  # edge scales that edges are moved at most before Newton begin
 
 @dataclass(frozen=True, eq=False)
 class Newton:
-    """Where Newton led: forces in equilibrium, or the patches that it lost; and the gaps that have closed there."""
+    """Where Newton led: forces in equilibrium, and the patches that it lost; and the gaps that have closed there."""
 
     balance: Balance | None
     lost: IntArray

@@ -34,10 +34,11 @@ from bem.loading.path_point import Complete, Failed, Separated
 
 # rms heights at a tolerance of 1e-3, and the power of the tolerance with which it grows from there
 INTERVAL, GROWTH = 0.01, 0.7
-RESIDUAL = 1e-2  # speed: of states that are not kept, and in proportion less where brackets are
+RESIDUAL = 1e-2  # speed: of states that are not kept, and in proportion less below 1e-3
 LAST_LEAP = 2e-3  # rms heights before a value that is asked for
 NOT_SHORT = 0.3  # speed: of an interval: no leap of its own is that short
-HALVINGS = 16  # limit: leaps tried in an interval in which one fails
+LEAPS_TRIED = 16  # limit: of an interval in which one fails: shorter and shorter, up to what happens in it
+HALVINGS = 6  # limit: of an interval in which a load is met
 WINDOWED, FEW = 64, 0.8  # speed: patches from which windows leap; part of them below which they no longer do
 CLOSE = 1e-9  # derived: of the smallest increment: as good as there
 STATES_APART = 20.0  # speed: times `accuracy.max_increment`: a state takes as long as ten leaps
@@ -203,7 +204,7 @@ class LeapingPath:
         return Equilibrium.of(found[1], found[0], settled=True) if between and not closed.position.size else None
 
     def _next(self, before: AnyPoint | None, point: Equilibrium | Spread, goal: float) -> AnyPoint:
-        """The point behind the next leap; where none is found, behind a shorter one."""
+        """The point behind the next leap; where that fails, behind shorter ones up to what happens in it."""
         direction, closing, end = self.direction(point, goal), self.exact.bare.closing_value, goal
         if direction > 0 and goal >= closing:
             end = closing - self.exact.last_increment(point.value, point.patches.count, closing)
@@ -211,8 +212,8 @@ class LeapingPath:
                 return self.exact.bare.closed(point.patches, goal)
         change = self._change(abs(end - point.value))
         value = end if change == abs(end - point.value) else point.value + direction * change
-        beyond = None
-        for _ in range(HALVINGS):
+        first, beyond = point, None
+        for _ in range(LEAPS_TRIED):
             found = self._leapt(before, point, value)
             if isinstance(found, Failed):
                 self.effort.rejected += 1
@@ -223,7 +224,7 @@ class LeapingPath:
                 return found
             before, point = point, found
             value = beyond if self._may_hold_events(beyond - value) else (value + beyond) / 2
-        return found
+        return found if point is first else point
 
     def _may_hold_events(self, change: float) -> bool:
         """Whether a leap is so short that events may lie in it."""

@@ -477,7 +477,7 @@ def test_a_folder_that_is_removed_while_a_run_writes_there_is_one_error(scene, t
 
 @pytest.mark.parametrize("words", [["check"], ["run", "--out", "out"]])
 def test_hours_and_gigabytes_are_said_before_anything_is_computed(words, tmp_path, monkeypatch, capsys):
-    scene = SCENE.format(harmonics=1000, targets="60e-6") + "[layer]\nthickness = 1e-6\n"
+    scene = SCENE.format(harmonics=4000, targets="20e-6") + "[layer]\nthickness = 1e-6\n"  # 2.8 days
     monkeypatch.chdir(tmp_path)
     (tmp_path / "scene.toml").write_text(scene)
     monkeypatch.setattr(command_line, "solve", FakeSolver())

@@ -31,3 +31,5 @@ def test_many_digits_a_load_that_is_held_and_a_profile_that_repeats_are_not():
     assert not scene(tolerance=1e-5).leaps
     assert not scene(control="mean_pressure", target=1e3).leaps
     assert not scene(WAVES | {"orders": [4, 6]}).leaps
+    for nothing in (0.0, 1e-19):
+        assert not scene(WAVES | {"orders": [4, 6, 9], "amplitudes": [5e-5, 1e-5, nothing], "phases": [0, 0, 0]}).leaps
