@@ -24,8 +24,9 @@ typedef struct {
 
 extern Asked asked;
 
-/* Nodes, patches and their tables; what an effect adds to the matrix, and to the edge vectors, (2, n), or NULL; sine and cosine of half of each position, one behind the other; what edges do at
-   edges, two of each patch, above the diagonal, and, a column each, the slopes that they make at edges. */
+/* Nodes, patches and their tables; what an effect adds to the matrix, and to the edge vectors, (2, n), or NULL; sine and
+   cosine of half of each position, one behind the other; what edges do at edges, two of each patch, above the diagonal,
+   and, a column each, the slopes that they make at edges. */
 typedef struct {
     Call *call;
     Size n, largest, per_patch, edges; /* per_patch: columns of the edges of each patch: none, 2 or 4 */
