@@ -1,4 +1,4 @@
-"""What ends the stable part of a branch on a piece of its curve: a fold, a broken symmetry, or where one is restored.
+"""What ends the stable part of a branch on a piece of its curve: a fold, or a broken symmetry.
 
 The end of a piece says which, by the number of negative eigenvalues of the Hessian and by the way the control goes:
 
@@ -7,11 +7,12 @@ negative   control  what lies on the piece
 =========  =======  ==============================================================================================
 none       onward   nothing, unless the quintic turns in between: a snap hides there, and a shorter step tells
 one        back     a fold: the control turns, and the mode that is neutral there carries the contact away
-none       back     a symmetry is restored: the branch goes on as its mirror image, and the symmetric one leads on
 any        any      if the control does no work on the modes that turned unstable: a symmetry broke
 others              a shorter step tells
 =========  =======  ==============================================================================================
 
+Where a symmetry is restored (none, back) the branch goes on as its mirror image: steps end before that, and what leads
+on is found by the control (path.py).
 All are located as equilibria with a neutral mode (locating.py), whose error comes with them.  Modes that break a
 symmetry are held meanwhile; if that takes a force, the profile has not quite the symmetry, and shorter steps
 lead to the fold near the bifurcation.  Eigenvalues are those of the Hessian in units of the root of edge scale over
@@ -28,7 +29,7 @@ from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import Balance, System
 from bem.continuation.curve import MODES, Piece
-from bem.continuation.locating import LOCATED, HeldModes, Located, NeutralMode, Refused, Start, locate
+from bem.continuation.locating import LOCATED, Located, NeutralMode, Refused, Start, locate
 from bem.geometry.arrays import FloatArray
 
 NO_WORK = 1e-3  # cosine of a mode and of the pull of the control, below which that does no work on it
@@ -41,7 +42,7 @@ class LimitPoint:
 
     Attributes
     ----------
-    kind : {"fold", "broken_symmetry", "restored_symmetry"}
+    kind : {"fold", "broken_symmetry"}
     at : Located
     modes : (2 L, n) array
         Outward motions of the edges without resistance; one at a fold, to the side on which the potential falls.
@@ -51,7 +52,7 @@ class LimitPoint:
         Its parameter on the piece.
     """
 
-    kind: Literal["fold", "broken_symmetry", "restored_symmetry"]
+    kind: Literal["fold", "broken_symmetry"]
     at: Located
     modes: FloatArray
     bend: float
@@ -91,19 +92,19 @@ class LimitPoints:
         if values.size == 0 and onward:
             return Refused.UNCLEAR if piece.turns().size else None
         turns = piece.turns()
-        if onward or values.size > 1 or turns.size == 0:
+        if onward or values.size != 1 or turns.size == 0:
             return Refused.UNCLEAR
-        if values.size == 0:
-            return self._restored(piece, float(turns[0]), last.rate / last.balance.scale)
         return self._fold(piece, float(turns[0]))
 
     def _fold(self, piece: Piece, place: float) -> LimitPoint | Refused:
         """The fold at about a parameter, unless a symmetry breaks before it."""
         scale = piece.first.balance.scale
         neutral = self._neutral(scale, piece.last.rate / scale)
-        at = self._on_piece(piece, place, neutral)
+        at = locate(self.system, self._start(piece, place), neutral, self.tolerance)
         if isinstance(at, Refused):
             return at
+        if not piece.holds(at.patches, at.numbers.value):
+            return Refused.FAR
         pull, mode = at.balance.load_gradient * scale, neutral.last
         pull = pull * self.system.control.rate(at.balance.state)
         before = (neutral.values <= 0) & (np.arange(neutral.values.size) != neutral.index)
@@ -116,19 +117,6 @@ class LimitPoints:
             return Refused.UNCLEAR
         down = -np.sign(cubic) * neutral.motion
         return LimitPoint("fold", at, down[:, None], abs(cubic) / 2, piece.parameter(at.patches))
-
-    def _restored(self, piece: Piece, place: float, mode: FloatArray) -> LimitPoint | Refused:
-        """Where a broken symmetry is restored, at about a parameter; `mode` is that of the symmetry."""
-        scale = piece.first.balance.scale
-        neutral = self._neutral(scale, mode)
-        at = self._on_piece(piece, place, neutral, HeldModes(neutral.motion[:, None], restored=True))
-        if isinstance(at, Refused):
-            return at
-        soft = does_no_work(at.balance, scale, neutral.modes) & (neutral.values < NEUTRAL)
-        if not soft[neutral.index] or np.any(neutral.values[~soft] <= 0):
-            return Refused.UNCLEAR
-        modes = neutral.modes[:, soft] * scale[:, None]
-        return LimitPoint("restored_symmetry", at, modes, 0.0, piece.parameter(at.patches))
 
     def _broken(
         self, piece: Piece, here: Balance, modes: FloatArray, scale: FloatArray | None = None
@@ -144,7 +132,7 @@ class LimitPoints:
         start, along = self._start(piece, float(shares.min())), held[:, int(np.argmin(shares))] / scale
         for _ in range(MODES):
             neutral = self._neutral(scale, along)
-            at = locate(self.system, start, neutral, self.tolerance, HeldModes(held))
+            at = locate(self.system, start, neutral, self.tolerance, held)
             if isinstance(at, Refused):
                 return at
             start = Start(at.patches, at.numbers.penetration, at.numbers.value)
@@ -171,13 +159,6 @@ class LimitPoints:
     def _neutral(self, scale: FloatArray, mode: FloatArray) -> NeutralMode:
         """The condition of a neutral mode, at first along one in units `scale`."""
         return NeutralMode(self.system, scale, mode / np.linalg.norm(mode))
-
-    def _on_piece(
-        self, piece: Piece, place: float, on: NeutralMode, held: HeldModes | None = None
-    ) -> Located | Refused:
-        """What is located from about a parameter, if it lies on the piece."""
-        at = locate(self.system, self._start(piece, place), on, self.tolerance, held)
-        return at if isinstance(at, Refused) or piece.holds(at.patches, at.numbers.value) else Refused.FAR
 
     def _start(self, piece: Piece, place: float) -> Start:
         """Where Newton begins on a piece."""

@@ -149,30 +149,6 @@ class NeutralMode(Condition):
 
 
 @dataclass(frozen=True, eq=False)
-class HeldModes:
-    """Modes that do not take part, (2 L, k) outward motions, held by forces along them.
-
-    Where a broken symmetry is restored it is not known which edges are symmetric: there the control does no work on the
-    modes, v . dg/dtau = 0.
-    """
-
-    modes: FloatArray
-    restored: bool = False
-
-    def rows(self, system: System, here: Balance, unit: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Rows for motions in units and the control, (k, 2 L + 1), and what is missing of them, (k,)."""
-        count, rate = self.modes.shape[1], system.control.rate(here.state)
-        rows, off = np.zeros((count, unit.size + 1)), np.zeros(count)
-        rows[:, :-1] = (self.modes * unit[:, None]).T
-        if self.restored:
-            rows[:, :-1] = [unit * hessian_change_times(system, here, None, 1.0, mode) for mode in self.modes.T]
-            rows[:, -1] = self.modes.T @ (here.state.stress_intensity_rate * rate) ** 2 / 2
-            off = -(self.modes.T @ here.load_gradient) * rate
-        size = np.max(np.abs(rows), axis=1)
-        return rows / size[:, None], off / size
-
-
-@dataclass(frozen=True, eq=False)
 class Start:
     """Where Newton begins: edges, the penetration from which a load is reached, and a value of the control."""
 
@@ -211,7 +187,7 @@ def locate(
     start: Start,
     on: Condition,
     tolerance: float,
-    held: HeldModes | None = None,
+    held: FloatArray | None = None,
     known: Balance | None = None,
 ) -> Located | Refused:
     """The equilibrium next to edges that meets a condition, with its error.
@@ -223,7 +199,8 @@ def locate(
     on : Condition
     tolerance : float
         Of the evaluations.
-    held : HeldModes, optional
+    held : (2 L, k) array, optional
+        Outward motions that do not take part, held by forces along them.
     known : Balance, optional
         Forces where it begins, evaluated at the same tolerance.
     """
@@ -318,18 +295,19 @@ class NewtonStep:
         return Start(here.state.patches.moved(part * self.motion), here.state.penetration, value + part * self.change)
 
 
-def newton_step(system: System, here: Balance, row: Row, held: HeldModes | None = None) -> NewtonStep | Refused:
+def newton_step(system: System, here: Balance, row: Row, held: FloatArray | None = None) -> NewtonStep | Refused:
     """The solution of the bordered system, some modes being held."""
     unit = unit_of(system, here)
     n = unit.size
     matrix, side = bordered(system, here, unit, row), np.append(missing(here), -row.value)
     if held is not None:
-        rows, off = held.rows(system, here, unit)
-        count = off.size
-        columns = np.zeros((n + 1, count))
-        columns[:n] = held.modes / (np.sqrt(here.work) * unit)[:, None]
-        matrix = np.block([[matrix, columns], [rows, np.zeros((count, count))]])
-        side = np.append(side, off)
+        rows = (held * unit[:, None]).T
+        columns = held / (np.sqrt(here.work) * unit)[:, None]
+        k = held.shape[1]
+        columns, rows = np.pad(columns, ((0, 1), (0, 0))), np.pad(rows, ((0, 0), (0, 1)))
+        rows /= np.max(np.abs(rows), axis=1)[:, None]
+        matrix = np.block([[matrix, columns], [rows, np.zeros((k, k))]])
+        side = np.append(side, np.zeros(k))
     scale = np.max(np.abs(matrix[n]))
     matrix[n] /= scale
     side[n] /= scale

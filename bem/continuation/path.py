@@ -1,8 +1,8 @@
 """The quasi-static path of an adhesive contact: curves of equilibria from event to event, and the states asked for.
 
 A branch is followed as a smooth curve in steps (steps.py).  On every step the first end of the branch is looked for
-(branch_ends.py), as the equilibrium that meets its own condition: the goal, a fold, a broken or restored symmetry, or a
-gap that closes.  From there the contact jumps (jumps.py), or another branch is taken up (symmetry.py), and the curve of
+(branch_ends.py), as the equilibrium that meets its own condition: the goal, a fold, a broken symmetry, or a gap that
+closes.  From there the contact jumps (jumps.py), or another branch is taken up (symmetry.py), and the curve of
 the next equilibrium is followed.  A step in which it is not clear what happens is repeated at a third of its length.
 
 A point carries what the path needs to go on from it; a path holds no state of its own; its system counts the work.
@@ -40,7 +40,7 @@ from bem.continuation.steps import (
     predicted,
     step_from,
 )
-from bem.continuation.symmetry import alone, other_branch, symmetric_branch
+from bem.continuation.symmetry import alone, other_branch
 from bem.continuation.touches import Touch
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
@@ -252,11 +252,8 @@ class Path:
             yield self.jumps.from_touch(end)
         elif end.kind == "fold":
             yield self.jumps.from_fold(end) or self._around(piece, end, way)
-        elif end.kind == "broken_symmetry":
-            yield self._behind_broken_symmetry(piece, end, way)
         else:
-            beyond = symmetric_branch(self.system, end, way)
-            yield self._by_control(piece.first, way) if isinstance(beyond, Refused) else Equilibrium.near(beyond)
+            yield self._behind_broken_symmetry(piece, end, way)
 
     def _behind_broken_symmetry(self, piece: Piece, limit: LimitPoint, way: Way) -> Point:
         """The branch that begins where a symmetry breaks, if it is stable and leads on; else where forces lead."""

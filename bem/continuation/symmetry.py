@@ -1,8 +1,8 @@
-"""Branches that begin or end where a symmetry breaks or is restored.
+"""The branch that begins where a symmetry breaks.
 
-There two branches cross, the bordered system of the curve is singular, and each is taken up nearby: the branch of
-broken symmetry in the plane a small motion along the neutral mode away, the symmetric one with that mode held
-(branch switching; H. B. Keller, Numerical Methods in Bifurcation Problems, 1987, section 5).  Where several modes are
+There two branches cross, the bordered system of the curve is singular, and that of broken symmetry is taken up in the
+plane a small motion along the neutral mode away (branch switching; H. B. Keller, Numerical Methods in Bifurcation
+Problems, 1987, section 5).  Where several modes are
 neutral together, as among equal patches, the motion is that nearest to one patch alone that shrinks or slides: such
 branches begin there by symmetry (Golubitsky, Stewart, Schaeffer, Singularities and Groups in Bifurcation Theory II,
 1988, chapter XIII).  Dimensionless.
@@ -13,10 +13,10 @@ from __future__ import annotations
 import numpy as np
 
 from bem.adhesive.branch import outward_motion
-from bem.adhesive.equilibrium import System, symmetric_part
+from bem.adhesive.equilibrium import System
 from bem.continuation.curve import LONGEST, CurvePoint, curve_point, unit_of
 from bem.continuation.limit_points import LimitPoint
-from bem.continuation.locating import AtControl, InPlane, Located, Refused, Start, locate
+from bem.continuation.locating import InPlane, Refused, Start, locate
 from bem.continuation.steps import SHORTER, Way, shorter_steps
 from bem.geometry.arrays import FloatArray
 
@@ -57,28 +57,4 @@ def other_branch(system: System, limit: LimitPoint, motion: FloatArray, way: Way
         point = curve_point(system, found.balance, found.numbers.value, normal, float(normal @ moved))
         if point is not None and point.lowest[0].size <= limit.modes.shape[1]:
             return point
-    return refused
-
-
-def symmetric_branch(system: System, limit: LimitPoint, way: Way) -> Located | Refused:
-    """A stable state of the symmetric branch a little beyond where a broken symmetry is restored."""
-    here, scale = limit.at.balance, limit.at.balance.scale
-    unit, refused = unit_of(system, here), Refused.UNCLEAR
-    size, count = scale.size, limit.modes.shape[1]
-    modes = limit.modes / scale[:, None]
-    modes = modes / np.linalg.norm(modes, axis=0)
-    pull = here.load_gradient * scale * system.control.rate(here.state)
-    matrix = np.block([[symmetric_part(here.hessian, scale), modes], [modes.T, np.zeros((count, count))]])
-    side = np.append(-way.direction * pull, np.zeros(count))
-    along = np.linalg.solve(matrix, side)[:size] * scale
-    for part in shorter_steps(LONGEST / SHORTER):
-        step = part / float(np.max(np.abs(along / unit)))
-        value = limit.at.numbers.value + way.direction * step
-        if way.beyond(value) > 0:
-            step, value = abs(way.end - limit.at.numbers.value), way.end
-        start = Start(limit.at.patches.moved(step * along), limit.at.numbers.penetration, value)
-        found = locate(system, start, AtControl(value), way.tolerance)
-        if isinstance(found, Located) and found.balance.factor is not None:
-            return found
-        refused = found if isinstance(found, Refused) else Refused.UNCLEAR
     return refused

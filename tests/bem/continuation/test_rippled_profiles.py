@@ -133,6 +133,31 @@ def test_another_branch_is_taken_up_at_the_goal_if_that_is_near(ways):
     assert apart[0] / apart[1] == pytest.approx(np.sqrt(10), rel=1.5e-2)  # measured 5.3e-3
 
 
+@pytest.mark.parametrize("increment", [0.05, 0.02])
+def test_a_restored_symmetry_leads_to_the_symmetric_branch(increment):
+    """On the way a symmetry breaks and is restored; on the way back it breaks where it was restored. No energy is lost.
+
+    The branch of two unequal contacts goes on as its mirror image, with the control going back.
+    """
+
+    def widths(*separations):
+        loading = {"control": "separation", "targets": list(separations)}
+        result = solve(rippled([2, 150], [5e-5, 3e-8], [0.0, 0.1], 0.1, loading, increment, 0.45))
+        assert result.status == "converged"
+        return [np.ptp(state.edges, axis=1) for state in result.targets], result.events[2:]
+
+    equal, between, beyond = 3.93e-6, 3.76e-6, 3.63e-6
+    ways, events = widths(equal, between, beyond, between, equal)
+    direct, _ = widths(equal, beyond)
+    for there, back, alone in ((0, 4, 0), (2, 2, 1)):
+        assert np.ptp(ways[there]) <= 5e-15  # of 3.5e-3; measured 7e-16
+        np.testing.assert_allclose([ways[there], ways[back]], [direct[alone]] * 2, rtol=0, atol=5e-15)  # measured 6e-16
+    assert np.ptp(ways[1]) > 1e-7
+    assert np.ptp(ways[1]) == pytest.approx(np.ptp(ways[3]), rel=1e-8)  # measured 2e-9
+    assert [(event.kind, event.energy_released) for event in events] == [("bifurcation", 0.0)] * 2
+    assert events[0].penetration < events[1].penetration
+
+
 @pytest.mark.parametrize("event", [-1, -2, -3])
 def test_a_target_just_before_a_fold_does_not_hide_its_jump(event):
     """The fold lay within its stated error of the target, and was taken for one from which the contact had jumped."""
