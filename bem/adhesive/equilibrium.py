@@ -16,7 +16,7 @@ from scipy.linalg import lapack
 
 from bem.adhesive.lowest_modes import lowest_modes
 from bem.adhesive.pinning import PinningWaves
-from bem.elastic.collocation import Elastic, Evaluation, Resolution, evaluate
+from bem.elastic.collocation import ROUNDINGS, Elastic, Evaluation, Resolution, evaluate
 from bem.elastic.second_sensitivities import EdgeFields
 from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.geometry.arrays import FloatArray
@@ -104,7 +104,7 @@ class Balance:
         missing = np.abs(self.gradient / self.work)
         if np.all(missing <= limit):
             return True
-        return bool(np.all((missing <= limit) | (missing <= self.rounding / np.sqrt(self.work))))
+        return bool(np.all((missing <= limit) | (missing <= ROUNDINGS * self.rounding / np.sqrt(self.work))))
 
     @property
     def all_tensile(self) -> bool:

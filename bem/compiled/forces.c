@@ -12,6 +12,7 @@
 #define DIRECT 200000.0   /* logarithmic_potential.DIRECT */
 #define PER_BOX 18.0      /* logarithmic_potential.PER_BOX */
 #define ROUNDING 1e-14          /* collocation.ROUNDING */
+#define ROUNDINGS 3.0           /* collocation.ROUNDINGS */
 #define POSITION_ROUNDING 2e-15 /* collocation.POSITION_ROUNDING */
 #define HEIGHT_ROUNDING 1e-14   /* collocation.HEIGHT_ROUNDING */
 
@@ -306,7 +307,7 @@ int is_equilibrium(const Setting *setting, const State *state, double residual)
         }
         rounding = (double)state->nodes[i % n] * (ROUNDING * largest + POSITION_ROUNDING * setting->rms_slope);
         rounding = rounding * sqrt(PI / state->half_width[i % n]) + HEIGHT_ROUNDING * fabs(state->rate[i]);
-        if (!(missing <= rounding / sqrt(state->work[i])))
+        if (!(missing <= ROUNDINGS * rounding / sqrt(state->work[i])))
             return 0;
     }
     return 1;

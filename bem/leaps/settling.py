@@ -16,7 +16,7 @@ from scipy.linalg import lapack
 from bem.adhesive.branch import tangent
 from bem.adhesive.equilibrium import Balance, System, balance, edge_positions
 from bem.continuation.curve import imbalance_by_edges
-from bem.elastic.collocation import Evaluation, Resolution, evaluate, finer
+from bem.elastic.collocation import ROUNDINGS, Evaluation, Resolution, evaluate, finer
 from bem.elastic.far_field import Charges, far_fields
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray
@@ -181,7 +181,7 @@ class Settling:
     def _at_rest(self, state: Evaluation, root: FloatArray, residual: float) -> bool:
         """Whether G = w at all edges, to a residual or to the rounding of K."""
         missing = np.abs((state.stress_intensity / (2 * root)) ** 2 - 1)
-        return bool(np.all((missing <= residual) | (missing <= state.rounding(1.0) / root)))
+        return bool(np.all((missing <= residual) | (missing <= ROUNDINGS * state.rounding(1.0) / root)))
 
     def _work(self, patches: Patches) -> FloatArray:
         """w at the edges, (2 L,)."""

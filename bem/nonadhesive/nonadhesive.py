@@ -18,7 +18,7 @@ from typing import Literal
 
 import numpy as np
 
-from bem.elastic.collocation import Elastic, Evaluation, evaluate
+from bem.elastic.collocation import ROUNDINGS, Elastic, Evaluation, evaluate
 from bem.elastic.gap import gap_field, low_minima
 from bem.elastic.hierarchical import IllConditionedSystemError, if_solvable
 from bem.elastic.sensitivities import own_sensitivity
@@ -37,7 +37,6 @@ COARSELY_CLOSED = 1e-3  # the same until the edges are close; what it closes too
 OPENING_GAP = 1.5  # of these: gaps that tension inside a patch calls for are opened from here, so as to stay open
 LEFT_OVER = 0.01  # of the residual and the contact: what the edges may still have to move, for invariances to 1e-10
 ROUNDED = 1e-13  # of the highest crest: charges known no better, measured 1e-14
-ROUNDINGS = 3.0  # of K, as the certificate allows; measured 1.8
 DAMPED_AFTER = 15  # steps of the same patches after which a change of sign of K halves the step of its edge
 OVERLAP = 10.0  # Newton steps beside an edge with K < 0 in which the surfaces overlap until it has moved
 
