@@ -26,8 +26,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.compiled.kernels import mirrored
-from bem.elastic.hierarchical import IllConditionedSystemError, Skeleton, solve
+from bem.elastic.hierarchical import IllConditionedSystemError, solve
 from bem.elastic.logarithmic_potential import LogarithmicPotential
+from bem.elastic.skeleton import Skeleton
 from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches, PatchPressure

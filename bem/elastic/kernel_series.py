@@ -18,7 +18,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bem.elastic.hierarchical import Coupling, LeftOut, Waves
+from bem.elastic.skeleton import Coupling, LeftOut, Waves
 from bem.elastic.wave_modes import patch_waves
 from bem.geometry.arrays import ComplexArray, FloatArray, IntArray
 from bem.geometry.chebyshev import profile_nodes

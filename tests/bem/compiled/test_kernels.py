@@ -15,6 +15,7 @@ from bem.elastic import collocation, gap, hierarchical, sensitivities, separated
 from bem.elastic.collocation import Elastic
 from bem.elastic.kernel_series import kernel_series
 from bem.elastic.layer import LayerEffect
+from bem.elastic.skeleton import Coupling, Skeleton
 from bem.geometry.patches import TWO_PI, Patches, ordered
 from bem.geometry.profile import Profile
 
@@ -63,7 +64,7 @@ def posed(request):
     resolution = collocation.resolve(Elastic(ROUGH), patches, 1e-4)
     sides = reference.right_hand_sides(ROUGH, patches, 0.7, resolution)
     columns = np.concatenate([sides[2], [np.cos(sides[1])]])
-    skeleton = hierarchical.Skeleton(patches, resolution.modes, sides[1], columns, None)
+    skeleton = Skeleton(patches, resolution.modes, sides[1], columns, None)
     return SimpleNamespace(
         patches=patches, reference=reference, sides=sides, skeleton=skeleton, resolution=resolution,
     )  # fmt: skip
@@ -140,7 +141,7 @@ def test_leaf_that_is_not_positive_definite(posed):
 def test_matrix_that_a_uniform_charge_alone_keeps_positive_definite(posed):
     gram = posed.reference.solved(posed.skeleton, hierarchical.Splitting(1e-12, 10**9, 0.03))[2]
     size = posed.skeleton.x.size
-    beyond = replace(posed.skeleton, coupling=hierarchical.Coupling(np.full((size, size), 1.01 / gram[1, 1]), None))
+    beyond = replace(posed.skeleton, coupling=Coupling(np.full((size, size), 1.01 / gram[1, 1]), None))
     assert refused(beyond, hierarchical.Splitting(1e-12, 110, 2.02 / gram[1, 1]), posed.reference)
 
 

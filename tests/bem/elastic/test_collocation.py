@@ -11,7 +11,8 @@ from rough_surfaces import cut, short_waved
 from bem.elastic import collocation, hierarchical
 from bem.elastic.collocation import Elastic, Resolution, evaluate, finer, resolve
 from bem.elastic.compliance import Compliance
-from bem.elastic.hierarchical import Coupling, IllConditionedSystemError, Waves
+from bem.elastic.hierarchical import IllConditionedSystemError
+from bem.elastic.skeleton import Coupling, Waves
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from validation.references.dense import SmoothKernel, evaluate_dense

@@ -10,6 +10,7 @@ from bem.elastic.collocation import Elastic, evaluate, resolve, right_hand_sides
 from bem.elastic.compliance import Compliance
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.elastic.sensitivities import stress_intensity_jacobian
+from bem.elastic.skeleton import Coupling, Skeleton
 from bem.geometry.patches import Patches, ordered
 from bem.geometry.profile import Profile
 from bem.loading.control import LoadControl
@@ -127,7 +128,7 @@ def test_clusters_of_clusters_stay_few_where_gaps_widen_towards_the_ends(monkeyp
     patches = Patches(left * 2 * np.pi / behind[-1], (left + 0.3) * 2 * np.pi / behind[-1])
     resolution = resolve(Elastic(SHORT), patches, 1e-6)
     _, x, columns, *_ = right_hand_sides(SHORT, patches, 1.0, resolution)
-    skeleton = hierarchical.Skeleton(patches, resolution.modes, x, columns, None)
+    skeleton = Skeleton(patches, resolution.modes, x, columns, None)
     REFERENCES["solved"](skeleton, hierarchical.Splitting(1e-8, 130, 0.03))
     assert max(shared) <= 200  # measured 94; with splits at any gap 578
 
@@ -141,7 +142,7 @@ def test_layers_of_many_waves_are_one_cluster(monkeypatch):
         def coupling(self, x, patches, modes, tolerance, few):
             assert x.size >= 24 * patches.count and not few
             matrix = 0.3 * np.cos(np.subtract.outer(x, x))
-            return hierarchical.Coupling(matrix, None)
+            return Coupling(matrix, None)
 
         def coupled_modes(self, width, tolerance, max_order):
             return np.full(width.shape, 24.0)
