@@ -85,6 +85,8 @@ def step_from(system: System, at: CurvePoint, ahead: tuple[FloatArray, float], w
         better = evaluated_at_itself(system, there, way)
         if isinstance(better, Refused):
             return better
+        if not better.is_clear:
+            return Refused.UNCLEAR
         piece = Piece.between(at, better)
     return piece if piece is not None and piece.misfit <= MISFIT else Refused.MISFIT
 

@@ -1,14 +1,15 @@
 """Many patches at rest: equilibria, stability and errors of all edges from the Jacobians of windows.
 
-Newton for all edges takes the steps that the windows ask for, each for the edges of its core; the residuals are those
-of all patches.  Stability is that of the windows: the softest modes of a rough contact are of few patches.  The motion
-along the branch is corrected by what differences of evaluations still miss of it.  Dimensionless.
+Newton for all edges takes the steps that the windows ask for, each for the edges of its core, mixed with those before;
+the residuals are those of all patches.  Stability is that of the windows: the softest modes of a rough contact are of
+few patches.  The motion along the branch is corrected by what differences of evaluations still miss of it.
+Dimensionless.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.linalg import lapack
@@ -69,6 +70,30 @@ class Jacobians:
         return found
 
 
+@dataclass(eq=False)
+class Mixing:
+    """A fixed-point iteration whose steps learn from those before (D. G. Anderson, J. ACM 12 (1965) 547).
+
+    A soft mode of patches in two windows would make it slow.
+
+    Attributes
+    ----------
+    place : (n,) array
+        Where it stands.
+    """
+
+    place: FloatArray
+    _before: list[tuple[FloatArray, FloatArray]] = field(default_factory=list)
+
+    def step(self, asked: FloatArray) -> FloatArray:
+        """Go on from a place that asks for a step, (n,); how far that was."""
+        self._before.append((self.place, asked))
+        places, steps = (np.diff(np.array(kept), axis=0).T for kept in zip(*self._before, strict=True))
+        taken = asked - (places + steps) @ np.linalg.lstsq(steps, asked)[0]
+        self.place = self.place + taken
+        return np.asarray(taken)
+
+
 @dataclass(frozen=True, eq=False)
 class Settling:
     """Finds and assesses equilibria of many patches."""
@@ -80,6 +105,7 @@ class Settling:
         jacobians, kept = self.jacobians(patches, value), None
         if jacobians is None:
             return None
+        first, unit, mixing = patches, patches.edge_scale, Mixing(np.zeros(2 * patches.count))
         for _ in range(STEPS):
             state = self.evaluated(patches, value, accuracy.tolerance, kept)
             if state is None or state.stress_intensity.min() <= 0:
@@ -88,12 +114,11 @@ class Settling:
             if self._at_rest(state, root, accuracy.residual):
                 after = jacobians if jacobians.stable else self.jacobians(patches, value)
                 return (state, after) if after is not None and after.stable else None
-            step = jacobians.motion(2 * root - state.stress_intensity)
-            size = float(np.max(np.abs(step) / patches.edge_scale))
+            size = float(np.max(np.abs(mixing.step(jacobians.motion(2 * root - state.stress_intensity) / unit))))
             if not size <= LONGEST_STEP:
                 return None
             kept = state.resolution if size < SHORT_STEP else None
-            patches = patches.moved(step)
+            patches = first.moved(mixing.place * unit)
         return None
 
     def jacobians(self, patches: Patches, value: float) -> Jacobians | None:
@@ -141,29 +166,31 @@ class Settling:
 
     def _stiffness(self, state: Evaluation, jacobians: Jacobians) -> tuple[float, float]:
         """d(load) by the penetration along the branch, and what the last correction of the motion changed of it."""
-        rate, last, doubt = jacobians.rate(), np.inf, np.inf
-        root = np.sqrt(self._work(state.patches))
+        unit, root = state.patches.edge_scale, np.sqrt(self._work(state.patches))
+        rate, last, doubt = Mixing(jacobians.rate() / unit), np.inf, np.inf
         for _ in range(STEPS):
-            there = self._farther(state, rate)
+            there, change = self._farther(state, rate.place * unit)
             if there is None:
                 return np.nan, np.inf
-            stiffness = (there.load - state.load) / DIFFERENCE
+            stiffness = (there.load - state.load) / change
             last, doubt = stiffness, abs(stiffness - last)
             if doubt <= CLOSE * abs(stiffness):
                 break
             missed = 2 * (np.sqrt(self._work(there.patches)) - root) - (there.stress_intensity - state.stress_intensity)
-            rate = rate + jacobians.motion(missed / DIFFERENCE)
+            rate.step(jacobians.motion(missed / change) / unit)
         return last, doubt
 
     def stiffness(self, state: Evaluation, rate: FloatArray) -> float:
         """d(load) by the penetration where edges move at a rate."""
-        there = self._farther(state, rate)
-        return np.nan if there is None else (there.load - state.load) / DIFFERENCE
+        there, change = self._farther(state, rate)
+        return np.nan if there is None else (there.load - state.load) / change
 
-    def _farther(self, state: Evaluation, rate: FloatArray) -> Evaluation | None:
-        """The state a difference farther along the branch, its edges moving at a rate."""
-        ahead = state.patches.moved(DIFFERENCE * rate)
-        return self.evaluated(ahead, state.penetration + DIFFERENCE, 0.0, state.resolution)
+    def _farther(self, state: Evaluation, rate: FloatArray) -> tuple[Evaluation | None, float]:
+        """The state a little farther along the branch, its edges moving at a rate, and how much farther."""
+        fastest = float(np.max(np.abs(rate) / state.patches.edge_scale))
+        change = min(DIFFERENCE, SHORT_STEP / fastest)
+        ahead = state.patches.moved(change * rate)
+        return self.evaluated(ahead, state.penetration + change, 0.0, state.resolution), change
 
     def evaluated(
         self, patches: Patches, value: float, tolerance: float, resolution: Resolution | None = None

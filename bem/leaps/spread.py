@@ -37,7 +37,7 @@ WIDER = 3, 7  # limit: patches of buffer more, for a window that finds nothing
 JOINED = 0.5  # limit: residual of windows that were joined, beyond which they did not fit
 FINER = 1e-2  # derived: of the accuracy of targets: that of their assessment
 STEPS = 8  # limit: of Newton to a load
-ROUNDS = 5  # limit: of what only the accuracy of targets shows
+ROUNDS = 5  # limit: of windows that follow one another's events, and of what only the accuracy of targets shows
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,11 +151,26 @@ class Spreading:
     ) -> Spread | None:
         """The state behind a leap to a value of the control; None where windows find none, or do not fit.
 
-        Its events lie in a bracket of this width before it, by default in the leap.  It may be asked
-        that nothing happens in it.
+        Where an event in one window reaches into the next, what was joined is no equilibrium: windows follow from there
+        at the same value until it is (Schwarz's alternating method).  Its events lie in a bracket of this width before
+        it, by default in the leap.  It may be asked that nothing happens in it.
         """
+        events: tuple[PathEvent, ...] = ()
+        goal = value, accuracy, value - point.value if width is None else width
+        for _ in range(1 if quiet else ROUNDS):
+            behind = self._once(point, goal, quiet)
+            if behind is None:
+                break
+            events = (*events, *behind.events)
+            if np.max(np.abs(self.settling.missing(behind.state))) <= JOINED:
+                return replace(behind, events=events)
+            point = behind
+        return None
+
+    def _once(self, point: Spread, goal: tuple[float, Accuracy, float], quiet: bool) -> Spread | None:
+        """What all windows find, each in the far field of the state before, joined."""
+        value, accuracy, _ = goal
         change = value - point.value
-        width = change if width is None else width
         here, most = charges_of(point.state), PREDICTED * point.patches.edge_scale
         motion = np.clip(change * point.rate + change**2 / 2 * point.bend, -most, most)
         there = self.settling.evaluated(point.patches.moved(motion), value, accuracy.tolerance) if change else None
@@ -165,13 +180,13 @@ class Spreading:
         for k, (window, far) in enumerate(
             zip(windows, far_fields([window.arc for window in windows], here, ahead), strict=True)
         ):
-            landing = self._landed(window, far, point, motion, (value, accuracy, width), quiet)
+            landing = self._landed(window, far, point, motion, goal, quiet)
             for more in WIDER if landing is None and not quiet else ():
                 again = wider(point.patches, k, more)
                 if again is None:
                     break
                 (far,) = far_fields([again.arc], here, ahead)
-                landing = self._landed(again, far, point, motion, (value, accuracy, width))
+                landing = self._landed(again, far, point, motion, goal)
                 if landing is not None:
                     windows[k] = again
                     break
@@ -224,7 +239,7 @@ class Spreading:
         if not patches.is_ordered:
             return None
         state = self.settling.evaluated(patches, value, tolerance)
-        if state is None or np.max(np.abs(self.settling.missing(state))) > JOINED:
+        if state is None:
             return None
         return Spread(value, state, rate[:, order].ravel(), bend[:, order].ravel(), events=events)
 

@@ -113,8 +113,11 @@ def seams(windows: Sequence[Window], found: Sequence[Patches]) -> list[float] | 
     places = []
     for k, (window, patches) in enumerate(zip(windows, found, strict=True)):
         before, arc = found[k - 1], windows[k - 1].arc
-        inner = np.arange(before.count) != arc.outer_gap(before)
-        middle = (before.right + before.gap_after / 2)[inner]
+        ends, last = before.right + before.gap_after, arc.outer_gap(before)
+        starts = before.right.copy()
+        free = min((arc.delta - before.right[last]) % TWO_PI, (arc.delta - window.arc.beta) % TWO_PI)
+        starts[last], ends[last] = arc.delta - free, arc.delta  # of the outer gap, what lies in both windows
+        middle = (starts + ends) / 2
         inside = (middle[:, None] - patches.left) % TWO_PI <= patches.width
         shared = middle[window.arc.holds(middle) & ~inside.any(axis=1)]
         if not shared.size:

@@ -49,7 +49,7 @@ def rough_profile(harmonics=60, seed=4, hurst=0.7):
 
 
 def rough_scene(targets, harmonics=40, seed=1, adhesion=0.03, control="separation", **changes):
-    """A scene with a self-affine profile; keyword arguments replace whole tables."""
+    """A scene with a self-affine profile; keyword arguments replace whole tables, as adhesion may be one."""
     data = {
         "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
         "profile": {
@@ -63,7 +63,8 @@ def rough_scene(targets, harmonics=40, seed=1, adhesion=0.03, control="separatio
         "loading": {"control": control, "targets": targets},
     }
     if adhesion:
-        data["adhesion"] = {"work_of_adhesion": adhesion, "slope_term": True}
+        table = isinstance(adhesion, dict)
+        data["adhesion"] = adhesion if table else {"work_of_adhesion": adhesion, "slope_term": True}
     return parse_scene(data | changes)
 
 

@@ -1,5 +1,7 @@
 """Equilibrium of the edges: Johnson's branch and fold, Newton that stays on its branch, descent that finds the next."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -122,6 +124,15 @@ def test_residual_measures_the_release_rate():
     assert here.residual == pytest.approx(3.0, rel=1e-11)
     assert here.is_equilibrium(3.1)
     assert not here.is_equilibrium(2.9)
+
+
+def test_what_is_within_the_rounding_of_k_is_no_residual():
+    """Of some thousand edges one always has more than one rounding left; the certificate allows three."""
+    target = float(penetration_of(0.3))
+    here = balance(SYSTEM, patch(0.3), target, target, 1e-12)
+    missing = here.rounding / np.sqrt(here.work)
+    assert replace(here, gradient=2.9 * missing * here.work).is_equilibrium(0.0)
+    assert not replace(here, gradient=3.1 * missing * here.work).is_equilibrium(0.0)
 
 
 @pytest.mark.parametrize("start", [0.15, 0.3, 0.7], ids=lambda f: f"from {f}")

@@ -6,6 +6,7 @@ that are nearly so.
 
 import numpy as np
 import pytest
+from rough_surfaces import rough_scene
 
 from bem.continuation.path import Path
 from bem.scene.scene import parse_scene
@@ -156,6 +157,15 @@ def test_a_restored_symmetry_leads_to_the_symmetric_branch(increment):
     assert np.ptp(ways[1]) == pytest.approx(np.ptp(ways[3]), rel=1e-8)  # measured 2e-9
     assert [(event.kind, event.energy_released) for event in events] == [("bifurcation", 0.0)] * 2
     assert events[0].penetration < events[1].penetration
+
+
+@pytest.mark.slow
+def test_no_step_ends_behind_a_fold_unseen():
+    """A long Newton step to its end changed the stability there: the state that was kept there was unstable."""
+    uniform = {"work_of_adhesion": 0.03, "slope_term": False}
+    result = solve(rough_scene([3.75e-5], 2000, 3, uniform))
+    assert result.status == "converged"
+    assert all(state.certificate.ok for state in result.states)
 
 
 @pytest.mark.parametrize("event", [-1, -2, -3])

@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
-from rough_surfaces import banded_scene
+from rough_surfaces import banded_scene, rough_scene
 
 from bem.adhesive.equilibrium import System
 from bem.continuation.locating import AtControl, Start, settle
 from bem.elastic.far_field import Arc
 from bem.geometry.patches import Patches, ordered
 from bem.leaps import leaping_path
-from bem.leaps.settling import Settling
+from bem.leaps.settling import Mixing, Settling
 from bem.leaps.windows import Window, in_core, seams, wider, windows_of
 from bem.loading.increments import FINE
 from bem.problem import pose
@@ -73,6 +73,24 @@ def test_pressures_are_met_in_windows(both):
     assert first.contact_fraction < found[1].contact_fraction < second.contact_fraction
 
 
+def test_an_avalanche_goes_on_in_the_next_window():
+    """Detached in one window, patches were still held in the next: the two never fitted, however short the leap."""
+    uniform = {"work_of_adhesion": 0.03, "slope_term": False}
+    result = solve(rough_scene([10e-6, 50e-6], 1500, 6, uniform, accuracy={"tolerance": 1e-2}))
+    assert result.status == "converged"
+    assert [state.n_patches for state in result.targets] == [95, 25]
+    assert result.targets[1].contact_fraction == pytest.approx(0.0810663682522771, rel=1e-10)  # event by event; 1e-12
+
+
+def test_a_soft_mode_of_patches_in_two_windows_comes_to_rest():
+    """Each step of the windows leaves nine tenths of it; mixed, n + 1 steps solve a linear problem of n unknowns."""
+    left = np.diag([0.9, 0.01, -0.005])
+    mixing = Mixing(np.zeros(3))
+    for _ in range(4):
+        mixing.step(np.ones(3) + left @ mixing.place - mixing.place)
+    np.testing.assert_allclose(mixing.place, 1 / (1 - np.diag(left)), rtol=1e-12)  # measured 1e-15; not mixed 0.66
+
+
 def test_narrow_brackets_in_windows(both):
     """At 1e-4: the same states as by leaps at 1e-2, events in brackets some fifty times as narrow."""
     narrow = solve(banded_scene([4e-6, 3e-6], accuracy={"tolerance": 1e-4}))
@@ -114,6 +132,9 @@ def test_windows_are_seamed_in_gaps_that_both_have():
     assert seams(windows, [one, other]) == pytest.approx([(6.1 + 0.1 + 2 * np.pi) / 2, 0.75])
     closed = patches_of((0.1, 0.2), (0.26, 0.95), (1.1, 1.2), (6.0, 6.1))
     assert seams(windows, [one, closed]) is None
+    detached = patches_of((0.1, 0.2), (0.21, 0.25))  # of the first window nothing is left in the second
+    fewer = patches_of((0.1, 0.2), (0.3, 0.5), (1.1, 1.2), (6.0, 6.1))
+    assert seams(windows, [detached, fewer]) == pytest.approx([(6.1 + 0.1 + 2 * np.pi) / 2, (0.255 + 1.0) / 2])
     assert in_core(np.array([0.7, 0.8, 6.0]), 0.75, 1.3).tolist() == [False, True, False]
 
 
