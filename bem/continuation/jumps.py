@@ -23,7 +23,6 @@ from bem.continuation.limit_points import LimitPoint
 from bem.continuation.locating import AtControl, Located, Refused, Start, locate
 from bem.continuation.opening import complete_potential
 from bem.continuation.points_with_edges import Equilibrium, Point
-from bem.continuation.steps import SHORTER
 from bem.continuation.symmetry import TIED
 from bem.continuation.touches import Touch
 from bem.elastic.collocation import Evaluation
@@ -75,33 +74,19 @@ class Jumps:
             return self.behind(at.numbers, at.error, relaxed, changes, surely=bool(relaxed.changes))
         return None
 
-    def from_broken_symmetry(self, at: Located, motion: FloatArray, other: Patches | None) -> Point | None:
+    def from_broken_symmetry(self, at: Located, other: Patches) -> Point | None:
         """The state behind a broken symmetry; None where the contact falls back to where it was.
 
         Parameters
         ----------
         at : Located
             Where the symmetry breaks.
-        motion : (2 L,) array
-            Of the edges without resistance.
-        other : Patches or None
+        other : Patches
             Edges of an unstable branch that begins there, from which forces lead on.
         """
-        value, patches, state = at.numbers.value, at.patches, at.balance.state
-        unit = np.minimum(patches.edge_scale, self.system.pinning.shortest(at.balance.work, patches.edge_scale))
-        motion = motion / float(np.max(np.abs(motion) / unit))
-        outward = LONGEST * motion
-        if other is not None:
-            outward = outward_motion(patches, other)
-        else:
-            for part, sign in (
-                (part, sign) for part in (LONGEST / SHORTER**2, LONGEST / SHORTER, LONGEST) for sign in (1.0, -1.0)
-            ):
-                trial = sign * part * motion
-                if self._is_felt(patches.moved(trial), state.penetration, value, trial):
-                    outward = trial
-                    break
-        relaxed = self._relaxed(state, patches.moved(outward), value, moving_patches(patches, outward))
+        patches, state = at.patches, at.balance.state
+        outward = outward_motion(patches, other)
+        relaxed = self._relaxed(state, patches.moved(outward), at.numbers.value, moving_patches(patches, outward))
         if self._returned(patches, relaxed, outward):
             return None
         changes = (("bifurcation", leading_patch(patches, outward)), *relaxed.changes)

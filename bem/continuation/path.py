@@ -251,7 +251,7 @@ class Path:
         if isinstance(end, Touch):
             yield self.jumps.from_touch(end)
         elif end.kind == "fold":
-            yield self.jumps.from_fold(end) or self._around(piece, end, way)
+            yield self.jumps.from_fold(end) or self._by_control(piece.first, way)
         else:
             yield self._behind_broken_symmetry(piece, end, way)
 
@@ -260,9 +260,9 @@ class Path:
         motion, at = alone(limit), limit.at
         other = other_branch(self.system, limit, motion, way)
         if isinstance(other, Refused):
-            return self.jumps.from_broken_symmetry(at, motion, None) or self._by_control(piece.first, way)
+            return self._by_control(piece.first, way)
         if other.balance.factor is None or (other.value - at.numbers.value) * way.direction <= 0:
-            return self.jumps.from_broken_symmetry(at, motion, other.patches) or self._by_control(piece.first, way)
+            return self.jumps.from_broken_symmetry(at, other.patches) or self._by_control(piece.first, way)
         events = path_events((("bifurcation", leading_patch(at.patches, motion)),), at.numbers, at.error, 0.0, 0.0)
         if way.beyond(other.value) <= 0:
             return replace(Equilibrium.near(other), events=events)
@@ -270,27 +270,6 @@ class Path:
         outward = part * outward_motion(at.patches, other.patches)
         settled = self._stable(Start(at.patches.moved(outward), at.numbers.penetration, way.end))
         return replace(settled, events=events)
-
-    def _around(self, piece: Piece, limit: LimitPoint, way: Way) -> Point:
-        """The state behind a snap too small for a force to be felt: less than a unit on, the curve has turned twice."""
-        at, length, value = piece.last, piece.size, limit.at.numbers.value
-        beyond = replace(way, end=way.direction * np.inf)
-        for _ in range(MAXIMUM_ITERATIONS):
-            moved = outward_motion(limit.at.patches, at.patches) / at.unit
-            if length < SHORTEST or np.max(np.abs(moved)) > 1:
-                break
-            step = step_from(self.system, at, predicted(at, length, beyond), beyond)
-            if isinstance(step, Refused):
-                length /= SHORTER
-                continue
-            at, length = step.last, min(way.longest, length * growth(step))
-            if at.balance.factor is not None and (at.value - value) * way.direction > 0:
-                place = float(step.reaches(value)[-1:].sum())
-                found = self._stable(Start(step.at(place)[0], at.numbers.penetration, value))
-                if isinstance(found, Equilibrium):
-                    return found
-                break
-        return self._by_control(piece.first, way)
 
     def _by_control(self, at: CurvePoint, way: Way) -> Point:
         """The state a little farther on by the control, where no step along the curve is left.

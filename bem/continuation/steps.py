@@ -18,7 +18,7 @@ import numpy as np
 
 from bem.adhesive.equilibrium import Balance, System
 from bem.adhesive.third_derivatives import with_slopes
-from bem.continuation.curve import NEAR, CurvePoint, Piece, curve_point, first_point
+from bem.continuation.curve import NEAR, SHORT, CurvePoint, Piece, curve_point, first_point
 from bem.continuation.locating import Refused, Start, evaluated_anywhere, evaluated_finely
 from bem.continuation.points_with_edges import Equilibrium
 from bem.geometry.arrays import FloatArray
@@ -85,8 +85,6 @@ def step_from(system: System, at: CurvePoint, ahead: tuple[FloatArray, float], w
         better = evaluated_at_itself(system, there, way)
         if isinstance(better, Refused):
             return better
-        if not better.is_clear:
-            return Refused.UNCLEAR
         piece = Piece.between(at, better)
     return piece if piece is not None and piece.misfit <= MISFIT else Refused.MISFIT
 
@@ -104,10 +102,16 @@ def growth(piece: Piece) -> float:
 
 
 def evaluated_at_itself(system: System, at: CurvePoint, way: Way) -> CurvePoint | Refused:
-    """The same point from a finer evaluation at itself, with better derivatives."""
-    normal = at.rate / at.unit**2
-    here = evaluated_finely(system.sloped, Start(at.patches, at.numbers.penetration, at.value), way.tolerance)
-    return _point_of(system, here, at.value, normal, float(normal @ at.rate))
+    """The same point from finer evaluations at itself, until what is left to it is short: with better derivatives."""
+    while True:
+        normal = at.rate / at.unit**2
+        here = evaluated_finely(system.sloped, Start(at.patches, at.numbers.penetration, at.value), way.tolerance)
+        there = _point_of(system, here, at.value, normal, float(normal @ at.rate))
+        if isinstance(there, Refused) or there.off <= SHORT:
+            return there
+        if there.off >= at.off:
+            return Refused.DIVERGED
+        at = there
 
 
 def predicted(at: CurvePoint, length: float, way: Way) -> tuple[FloatArray, float]:
