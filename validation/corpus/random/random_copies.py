@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +27,7 @@ from bem.scene.result import FINAL_STATUSES, Event, Result, State
 from bem.scene.result_file import write_result
 from bem.scene.scene import LoadingTable, Scene, parse_scene
 from validation.corpus.hard.hard_case_scenes import waves_of
-from validation.corpus.random.random_checks import EPS, ROUNDINGS, Kind, Objection, Units
+from validation.corpus.random.random_checks import Kind, Objection, Units
 from validation.corpus.random.random_scenes import SCAN, Table
 
 LENGTH, MODULUS, SHIFT = 0.37, 290.0, 1.0  # no powers of two, whose products are exact
@@ -210,15 +211,11 @@ def _differences(made: Copy, units: Units, one: State, two: State) -> Iterator[s
     if (one.status, one.n_patches) != (two.status, two.n_patches):
         yield f"{two.status} with {two.n_patches} patches for {one.status} with {one.n_patches}"
         return
-    soft = ROUNDINGS * EPS * units.highest * abs(one.contact_stiffness or 0.0) / units.pressure
-    scale = {
-        "mean_pressure": (max(units.pressure, abs(one.mean_pressure)), made.modulus),
-        "contact_fraction": (1.0, 1.0),
-        "penetration": (max(units.height, units.highest), made.length),
-        "elastic_energy": (max(units.energy, abs(one.elastic_energy)), made.length * made.modulus),
-        "adhesion_energy": (max(units.energy, abs(one.adhesion_energy)), made.length * made.modulus),
-    }
-    for name, (unit, factor) in scale.items():
+    soft, energy = units.soft(one) / units.pressure, made.length * made.modulus
+    factors = {"mean_pressure": made.modulus, "contact_fraction": 1.0, "penetration": made.length,
+               "elastic_energy": energy, "adhesion_energy": energy}  # fmt: skip
+    for name, unit in units.scales(one).items():
+        factor = factors[name]
         first, second = float(getattr(one, name)), float(getattr(two, name)) / factor
         estimates = [getattr(one.error_estimate, name) or 0.0, (getattr(two.error_estimate, name) or 0.0) / factor]
         if np.isnan(first) and np.isnan(second):
@@ -307,16 +304,7 @@ def _changes(avalanche: Sequence[Event]) -> list[str]:
 
 def _avalanches(events: Sequence[Event]) -> list[list[Event]]:
     """Events that happen at one penetration and pressure, together."""
-    groups: list[list[Event]] = []
-    last: tuple[float, float] | None = None
-    for event in events:
-        here = (event.penetration, event.mean_pressure)
-        if here == last:
-            groups[-1].append(event)
-        else:
-            groups.append([event])
-        last = here
-    return groups
+    return [list(group) for _, group in groupby(events, lambda event: (event.penetration, event.mean_pressure))]
 
 
 def _unlike(ours: list[list[str]], theirs: list[list[str]]) -> str:
