@@ -6,7 +6,6 @@ nothing was found against the result.  Tolerances are stated beside the error me
 
 from __future__ import annotations
 
-import copy
 import tempfile
 from collections.abc import Callable
 from dataclasses import replace
@@ -23,7 +22,7 @@ from bem.scene.result import Result, State
 from bem.scene.result_file import write_result
 from bem.scene.scene import Scene, parse_scene
 from bem.solver import solve
-from validation.corpus.hard.hard_case_scenes import waves_of
+from validation.corpus.hard.hard_case_scenes import in_units, waves_of
 from validation.references.closed_forms import full_contact_amplitudes
 from validation.references.dense import evaluate_dense
 from validation.references.lone_crack import closing, crack, valleys
@@ -238,16 +237,10 @@ def mirror(tables: Table, scene: Scene, result: Result) -> list[str]:
     return _compare("mirror", result, other, scene, carried=lambda edges: -edges[:, ::-1])
 
 
-def in_units(tables: Table, scene: Scene, result: Result, factor: float) -> list[str]:
+def units(tables: Table, scene: Scene, result: Result, factor: float) -> list[str]:
     """Lengths and stresses in units so many times larger."""
-    scaled = copy.deepcopy(tables)
-    scaled["solid"]["youngs_modulus"] *= factor
-    for key in ("period", "rms_height"):
-        scaled["profile"][key] *= factor
-    scaled["loading"]["targets"] = [target * factor for target in tables["loading"]["targets"]]
-    if "adhesion" in scaled:
-        scaled["adhesion"]["work_of_adhesion"] *= factor**2
-    return _compare(f"units times {factor:g}", result, solve(parse_scene(scaled)), scene, factor)
+    other = solve(parse_scene(in_units(tables, factor, factor)))
+    return _compare(f"units times {factor:g}", result, other, scene, factor)
 
 
 def plane_strain_only(tables: Table, scene: Scene, result: Result) -> list[str]:
@@ -328,7 +321,7 @@ def _moved(state: State, other: NDArray[np.float64], scene: Scene) -> float:
     return float(np.max(np.min(np.max(np.abs(apart), axis=2), axis=1)) / period)
 
 
-IN_UNITS: dict[str, Check] = {"units_up": partial(in_units, factor=1e6), "units_down": partial(in_units, factor=1e-6)}
+IN_UNITS: dict[str, Check] = {"units_up": partial(units, factor=1e6), "units_down": partial(units, factor=1e-6)}
 CHECKS = IN_UNITS | {
     check.__name__: check
     for check in (

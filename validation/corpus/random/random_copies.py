@@ -26,7 +26,7 @@ from bem.geometry.profile import Profile
 from bem.scene.result import FINAL_STATUSES, Event, Result, State
 from bem.scene.result_file import write_result
 from bem.scene.scene import LoadingTable, Scene, parse_scene
-from validation.corpus.hard.hard_case_scenes import waves_of
+from validation.corpus.hard.hard_case_scenes import in_units, waves_of
 from validation.corpus.random.random_checks import Kind, Objection, Units
 from validation.corpus.random.random_scenes import SCAN, Table
 
@@ -84,31 +84,11 @@ def smaller_increment(tables: Table, scene: Scene, result: Result, folder: Path)
 
 def scaled(tables: Table, scene: Scene, result: Result, folder: Path) -> Copy:
     """Lengths and moduli in other units."""
-    other = {name: dict(table) for name, table in _plain(tables, scene).items()}
-    other["solid"]["youngs_modulus"] *= MODULUS
-    profile = other["profile"]
-    for key in ("period", "rms_height"):
-        if key in profile:
-            profile[key] *= LENGTH
-    if "amplitudes" in profile:
-        profile["amplitudes"] = [amplitude * LENGTH for amplitude in profile["amplitudes"]]
+    other = in_units(_plain(tables, scene), LENGTH, MODULUS)
     if scene.scan is not None:
-        profile["file"] = "scaled_" + SCAN
+        other["profile"]["file"] = "scaled_" + SCAN
         columns = np.column_stack([scene.scan.x, scene.scan.h]) * LENGTH
-        np.savetxt(folder / profile["file"], columns, delimiter=",", fmt="%.17g")
-    if "layer" in other:
-        other["layer"]["thickness"] *= LENGTH
-    if "adhesion" in other:
-        other["adhesion"]["work_of_adhesion"] *= LENGTH * MODULUS
-    loading = other["loading"]
-    unit = MODULUS if scene.loading.control == "mean_pressure" else LENGTH
-    loading["targets"] = [target * unit for target in loading["targets"]]
-    if "flaw" in loading:
-        loading["flaw"] *= LENGTH
-    if "stop_at_mean_pressure" in loading:
-        loading["stop_at_mean_pressure"] *= MODULUS
-    if "at_mean_pressures" in loading:
-        loading["at_mean_pressures"] = [pressure * MODULUS for pressure in loading["at_mean_pressures"]]
+        np.savetxt(folder / other["profile"]["file"], columns, delimiter=",", fmt="%.17g")
     return Copy("scale", parse_scene(other, folder), LENGTH, MODULUS)
 
 
