@@ -163,9 +163,7 @@ def paper_method_curve(cells: Sequence[int]) -> Curve:
 
 def ensemble_curve(harmonics: int, realisations: int) -> Curve:
     """Spread of the mean area over groups of realisations, with the area of each, at a separation of 0.8 h_rms."""
-    seeds = ({"profile": {"harmonics": harmonics, "seed": seed}} for seed in range(realisations))
-    found = [solved(adapters.scene("rough_100", {**seed, "loading": {"targets": [40e-6]}})) for seed in seeds]
-    areas = np.array([result.targets[-1].contact_fraction for result in found])
+    areas = np.array([_area(harmonics, seed) for seed in range(realisations)])
     sizes = [2**k for k in range(10) if 2**k <= realisations // 6]
     spread = [float(np.std(areas[: realisations // n * n].reshape(-1, n).mean(axis=1), ddof=1)) for n in sizes]
     errors, bound = tuple(value / float(areas.mean()) for value in spread), 1.6 / np.sqrt(realisations)
@@ -173,6 +171,12 @@ def ensemble_curve(harmonics: int, realisations: int) -> Curve:
                  "realisations in the mean", tuple(map(float, sizes)), errors, "algebraic", 0.5, 0.5 - bound,
                  0.5 + bound, "independent realisations; bounds are two standard deviations of the fit", "theory",
                  "central limit theorem", samples=tuple(areas.tolist()))  # fmt: skip
+
+
+def _area(harmonics: int, seed: int) -> float:
+    """Contact fraction of one realisation."""
+    changes: Changes = {"profile": {"harmonics": harmonics, "seed": seed}, "loading": {"targets": [40e-6]}}
+    return solved(adapters.scene("rough_100", changes)).targets[-1].contact_fraction
 
 
 def path_targets(harmonics: int, increment: float) -> tuple[list[float], int]:

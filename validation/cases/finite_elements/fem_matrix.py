@@ -70,17 +70,11 @@ def _line(index: int, comparison: Comparison) -> Cells:
     """What a scene is, and how far the codes are apart."""
     scene = posed(index)
     assert scene.layer is not None
-    return [
-        index,
-        scene.profile.kind,
-        scene.loading.control,
-        len(scene.loading.targets),
-        float(f"{scene.layer.thickness / scene.surface().period:.3g}"),
-        float(f"{scene.solid.poisson_ratio:.3g}"),
-        "none" if scene.adhesion is None else "yes",
-        len(comparison.fem.edges) if comparison.fem is not None else 0,
-        comparison.shown("share"),
-    ]
+    thickness, ratio = scene.layer.thickness / scene.surface().period, scene.solid.poisson_ratio
+    patches = len(comparison.fem.edges) if comparison.fem is not None else 0
+    return [index, scene.profile.kind, scene.loading.control, len(scene.loading.targets), float(f"{thickness:.3g}"),
+            float(f"{ratio:.3g}"), "none" if scene.adhesion is None else "yes", patches,
+            comparison.shown("share")]  # fmt: skip
 
 
 CASES = tuple(in_forms(

@@ -11,8 +11,8 @@ from validation.cases.shared.checks import Against, case
 from validation.corpus import convergence_curves as made
 from validation.corpus.convergence_curves import Curve, fem_curve
 from validation.harness.case import Outcome
-from validation.harness.figure_data import drawn, marks, trace
-from validation.harness.schema import Cells, Figure, Panel, Row, Table
+from validation.harness.figure_data import axes, drawn, marks, trace
+from validation.harness.schema import Cells, Figure, Row, Table
 
 # relative distance of the fitted rate from the predicted one
 MEASURED = {
@@ -44,7 +44,7 @@ def _figure(name: str, caption: str, curves: Sequence[Curve]) -> Figure:
     for curve in curves:
         series.append(trace(f"predicted, {curve.id}", *made.predicted_line(curve), "dashed"))
     scale = "linear" if curves[0].law == "geometric" else "log"
-    return drawn(name, caption, Panel(xlabel=curves[0].knob, ylabel="error", xscale=scale, yscale="log", series=series))
+    return drawn(name, caption, axes(curves[0].knob, "error", *series, xscale=scale, yscale="log"))
 
 
 def _table(curves: Sequence[Curve]) -> Table:
