@@ -306,17 +306,15 @@ def test_events_of_one_avalanche_may_come_in_any_order(asked_again):
 # One scene from end to end
 
 
-def trial_of(monkeypatch, tables, expected="an answer", special=""):
-    drawn = Drawn(0, 0, tables, None, expected, special)
-    monkeypatch.setattr(trial, "draw", lambda *_: drawn)
-    return trial.run_case(trial.RandomCase(0, 0))
+def trial_of(tables, expected="an answer", special=""):
+    return trial.run_case(Drawn(0, 0, tables, None, expected, special))
 
 
 QUICK = scene(rough(3), "separation", [9e-5, 6e-5], 0.01, max_increment=0.2)
 
 
-def test_sound_scene_is_correct(monkeypatch):
-    outcome = trial_of(monkeypatch, QUICK)
+def test_sound_scene_is_correct():
+    outcome = trial_of(QUICK)
     assert (outcome.converged, outcome.correct, outcome.findings) == (True, True, ())
 
 
@@ -326,7 +324,7 @@ def test_exception_leaves_the_trial(monkeypatch):
 
     monkeypatch.setattr(trial, "solve", broken)
     with pytest.raises(ZeroDivisionError):
-        trial_of(monkeypatch, QUICK)
+        trial_of(QUICK)
 
 
 def test_warning_is_a_finding(monkeypatch):
@@ -335,7 +333,7 @@ def test_warning_is_a_finding(monkeypatch):
         return solve(posed)
 
     monkeypatch.setattr(trial, "solve", warned)
-    assert trial_of(monkeypatch, QUICK).kinds == ("warning",)
+    assert trial_of(QUICK).kinds == ("warning",)
 
 
 def test_exception_of_a_copy_is_a_finding(monkeypatch):
@@ -343,17 +341,17 @@ def test_exception_of_a_copy_is_a_finding(monkeypatch):
         raise IndexError("no such state")
 
     monkeypatch.setattr(trial, "compared", broken)
-    assert trial_of(monkeypatch, QUICK).kinds == ("increment", "scale")
+    assert trial_of(QUICK).kinds == ("increment", "scale")
 
 
 def test_path_that_does_not_converge_is_not_correct(monkeypatch):
     monkeypatch.setattr(trial, "solve", lambda posed: replace(solve(posed), status="not_converged"))
-    outcome = trial_of(monkeypatch, QUICK)
+    outcome = trial_of(QUICK)
     assert (outcome.converged, outcome.correct) == (False, False)
 
 
-def test_unreachable_target_is_told_by_name(monkeypatch):
-    outcome = trial_of(monkeypatch, scene(WAVES, "penetration", [1e-5, 1e-3], max_increment=0.2))
+def test_unreachable_target_is_told_by_name():
+    outcome = trial_of(scene(WAVES, "penetration", [1e-5, 1e-3], max_increment=0.2))
     assert (outcome.converged, outcome.correct) == (False, True)
     assert outcome.refused_reason == "unreachable after 1 targets"
 
@@ -367,15 +365,15 @@ def test_unreachable_target_is_told_by_name(monkeypatch):
     ],
     ids=["named", "another key named", "not expected"],
 )
-def test_refusal_is_judged_by_what_was_expected(expected, special, correct, monkeypatch):
+def test_refusal_is_judged_by_what_was_expected(expected, special, correct):
     wrong = QUICK | {"solid": {"youngs_modulus": 0.0, "poisson_ratio": 0.3}}
     with pytest.raises(SceneError):
         parse_scene(wrong)
-    assert trial_of(monkeypatch, wrong, expected, special).correct is correct
+    assert trial_of(wrong, expected, special).correct is correct
 
 
-def test_accepted_mistake_is_a_finding(monkeypatch):
-    assert trial_of(monkeypatch, QUICK, "a refusal", "solid.density = 1").kinds == ("refusal",)
+def test_accepted_mistake_is_a_finding():
+    assert trial_of(QUICK, "a refusal", "solid.density = 1").kinds == ("refusal",)
 
 
 # Symmetries of the profile

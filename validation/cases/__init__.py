@@ -10,7 +10,6 @@ MODULES: tuple[str, ...] = (
     "validation.cases.states.identities",
     "validation.cases.states.scans",
     "validation.cases.states.state_verdicts",
-    "validation.cases.states.refusal_limits",
     "validation.cases.paths.path_convergence",
     "validation.cases.rough_profiles.paper_profile",
     "validation.cases.rough_profiles.hurst_exponents",

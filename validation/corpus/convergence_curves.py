@@ -18,7 +18,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from scipy.special import erf
@@ -30,6 +29,7 @@ from fem_reference.mesh import LayerMesh, Resolution, crisscross
 from fem_reference.result import quantities
 from fem_reference.solve import control_of, prescribed, problem_of
 from persson.diffusion import march
+from validation.corpus.effects import Changes, solved
 from validation.corpus.rates import Law, Rate, algebraic, geometric
 from validation.harness.schema import ReferenceKind
 from validation.references import adapters
@@ -121,22 +121,10 @@ def fem_curve(order: int, cells: Sequence[int], graded: bool) -> Curve:
     why = f"energy norm of order {predicted / 2:g}, " + (
         "that of the elements: the tips keep pace" if graded else "whatever the elements: r^(1/2) at the edges"
     )
-    return Curve(
-        id=f"fem-p{order}-{'graded' if graded else 'uniform'}",
-        code=f"fem P{order}",
-        quantity="mean pressure over p*",
-        knob="cells per period",
-        sizes=tuple(float(n) for n in cells),
-        errors=errors,
-        law="algebraic",
-        predicted=predicted,
-        low=low,
-        high=high,
-        why=why,
-        kind="exact",
-        reference=f"Johnson 1995, contact fraction {FEM_FRACTION:g}; layer of two periods",
-        floor=4e-9,
-    )
+    source = f"Johnson 1995, contact fraction {FEM_FRACTION:g}; layer of two periods"
+    return Curve(f"fem-p{order}-{'graded' if graded else 'uniform'}", f"fem P{order}", "mean pressure over p*",
+                 "cells per period", tuple(map(float, cells)), errors, "algebraic", predicted, low, high, why, "exact",
+                 source, floor=4e-9)  # fmt: skip
 
 
 def persson_curves(cells: Sequence[int], steps: Sequence[int]) -> tuple[Curve, Curve]:
@@ -166,21 +154,11 @@ def paper_method_curve(cells: Sequence[int]) -> Curve:
     fraction = 0.6
     depth = float(WAVE.penetration(fraction * np.pi / 2))
     found = [solve(surface, depth, [[-0.0025, 0.0025]], n, allowed_residual=1e-8) for n in cells]
-    return Curve(
-        id="paper-method",
-        code="paper's method",
-        quantity="contact fraction",
-        knob="cells per patch",
-        sizes=tuple(float(state.unknowns) for state in found),
-        errors=tuple(abs(state.contact_fraction - fraction) for state in found),
-        law="algebraic",
-        predicted=2.0,
-        low=1.9,
-        high=2.15,
-        why="cells of uniform pressure, graded to the edges",
-        kind="exact",
-        reference="Johnson 1995, contact fraction 0.6, alpha 0.3",
-    )
+    unknowns = tuple(float(state.unknowns) for state in found)
+    errors = tuple(abs(state.contact_fraction - fraction) for state in found)
+    return Curve("paper-method", "paper's method", "contact fraction", "cells per patch", unknowns, errors,
+                 "algebraic", 2.0, 1.9, 2.15, "cells of uniform pressure, graded to the edges", "exact",
+                 "Johnson 1995, contact fraction 0.6, alpha 0.3")  # fmt: skip
 
 
 def ensemble_curve(harmonics: int, realisations: int) -> Curve:
@@ -188,43 +166,24 @@ def ensemble_curve(harmonics: int, realisations: int) -> Curve:
     areas = np.array([_area(harmonics, seed) for seed in range(realisations)])
     sizes = [2**k for k in range(10) if 2**k <= realisations // 6]
     spread = [float(np.std(areas[: realisations // n * n].reshape(-1, n).mean(axis=1), ddof=1)) for n in sizes]
-    return Curve(
-        id="ensemble-area",
-        code="bem",
-        quantity="spread of the mean contact fraction, over its mean",
-        knob="realisations in the mean",
-        sizes=tuple(float(n) for n in sizes),
-        errors=tuple(value / float(areas.mean()) for value in spread),
-        law="algebraic",
-        predicted=0.5,
-        low=0.5 - 1.6 / np.sqrt(realisations),
-        high=0.5 + 1.6 / np.sqrt(realisations),
-        why="independent realisations; bounds are two standard deviations of the fit",
-        kind="theory",
-        reference="central limit theorem",
-        samples=tuple(areas.tolist()),
-    )
-
-
-def path_targets(harmonics: int, increment: float) -> tuple[list[float], int]:
-    """Contact fractions at the targets of a loading and unloading path, and the evaluations they cost."""
-    scene = adapters.scene("rough_100", {"profile": {"harmonics": harmonics}, "accuracy": {"max_increment": increment}})
-    result = bem.solve(scene)
-    if result.status != "converged":
-        raise ArithmeticError(f"path at increments of {increment}: {result.status}")
-    return [state.contact_fraction for state in result.targets], sum(state.evaluations for state in result.states)
+    errors, bound = tuple(value / float(areas.mean()) for value in spread), 1.6 / np.sqrt(realisations)
+    return Curve("ensemble-area", "bem", "spread of the mean contact fraction, over its mean",
+                 "realisations in the mean", tuple(map(float, sizes)), errors, "algebraic", 0.5, 0.5 - bound,
+                 0.5 + bound, "independent realisations; bounds are two standard deviations of the fit", "theory",
+                 "central limit theorem", samples=tuple(areas.tolist()))  # fmt: skip
 
 
 def _area(harmonics: int, seed: int) -> float:
     """Contact fraction of one realisation."""
-    changes: dict[str, dict[str, Any]] = {
-        "profile": {"harmonics": harmonics, "seed": seed},
-        "loading": {"targets": [40e-6]},
-    }
-    result = bem.solve(adapters.scene("rough_100", changes))
-    if result.status != "converged":
-        raise ArithmeticError(f"seed {seed}: {result.status}")
-    return result.targets[-1].contact_fraction
+    changes: Changes = {"profile": {"harmonics": harmonics, "seed": seed}, "loading": {"targets": [40e-6]}}
+    return solved(adapters.scene("rough_100", changes)).targets[-1].contact_fraction
+
+
+def path_targets(harmonics: int, increment: float) -> tuple[list[float], int]:
+    """Contact fractions at the targets of a loading and unloading path, and the evaluations they cost."""
+    changes: Changes = {"profile": {"harmonics": harmonics}, "accuracy": {"max_increment": increment}}
+    result = solved(adapters.scene("rough_100", changes))
+    return [state.contact_fraction for state in result.targets], sum(state.evaluations for state in result.states)
 
 
 def _fem(order: int, cells: int, graded: bool) -> Evaluation:

@@ -73,9 +73,8 @@ def loaded_alone(harmonics: int) -> list[str]:
 
 def rough(changes: Changes, harmonics: int) -> Any:
     """The rough scene with an effect."""
-    merged: Changes = {"profile": {"harmonics": harmonics}, "loading": {"targets": TARGETS}}
-    merged |= changes
-    return adapters.scene("rough_100", merged)
+    usual: Changes = {"profile": {"harmonics": harmonics}, "loading": {"targets": TARGETS}}
+    return adapters.scene("rough_100", usual | changes)
 
 
 def seconds_of(scene: Any, runs: int) -> tuple[float, int]:

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from typing import Any, Literal, get_args
 
 from validation.corpus.hard import hard_case_run, hard_fem_cases, hard_persson_cases
@@ -26,6 +27,7 @@ from validation.corpus.hard.hard_case_run import TrialOutcome
 from validation.corpus.hard.hard_case_scenes import HardCase
 from validation.corpus.hard.hard_cases import HARD_CASES
 from validation.corpus.random import random_trial
+from validation.corpus.random.random_scenes import Drawn
 from validation.harness.schema import Cells, Table
 
 LIMITS = {"reduced": 120.0, "full": 1800.0}  # s of the clock
@@ -72,7 +74,7 @@ class TrialRow:
 def tasks_of(quick: bool) -> list[Trial]:
     """All cases of the three corpora, in order."""
     form: Form = "reduced" if quick else "full"
-    return [Trial(code, name, form, LIMITS[form]) for code, corpus in _corpora().items() for name in corpus]
+    return [Trial(code, name, form, LIMITS[form]) for code, corpus in CORPORA.items() for name in corpus]
 
 
 def measured(task: Trial) -> TrialOutcome:
@@ -86,18 +88,15 @@ def row_of(task: Trial, answer: TrialOutcome | Exception | None, seconds: float 
     name: tuple[Code, str, Form, str] = (task.code, task.id, task.form, case.reason)
     if isinstance(answer, TrialOutcome):
         message = "; ".join(filter(None, [answer.refused_reason, *answer.findings]))
-        judged = (_ending(answer), answer.correct, message, answer.seconds)
+        ending: Ending = "converged" if answer.converged else "not converged"
+        if answer.refused_reason is not None:
+            ending = "refused as expected" if answer.observed == answer.expected else "refused"
+        judged = (ending, answer.correct, message, answer.seconds)
         return TrialRow(*name, answer.expected, answer.observed, *judged, answer.kinds)
     expected = case.expectation(task.form == "full")
     if answer is None:
         return TrialRow(*name, expected, (), "timed out", False, f"no answer in {task.limit:g} s", seconds)
     return TrialRow(*name, expected, (), "crashed", False, f"{type(answer).__name__}: {answer}", seconds)
-
-
-def _ending(outcome: TrialOutcome) -> Ending:
-    if outcome.refused_reason is not None:
-        return "refused as expected" if outcome.observed == outcome.expected else "refused"
-    return "converged" if outcome.converged else "not converged"
 
 
 def counts(rows: Iterable[TrialRow]) -> dict[str, int]:
@@ -115,30 +114,29 @@ COLUMNS = ["code", "case", "expected", "observed", "ending", "correct", "CPU s"]
 def table_of(rows: Sequence[TrialRow], left: Sequence[Trial] = ()) -> Table:
     """The rows as a table of a report, with tasks that are left to a higher level."""
     form = rows[0].form if rows else "reduced"
+    later = [[task.code, task.id, _short(_case(task).expectation(task.form == "full")), "", "not run", "–", None]
+             for task in left]  # fmt: skip
     return Table(
         id=f"hard-{form}",
         caption=f"Hard cases, {form} forms: what was expected beforehand, what came out, and whether it is correct.",
         columns=COLUMNS,
-        rows=[*map(cells, rows), *map(_left, left)],
+        rows=[*map(cells, rows), *later],
     )
 
 
-_Hard = HardCase | hard_fem_cases.FemCase | hard_persson_cases.PerssonCase | random_trial.RandomCase
+_Hard = HardCase | hard_fem_cases.FemCase | hard_persson_cases.PerssonCase | Drawn
 
 
-def _corpora() -> dict[Code, Mapping[str, _Hard]]:
-    """The cases of every code by their names."""
-    corpora: dict[Code, Sequence[_Hard]] = {
-        "bem": HARD_CASES,
-        "fem": hard_fem_cases.FEM_CASES,
-        "persson": hard_persson_cases.PERSSON_CASES,
-    }
-    return {code: {case.id: case for case in cases} for code, cases in corpora.items()}
+CORPORA: dict[Code, Mapping[str, _Hard]] = {  # the cases of every code by their names
+    "bem": {case.id: case for case in HARD_CASES},
+    "fem": {case.id: case for case in hard_fem_cases.FEM_CASES},
+    "persson": {case.id: case for case in hard_persson_cases.PERSSON_CASES},
+}
 
 
 def _case(task: Trial) -> _Hard:
     """The case of a task."""
-    return random_trial.case_of(task.id) if task.code == "random" else _corpora()[task.code][task.id]
+    return random_trial.case_of(task.id) if task.code == "random" else CORPORA[task.code][task.id]
 
 
 RUNNERS: dict[Code, Callable[[Any, bool], TrialOutcome]] = {
@@ -156,20 +154,10 @@ def cells(row: TrialRow) -> Cells:
     return [row.code, row.id, _short(row.expected), _short(row.observed), row.ending, correct, seconds]
 
 
-def _left(task: Trial) -> Cells:
-    """A task that is not run here as cells of the columns."""
-    return [task.code, task.id, _short(_case(task).expectation(task.form == "full")), "", "not run", "–", None]
-
-
 def _short(statuses: Sequence[str]) -> str:
     """Statuses of the targets, runs of the same counted; the status of the result first where it is another."""
     shown = list(statuses)
     if len(shown) > 1 and shown[0] == "converged":
         shown = shown[1:]
-    runs: list[list[Any]] = []
-    for status in shown:
-        if runs and runs[-1][0] == status:
-            runs[-1][1] += 1
-        else:
-            runs.append([status, 1])
+    runs = [(status, len(list(same))) for status, same in groupby(shown)]
     return ", ".join(status if count == 1 else f"{count} {status}" for status, count in runs)

@@ -168,7 +168,9 @@ def reduced(name: str, result: Result) -> Run:
     ended = result.status if result.states[-1].status == "separated" or result.status not in FINAL_STATUSES else "stuck"
     joined = any(state.status == "complete_contact" for state in result.states)
     status = "complete contact" if joined else ended
-    rms_slope = _surface(result).rms_slope
+    profile = result.scene["profile"]
+    shape = (profile[name] for name in ("period", "hurst", "rms_height", "harmonics", "seed"))
+    rms_slope = Profile.self_affine(*shape).rms_slope
     pressures = [event.mean_pressure for event in result.events if np.isfinite(event.mean_pressure)]
     closed = status == "converged"
     return Run(
@@ -235,11 +237,6 @@ def _cell(runs: Sequence[Run], quantity: str) -> tuple[float | None, float | Non
         return None, None, note or "no result"
     error = float(np.std(values, ddof=1) / math.sqrt(len(values))) if len(values) > 1 else None
     return float(np.mean(values)), error, note
-
-
-def _surface(result: Result) -> Profile:
-    table = result.scene["profile"]
-    return Profile.self_affine(table["period"], table["hurst"], table["rms_height"], table["harmonics"], table["seed"])
 
 
 def stored_runs() -> dict[str, Run]:

@@ -221,14 +221,7 @@ def _of_row(row: Row) -> list[Quantity]:
     kind = "converged" if row.pinned == "unconverged" else row.pinned
     return [
         Quantity(
-            name=name,
-            value=value,
-            unit=row.unit,
-            kind=kind,
-            rtol=rtol,
-            atol=atol,
-            basis=basis,
-            drift=row.uncertainty,
+            name=name, value=value, unit=row.unit, kind=kind, rtol=rtol, atol=atol, basis=basis, drift=row.uncertainty
         )
         for name, value in values.items()
     ]

@@ -68,11 +68,7 @@ def member_seed(root: int, k: int) -> int:
 
 
 def run_ensemble(
-    members: Iterable[Member],
-    folder: Path,
-    jobs: int,
-    report: Listener,
-    opener: Opener = local_processes,
+    members: Iterable[Member], folder: Path, jobs: int, report: Listener, opener: Opener = local_processes
 ) -> Gathered:
     """Compute and store what is missing, of members with distinct names, which are started in this order.
 
@@ -91,11 +87,21 @@ def run_ensemble(
     names = [member.name for member in planned]
     if len(set(names)) != len(names):
         raise ValueError(f"members: {sorted({n for n in names if names.count(n) > 1})} are named twice")
-    wanted = {member.name: digest(parse_scene(member.scene).resolved()) for member in planned}
-    folder.mkdir(parents=True, exist_ok=True)
-    found, damaged, waiting = _sorted_out(planned, wanted, folder, report)
-    computed: list[str] = []
+    found, damaged, computed, waiting = list[str](), list[str](), list[str](), list[Member]()
     failed: dict[str, str] = {}
+    for member in planned:
+        try:
+            read_member(member, folder)
+            found.append(member.name)
+        except FileNotFoundError:
+            waiting.append(member)
+        except (CorruptResultError, OtherSceneError) as error:
+            damaged.append(member.name)
+            waiting.append(member)
+            report(Note(f"{error}; computed again"))
+    if found:
+        report(Note(f"{len(found)} of {len(planned)} members are there already"))
+    folder.mkdir(parents=True, exist_ok=True)
     with closing(run_in_processes(solve_member, waiting, jobs, opener=opener)) as events:
         for event in events:
             if isinstance(event, Running):
@@ -136,7 +142,11 @@ def read_member(member: Member, folder: Path) -> Result:
     FileNotFoundError where it is not there, CorruptResultError where it is damaged, OtherSceneError where it is that of
     another scene.
     """
-    return _read(folder / member.name, digest(parse_scene(member.scene).resolved()))
+    scene_sha256 = digest(parse_scene(member.scene).resolved())
+    result = read_result(folder / member.name)
+    if result.provenance.get("scene_sha256") != scene_sha256:
+        raise OtherSceneError(f"{folder / member.name}: the result of another scene")
+    return result
 
 
 def solve_member(member: Member) -> Result:
@@ -149,33 +159,3 @@ def solve_member(member: Member) -> Result:
 def _sources() -> dict[str, str]:
     facts = provenance()
     return {"commit": facts["commit"], "sources_sha256": facts["sources_sha256"]}
-
-
-def _read(folder: Path, scene_sha256: str) -> Result:
-    result = read_result(folder)
-    if result.provenance.get("scene_sha256") != scene_sha256:
-        raise OtherSceneError(f"{folder}: the result of another scene")
-    return result
-
-
-def _sorted_out(
-    planned: tuple[Member, ...], wanted: Mapping[str, str], folder: Path, report: Listener
-) -> tuple[list[str], list[str], list[Member]]:
-    """Names of the members that are there, of those that cannot be trusted, and the members to compute."""
-    found: list[str] = []
-    damaged: list[str] = []
-    waiting: list[Member] = []
-    for member in planned:
-        try:
-            _read(folder / member.name, wanted[member.name])
-            found.append(member.name)
-            continue
-        except FileNotFoundError:
-            pass
-        except (CorruptResultError, OtherSceneError) as error:
-            damaged.append(member.name)
-            report(Note(f"{error}; computed again"))
-        waiting.append(member)
-    if found:
-        report(Note(f"{len(found)} of {len(planned)} members are there already"))
-    return found, damaged, waiting

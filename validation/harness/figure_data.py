@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import partial
+from typing import Any
 
 from validation.harness.schema import Figure, Panel, Series
 
@@ -27,27 +29,17 @@ def shaded(label: str, x: Values, lower: Values, upper: Values, hue: int | None 
 
 def bars(label: str, x: Values, lower: Values, upper: Values, hue: int | None = None) -> Series:
     """As `shaded`, each pair joined by a vertical bar with caps: error bars."""
-    return Series(label=label, x=_numbers(x), y=_numbers(lower), upper=_numbers(upper), style="bars", hue=hue)
+    return shaded(label, x, lower, upper, hue).model_copy(update={"style": "bars"})
 
 
-def axes(xlabel: str, ylabel: str, *series: Series) -> Panel:
-    """Axes with linear scales and at least one curve."""
-    return Panel(xlabel=xlabel, ylabel=ylabel, series=list(series))
+def axes(xlabel: str, ylabel: str, *series: Series, **scales: Any) -> Panel:
+    """Axes with at least one curve; `scales` are xscale and yscale of `Panel`, by default linear."""
+    return Panel(xlabel=xlabel, ylabel=ylabel, series=list(series), **scales)
 
 
-def semilogx(xlabel: str, ylabel: str, *series: Series) -> Panel:
-    """As `axes`, x on a logarithmic scale."""
-    return Panel(xlabel=xlabel, ylabel=ylabel, xscale="log", series=list(series))
-
-
-def semilogy(xlabel: str, ylabel: str, *series: Series) -> Panel:
-    """As `axes`, y on a logarithmic scale."""
-    return Panel(xlabel=xlabel, ylabel=ylabel, yscale="log", series=list(series))
-
-
-def loglog(xlabel: str, ylabel: str, *series: Series) -> Panel:
-    """As `axes`, both on logarithmic scales."""
-    return Panel(xlabel=xlabel, ylabel=ylabel, xscale="log", yscale="log", series=list(series))
+semilogx = partial(axes, xscale="log")
+semilogy = partial(axes, yscale="log")
+loglog = partial(axes, xscale="log", yscale="log")
 
 
 def drawn(name: str, caption: str, solution: Panel, error: Panel | None = None) -> Figure:

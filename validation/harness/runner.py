@@ -15,7 +15,6 @@ import time
 import traceback
 from collections.abc import Iterable, Mapping
 from contextlib import closing
-from dataclasses import dataclass
 from pathlib import Path
 
 from validation.harness.case import Case, Outcome
@@ -65,7 +64,8 @@ def run_cases(
     store.mkdir(parents=True, exist_ok=True)
     code = sources_digest()
     there = () if anew else planned
-    records = {case.id: found for case in there if (found := _stored(case, store, code, report)) is not None}
+    stored = [_store(case, store, code, report).kept(CaseRecord, case.id) for case in there]
+    records = {found.id: found for found in stored if found is not None and found.status == "run"}
     if records:
         report(Note(f"{len(records)} of {len(planned)} cases are there already"))
     waiting = [case for case in planned if case.id not in records]
@@ -113,8 +113,8 @@ def _computed(
             elif isinstance(event, Ended):
                 ran = event.answer
                 if isinstance(ran, Exception):
-                    ran = Ran(failed_record(event.item, f"{type(ran).__name__}: {ran}", 0.0), "")
-                record = _kept(ran, event.item, store, code)
+                    ran = failed_record(event.item, f"{type(ran).__name__}: {ran}", 0.0), ""
+                record = _kept(*ran, event.item, store, code)
                 left.discard(record.id)
                 ending = f"{record.seconds:.1f} s" if record.status == "run" else f"{record.status}: {record.message}"
                 done = f"[{planned - len(left)}/{planned}]"
@@ -141,54 +141,34 @@ def _expected_seconds(case: Case, store: Path, expected: Mapping[str, float]) ->
     return expected.get(case.id, GUESSED_SECONDS[case.level])
 
 
-@dataclass(frozen=True)
-class Ran:
-    """A record, and the traceback of its crash ("" without one)."""
-
-    record: CaseRecord
-    trace: str
-
-
-def _ran(case: Case) -> Ran:
-    """One case, in a worker: its record, also when it crashes."""
+def _ran(case: Case) -> tuple[CaseRecord, str]:
+    """One case, in a worker: its record, also when it crashes, and then the traceback ("" without one)."""
     begun = time.perf_counter()
     try:
-        return Ran(record_of(case, case.compute(), time.perf_counter() - begun), "")
+        return record_of(case, case.compute(), time.perf_counter() - begun), ""
     except (Exception, SystemExit) as error:
         message = f"{type(error).__name__}: {error}"
-        return Ran(failed_record(case, message, time.perf_counter() - begun), traceback.format_exc())
+        return failed_record(case, message, time.perf_counter() - begun), traceback.format_exc()
 
 
-def _kept(ran: Ran, case: Case, folder: Path, code: str) -> CaseRecord:
+def _kept(record: CaseRecord, trace: str, case: Case, folder: Path, code: str) -> CaseRecord:
     """The record, after it and its traceback were stored."""
     log = folder / f"{case.id}.log"
-    if ran.trace:
-        log.write_text(ran.trace, "utf-8", "backslashreplace")
+    if trace:
+        log.write_text(trace, "utf-8", "backslashreplace")
     else:
         log.unlink(missing_ok=True)
-    _store(case, folder, code, lambda note: None).keep(CaseRecord, ran.record, case.id)
-    return ran.record
+    _store(case, folder, code, lambda note: None).keep(CaseRecord, record, case.id)
+    return record
 
 
 def record_of(case: Case, outcome: Outcome, seconds: float) -> CaseRecord:
-    """What is reported of a case that ran: what it found, or why it was skipped."""
+    """What is reported of a case that ran: all that it says and found, or why it was skipped."""
+    known = vars(case) | vars(outcome)
     return CaseRecord(
-        id=case.id,
-        group=case.group,
-        level=case.level,
-        question=case.question,
-        equations=case.equations,
-        sources=list(case.sources),
-        effects=list(case.effects),
-        scene=case.scene,
-        rows=list(outcome.rows),
-        figures=list(outcome.figures),
+        **{name: known[name] for name in CaseRecord.model_fields if name in known},
         drawn=[figure.id for figure in outcome.figures],
-        tables=list(outcome.tables),
-        counts=dict(outcome.counts),
         seconds=seconds,
-        code=case.code,
-        problem=case.problem,
         status="not run" if outcome.skipped else "run",
         message=outcome.skipped,
     )
@@ -208,9 +188,3 @@ def _store(case: Case, folder: Path, code: str, report: Listener) -> Store:
     """The store of the record of a case, which the same code, versions and scene made."""
     parts = (case.scene, code, json.dumps(versions(), sort_keys=True))
     return Store(folder, hashlib.sha256("\0".join(parts).encode()).hexdigest(), report, each=False)
-
-
-def _stored(case: Case, folder: Path, code: str, report: Listener) -> CaseRecord | None:
-    """The stored record of a case if the same code made it and it did not crash."""
-    record = _store(case, folder, code, report).kept(CaseRecord, case.id)
-    return record if record is not None and record.status == "run" else None

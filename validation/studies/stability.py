@@ -49,7 +49,7 @@ ASKED = 10.0  # s of CPU time for a reduced case, as asked for; reported, second
 
 def random_tasks(number: int, seed: int) -> list[Trial]:
     """Scenes 0..number - 1 of a seed: each is the same whatever the number, and in whichever process."""
-    names = (random_trial.RandomCase(seed, index).id for index in range(number))
+    names = (f"seed_{seed}_scene_{index}" for index in range(number))
     return [Trial("random", name, "reduced", LIMITS["reduced"]) for name in names]
 
 
@@ -82,7 +82,7 @@ def run(
     _write(folder / file, facts, rows, len(planned))
     for row in rows:
         if row.code == "random" and not row.stands:
-            random_trial.case_of(row.id).drawn.write(folder / RANDOM_FOLDER)
+            random_trial.case_of(row.id).write(folder / RANDOM_FOLDER)
     print(text_table(COLUMNS, [cells(row) for row in rows]))
     for line in summary(rows, len(planned)):
         print(line)

@@ -9,7 +9,7 @@ from rough_surfaces import rough_scene
 from bem.scene.result_file import write_result
 from bem.scene.scene import parse_scene
 from bem.solver import solve
-from validation.cases.paths.energy_balance import accounts, closed, legs
+from validation.cases.paths.loop_work import accounts, closed, legs
 from validation.references.closed_forms import Sinusoid
 
 WAVE = Sinusoid(1e-4, 0.01, 1e6, 0.5, 0.3)

@@ -13,7 +13,6 @@ from itertools import chain
 import numpy as np
 from scipy.optimize import brentq
 
-from bem.scene.result import Result
 from validation.cases.shared.checks import Against, case, column, solved, work
 from validation.harness.case import Outcome
 from validation.harness.figure_data import axes, drawn, trace
@@ -23,11 +22,6 @@ PERIOD, AMPLITUDE, SECOND = 0.01, 1e-4, 0.5
 PATCH = OnePatch(PERIOD, 1e6 / (1 - 0.5**2), (AMPLITUDE, -SECOND * AMPLITUDE), 0.003)  # of the scene merged_crests
 BEFORE, MERGED = 3, (1e4, 2e4, 4e4)  # loads before the coalescence, and mean pressures in Pa behind it
 DIPS = {0.0: ("dip across the end of the period", "dots"), 0.5: ("dip in the middle of the period", "points")}
-
-
-def _loaded(dip: float) -> Result:
-    shift = 2 * np.pi * dip
-    return solved("merged_crests", profile={"phases": [-shift, np.pi - 2 * shift]})
 
 
 def _off_dip(x: float | None, dip: float) -> float | None:
@@ -44,7 +38,9 @@ def _at(load: float) -> float:
 
 
 def _merged_crests() -> Outcome:
-    results = {dip: _loaded(dip) for dip in DIPS}
+    shifts = {dip: 2 * np.pi * dip for dip in DIPS}
+    results = {dip: solved("merged_crests", profile={"phases": [-shift, np.pi - 2 * shift]})
+               for dip, shift in shifts.items()}  # fmt: skip
     exact = [_at(load) for load in MERGED]
     fractions = [column(result.targets, "contact_fraction") for result in results.values()]
     kinds = [column(result.events, "kind") for result in results.values()]

@@ -10,14 +10,12 @@ from functools import partial
 import numpy as np
 
 import bem
-from bem.geometry.scaling import Scales
 from bem.scene.result import Result
 from validation.cases.shared.checks import OVER_STATES, Against, case, column, posed, refused, solved, work
-from validation.harness.arrays import FloatArray
+from validation.corpus.convergence_curves import bem_curves
 from validation.harness.case import Outcome
 from validation.harness.figure_data import axes, drawn, marks, semilogy, trace
 from validation.references.closed_forms import Sinusoid, full_contact_amplitudes
-from validation.references.dense import evaluate_dense
 
 AMPLITUDE, WAVELENGTH, YOUNGS_MODULUS, POISSON_RATIO = 1e-4, 0.01, 1e6, 0.5
 SMALLEST_SHOWN = 1e-17
@@ -95,19 +93,6 @@ def _westergaard() -> Outcome:
     return Outcome(rows=rows, figures=(figure,), counts=work("unknowns evaluations", result))
 
 
-def _dense_errors(wave: Sinusoid, psi: float, sizes: list[int]) -> list[float]:
-    """Errors of the stress intensity over critical, by the plain dense evaluation with so many unknowns."""
-    profile, edge = bem.Profile.from_harmonics(WAVELENGTH, [1], [AMPLITUDE]), np.array([2 * psi])
-    scales = Scales(WAVELENGTH, profile.rms_height, wave.modulus)
-    critical, depth = 2 * np.sqrt(wave.work_of_adhesion / scales.release_rate), float(wave.penetration(psi))
-    states = [evaluate_dense(profile.scaled(), -edge, edge, depth / scales.height, np.array([n])) for n in sizes]
-    return [_largest(state.stress_intensity / critical - 1) for state in states]
-
-
-def _largest(errors: FloatArray) -> float:
-    return float(np.max(np.abs(errors)))
-
-
 def _convergence() -> Outcome:
     """The load and stress intensity of a Johnson state at its exact edges, for one tolerance after the other."""
     wave, fraction = _wave(0.3), 0.6
@@ -122,7 +107,7 @@ def _convergence() -> Outcome:
             continue
         unknowns.append(state.evaluation.unknowns)
         load_error.append(abs(state.mean_pressure - float(wave.mean_pressure(psi))) / wave.full_contact_pressure)
-        intensity_error.append(_largest(state.stress_intensity / critical - 1))
+        intensity_error.append(float(np.max(np.abs(state.stress_intensity / critical - 1))))
     known = Against("exact", "Johnson 1995, contact fraction 0.6, alpha 0.3")
     # rounding: the largest over the BLAS kernels of five processors (least 1.4e-15)
     rows = (
@@ -130,11 +115,11 @@ def _convergence() -> Outcome:
         known.row("stress intensity over critical at the finest setting", "", 0.0, intensity_error[-1],
                   (2e-14, 7.4e-15), "absolute"),
     )  # fmt: skip
-    sizes = list(range(4, 31, 2))
+    dense, _ = bem_curves(fraction, range(4, 31, 2))
     shown = (
         ("mean pressure / p*", unknowns, load_error),
         ("stress intensity", unknowns, intensity_error),
-        ("stress intensity, dense", sizes, _dense_errors(wave, psi, sizes)),
+        ("stress intensity, dense", dense.sizes, dense.errors),
     )
     curves = (marks(label, x, [max(error, SMALLEST_SHOWN) for error in errors]) for label, x, errors in shown)
     figure = drawn(

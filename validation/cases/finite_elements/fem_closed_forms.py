@@ -16,7 +16,6 @@ The true error over the uncertainty that the reference states of it is a quantit
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -25,11 +24,11 @@ import fem_reference
 from bem.scene.scene import Scene
 from fem_reference import Resolution, Result
 from validation.cases.finite_elements.fem_comparison import NAMES
-from validation.cases.shared.checks import OVER_STATES, Against, case, posed, solved
-from validation.harness.case import Case, Outcome
+from validation.cases.shared.checks import OVER_STATES, Against, case, in_forms, posed, solved
+from validation.harness.case import Outcome
 from validation.harness.compare import pairwise_orders
 from validation.harness.figure_data import axes, drawn, loglog, marks, trace
-from validation.harness.schema import Figure, Level, Row
+from validation.harness.schema import Figure, Row
 from validation.references import fem_adapter
 from validation.references.closed_forms import Sinusoid, layer_compliance
 
@@ -55,11 +54,6 @@ def given(wave: Sinusoid, thickness: float) -> dict[str, Any]:
     }
 
 
-def _complete_fem(poisson_ratio: float, order: int, cells: int) -> Result:
-    return fem_reference.solve(**given(_wave(poisson_ratio, 0.0), DOUBLING * PERIOD), control="mean_pressure",
-                               value=0.0, edges="complete", resolution=Resolution(order, cells, 10))  # fmt: skip
-
-
 def _complete_bem(poisson_ratio: float) -> float | None:
     """Elastic energy per area by the boundary elements, at a pressure that closes every gap."""
     state = solved("layer_sinusoid", solid={"poisson_ratio": poisson_ratio}, layer={"thickness": DOUBLING * PERIOD},
@@ -76,7 +70,9 @@ def _complete() -> Outcome:
     rows, series, unknowns = [], [], 0
     for order in (2, 4):
         for nu in RATIOS:
-            found = [_complete_fem(nu, order, cells) for cells in CELLS[order]]
+            found = [fem_reference.solve(**given(_wave(nu, 0.0), DOUBLING * PERIOD), control="mean_pressure", value=0.0,
+                                         edges="complete", resolution=Resolution(order, cells, 10))
+                     for cells in CELLS[order]]  # fmt: skip
             errors = [abs(result.strain_energy / PERIOD / exact[nu] - 1) for result in found]
             observed = pairwise_orders([1 / cells for cells in CELLS[order]], errors)[0]
             rows += _complete_rows(order, nu, found[-1], exact[nu], observed)
@@ -259,22 +255,17 @@ GROUP = "finite elements against closed forms"
 ELEMENTS = "gustafsson2020 taylor1973 roache1998"
 
 
-def _one_patch_case(identity: str, level: Level, order: int) -> Case:
-    return case(identity, GROUP, partial(_one_patch, order),
-                "Do the finite elements reproduce Johnson's states, at given edges and by their own closure?",
-                r"$p = p^\ast [S - \alpha \sqrt{\tan \psi}]$, $K = \alpha p^\ast \sqrt{\lambda}$, $S = \sin^2 \psi$",
-                f"johnson1995 destuynder1983 shih1986 {ELEMENTS}", "layer", level=level, code="fem",
-                scene="layer_sinusoid", problem="adhesive wave")  # fmt: skip
-
-
 CASES = (
     case("fem-complete-contact", GROUP, _complete,
          "Do the finite elements converge at their order in complete contact, for any Poisson's ratio?",
          r"$U / \lambda = h_1^2 / (4 c(q))$; observed order 4 (P2/P1), 8 (P4/P3)",
          f"carbone2008 {ELEMENTS}", "layer", code="fem", scene="layer_sinusoid",
          problem="complete contact of a layer"),
-    _one_patch_case("fem-one-patch-coarse", "quick", 2),
-    _one_patch_case("fem-one-patch", "standard", 4),
+    *in_forms({"fem-one-patch-coarse": ("quick", 2), "fem-one-patch": ("standard", 4)}, GROUP, _one_patch,
+              "Do the finite elements reproduce Johnson's states, at given edges and by their own closure?",
+              r"$p = p^\ast [S - \alpha \sqrt{\tan \psi}]$, $K = \alpha p^\ast \sqrt{\lambda}$, $S = \sin^2 \psi$",
+              f"johnson1995 destuynder1983 shih1986 {ELEMENTS}", "layer", code="fem", scene="layer_sinusoid",
+              problem="adhesive wave"),
     case("fem-closure-modulus", GROUP, _closure,
          "Has the contact whose edges the finite elements find the stress intensity and the stability it must?",
          r"$K = \sqrt{2 E^\ast \gamma}$; "

@@ -1,4 +1,4 @@
-"""Boundary elements against finite elements: rows of one scene, each judged by the uncertainty of both codes.
+"""Boundary elements against finite elements: one scene by both, its rows, judged by both uncertainties, its figure.
 
 Both find their own edges (or are given the same ones, where the case says so). For every quantity
 
@@ -24,14 +24,15 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 import bem
 from bem.scene.scene import Scene
 from fem_reference import Resolution, Result
-from validation.cases.shared.checks import Against
+from validation.cases.shared.checks import Against, beside
 from validation.harness.arrays import FloatArray
-from validation.harness.schema import Row
+from validation.harness.figure_data import axes, drawn, marks, trace
+from validation.harness.schema import Figure, Row
 from validation.references import fem_adapter
 
 COARSER = {"P2/P1": Resolution(2, 10, 10), "P4/P3": Resolution(4, 6, 16)}  # of many meshes: folds, moved edges
@@ -43,6 +44,8 @@ TAKEN = {"P2/P1": 0.38, "P4/P3": 0.1}
 AWAY = 0.1  # of the patch or gap beside an edge
 ASIDE = 0.1  # of a patch or gap: how far off the edges begin where a start is given
 POINTS = 48  # where displacements are compared
+SHOWN = 1.5  # times the scale: the exact pressure is infinite at the edges
+MIDDLE = 0.8  # of a patch, where pressures are compared node by node
 GROUP = "boundary elements against finite elements"
 EQUATIONS = (
     r"$K = \sqrt{2 E^\ast \gamma \sqrt{1 + h'^2}}$ at every edge ($K = 0$ without adhesion), "
@@ -103,6 +106,15 @@ class Comparison:
         """Those of the reference."""
         return "P2/P1" if self.fem is None else NAMES[self.fem.resolution.order]
 
+    @property
+    def uncertainty(self) -> float:
+        """Largest combined uncertainty over its scale, displacement at single points left out."""
+        return max(one.uncertainty for one in self.differences[:-1])
+
+    def shown(self, name: str) -> float | str:
+        """`share` or `uncertainty` as it stands in a table, or the failure."""
+        return float(f"{getattr(self, name):.2g}") if self.differences else self.failure
+
     def of(self, quantity: str) -> Difference:
         """The difference of a quantity."""
         return next(one for one in self.differences if one.quantity == quantity)
@@ -150,12 +162,6 @@ def compare_equilibria(label: str, posed: Scene, elements: str, patches: int | N
 def _aside(edges: FloatArray, period: float) -> FloatArray:
     """Edges (n_patches, 2) in m, each moved outwards by `ASIDE` of the shorter of the patch and the gap beside it."""
     return np.asarray(edges + ASIDE * beside(edges, period) * np.array([-1.0, 1.0]))
-
-
-def beside(edges: FloatArray, period: float) -> FloatArray:
-    """The shorter of the patch and the gap beside every edge, (n_patches, 2), m."""
-    lengths = np.diff(np.append(edges.ravel(), edges[0, 0] + period))
-    return np.minimum(lengths, np.roll(lengths, 1)).reshape(edges.shape)
 
 
 def compare_prescribed(label: str, posed: Scene, elements: str, edges: FloatArray, penetration: float) -> Comparison:
@@ -264,3 +270,41 @@ def counts(comparisons: Sequence[Comparison]) -> dict[str, int]:
         "unknowns": max((c.state.evaluation.unknowns for c in comparisons if c.state is not None), default=0),
         "unknowns of the finite elements": max((c.fem.unknowns for c in comparisons if c.fem is not None), default=0),
     }
+
+
+def figure(identity: str, caption: str, comparison: Comparison) -> tuple[Figure, ...]:
+    """Pressure along the layer by both codes above; below, their signed differences away from the edges."""
+    fem, state = comparison.fem, comparison.state
+    if fem is None or state is None:
+        return ()
+    scale, period, x = float(np.max(np.abs(fem.middle_pressure))), fem.problem.period, fem.interface.x
+    inside, middle = _in_patches(fem, x, 1.0), _in_patches(fem, x, MIDDLE)
+    theirs, ours = state.pressure(x[inside]), fem.interface.pressure[inside]
+    shown = np.abs(theirs) < SHOWN * scale
+    line = np.linspace(x[0], x[0] + period, 400)
+    curve = np.nan_to_num(state.pressure(line), nan=0.0, posinf=np.inf, neginf=-np.inf)  # nothing off the contact
+    displacement, points = comparison.differences[-1], x[0] + (away_from_edges(fem) - x[0]) % period
+    apart = (state.pressure(x[middle]) - fem.interface.pressure[middle]) / scale
+    below = (
+        "pressure at the nodes of the middle 0.8 of each patch over the largest middle pressure, displacement away "
+        "from the edges over the rms height."
+    )
+    made = drawn(
+        identity, f"{caption} Below, boundary elements less finite elements: {below}",
+        axes("x / mm", "pressure / kPa",
+             trace("boundary elements", line * 1e3, [v / 1e3 if abs(v) < SHOWN * scale else None for v in curve]),
+             marks("finite elements", x[inside][shown] * 1e3, ours[shown] / 1e3)),
+        axes("x / mm", "signed difference / scale",
+             marks("pressure", x[middle] * 1e3, apart),
+             marks("displacement", points * 1e3, (displacement.bem - displacement.fem) / displacement.scale)),
+    )  # fmt: skip
+    return (made,)
+
+
+def _in_patches(fem: Result, x: FloatArray, share: float) -> NDArray[np.bool_]:
+    """Whether positions x, m, lie in the inner share of a patch."""
+    period, inside = fem.problem.period, np.zeros(x.shape, dtype=bool)
+    for a, b in fem.edges:
+        distance = x - 0.5 * (a + b)
+        inside |= np.abs(distance - period * np.round(distance / period)) < share * 0.5 * (b - a)
+    return inside

@@ -12,17 +12,8 @@ from typing import Any
 import numpy as np
 
 from bem.scene.scene import Scene
-from validation.cases.finite_elements.fem_comparison import (
-    EQUATIONS,
-    GROUP,
-    SOURCES,
-    Comparison,
-    compare_equilibria,
-    compare_prescribed,
-    counts,
-    rows,
-)
-from validation.cases.finite_elements.fem_figures import figure
+from validation.cases.finite_elements import fem_comparison
+from validation.cases.finite_elements.fem_comparison import Comparison, compare_equilibria, compare_prescribed
 from validation.cases.shared.checks import case, posed
 from validation.harness.case import Case, Outcome
 from validation.harness.figure_data import drawn, loglog, marks, semilogx, trace
@@ -51,11 +42,16 @@ SCENES: dict[str, tuple[str, int, dict[str, Any]]] = {  # scene, patches, change
 }
 
 
+def _outcome(found: list[Comparison], *figures: Figure, tables: tuple[Table, ...] = ()) -> Outcome:
+    rows = (row for comparison in found for row in fem_comparison.rows(comparison))
+    return Outcome(rows=tuple(rows), figures=figures, tables=tables, counts=fem_comparison.counts(found))
+
+
 def _equilibrium(name: str, elements: str) -> Outcome:
     scene, patches, changes = SCENES[name]
     found = compare_equilibria("", posed(scene, **changes), elements, patches)
     caption = f"Pressure under {patches} unequal patches, {name.replace('-', ' ')}, {elements}."
-    return Outcome(rows=tuple(rows(found)), figures=figure(f"fem-{name}", caption, found), counts=counts([found]))
+    return _outcome([found], *fem_comparison.figure(f"fem-{name}", caption, found))
 
 
 def _crests(thickness: float, ratio: float) -> tuple[str, Scene]:
@@ -66,41 +62,22 @@ def _crests(thickness: float, ratio: float) -> tuple[str, Scene]:
 def _prescribed(elements: str) -> Outcome:
     found = [compare_prescribed(*_crests(*layer), elements, EDGES, PENETRATION) for layer in ((0.1, 0.49), (0.5, 0.3))]
     caption = f"Pressure of given patches at given penetration, {found[0].label}, {elements}."
-    return Outcome(
-        rows=tuple(row for comparison in found for row in rows(comparison)),
-        figures=figure("fem-prescribed", caption, found[0]),
-        counts=counts(found),
-    )
+    return _outcome(found, *fem_comparison.figure("fem-prescribed", caption, found[0]))
 
 
 def _layers() -> Outcome:
-    found = {
-        (thickness, ratio): compare_equilibria(*_crests(thickness, ratio), "P4/P3", 2)
-        for thickness in THICKNESSES
-        for ratio in RATIOS
+    found = {(d, nu): compare_equilibria(*_crests(d, nu), "P4/P3", 2) for d in THICKNESSES for nu in RATIOS}
+    captions = {
+        "share": "Largest |BEM - FEM| over 2 (u_BEM + u_FEM) of all quantities: at most 1 where the codes agree.",
+        "uncertainty": "Largest combined uncertainty over its scale, displacement at single points left out.",
     }
-    allowed = "Largest |BEM - FEM| over 2 (u_BEM + u_FEM) of all quantities: at most 1 where the codes agree."
-    uncertain = "Largest combined uncertainty over its scale, displacement at single points left out."
     tables = (
-        Table(caption=caption, columns=["d/lambda", *(f"nu = {ratio:g}" for ratio in RATIOS)],
-              rows=[[thickness, *(_shown(found[thickness, ratio], share) for ratio in RATIOS)]
-                    for thickness in THICKNESSES])
-        for caption, share in ((allowed, True), (uncertain, False))
+        Table(caption=caption, columns=["d/lambda", *(f"nu = {nu:g}" for nu in RATIOS)],
+              rows=[[d, *(one.shown(name) for one in (found[d, nu] for nu in RATIOS))] for d in THICKNESSES])
+        for name, caption in captions.items()
     )  # fmt: skip
-    return Outcome(
-        rows=tuple(row for comparison in found.values() for row in rows(comparison)),
-        figures=(_layers_figure({place: one for place, one in found.items() if one.differences}),),
-        tables=tuple(tables),
-        counts=counts(list(found.values())),
-    )
-
-
-def _shown(comparison: Comparison, share: bool) -> float | str:
-    """Largest difference over what is allowed, or largest combined uncertainty, as it stands in a table."""
-    if not comparison.differences:
-        return comparison.failure
-    found = comparison.share if share else max(one.uncertainty for one in comparison.differences[:-1])
-    return float(f"{found:.2g}")
+    figure = _layers_figure({place: one for place, one in found.items() if one.differences})
+    return _outcome(list(found.values()), figure, tables=tuple(tables))
 
 
 def _layers_figure(found: dict[tuple[float, float], Comparison]) -> Figure:
@@ -126,12 +103,11 @@ def _layers_figure(found: dict[tuple[float, float], Comparison]) -> Figure:
     )  # fmt: skip
 
 
-def _case(
-    name: str, elements: str, level: Level, compute: Any, question: str, scene: str, effects: str
-) -> Case:  # fmt: skip
+def _case(name: str, elements: str, level: Level, compute: Any, question: str, scene: str, effects: str) -> Case:
     coarse = "-coarse" if elements == "P2/P1" else ""
-    return case(f"fem-{name}{coarse}", GROUP, compute, question, EQUATIONS, SOURCES, effects, level=level,
-                scene=scene, problem=f"{name.replace('-', ' ')} on a layer")  # fmt: skip
+    return case(f"fem-{name}{coarse}", fem_comparison.GROUP, compute, question, fem_comparison.EQUATIONS,
+                fem_comparison.SOURCES, effects, level=level, scene=scene,
+                problem=f"{name.replace('-', ' ')} on a layer")  # fmt: skip
 
 
 def _equilibrium_case(name: str, elements: str, level: Level) -> Case:
@@ -143,9 +119,9 @@ def _equilibrium_case(name: str, elements: str, level: Level) -> Case:
 
 
 def _prescribed_case(elements: str, level: Level) -> Case:
-    question = "Do both codes find the same load, energy, stress intensities and fields at given edges?"
-    compute = partial(_prescribed, elements)
-    return _case("prescribed-edges", elements, level, compute, question, "layer_two_crests", "layer")
+    return _case("prescribed-edges", elements, level, partial(_prescribed, elements),
+                 "Do both codes find the same load, energy, stress intensities and fields at given edges?",
+                 "layer_two_crests", "layer")  # fmt: skip
 
 
 CASES = (

@@ -16,7 +16,6 @@ SI units.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from scipy.optimize import brentq
@@ -27,10 +26,10 @@ from fem_reference import Result
 from fem_reference.fold import Fold, Turning, fold
 from validation.cases.finite_elements.fem_closed_forms import JOHNSON, layered
 from validation.cases.finite_elements.fem_comparison import COARSER, GROUP, RESOLUTIONS, within
-from validation.cases.shared.checks import Against, case, posed, solved
-from validation.harness.case import Case, Outcome
+from validation.cases.shared.checks import Against, in_forms, posed, solved
+from validation.harness.case import Outcome
 from validation.harness.figure_data import axes, drawn, marks, trace
-from validation.harness.schema import Figure, Level, Row, Table
+from validation.harness.schema import Figure, Row, Table
 from validation.references import fem_adapter
 from validation.references.closed_forms import Sinusoid
 
@@ -225,25 +224,13 @@ def _loop(elements: str) -> Outcome:
     return Outcome(rows=tuple(rows), tables=(table,))
 
 
-def _fold_case(name: str, level: Level, elements: str) -> Case:
-    return case(name, GROUP, partial(_waves, elements),
-                "Do both codes and Johnson's curve lose the contact of a wave at the same place?",
-                r"$d\Delta/da = 0$, $dp/da = 0$ at $K = \sqrt{2 E^\ast \gamma}$, $a$ the contact fraction",
-                "johnson1995 destuynder1983", "layer adhesion unloading", level=level,
-                scene="layer_sinusoid")  # fmt: skip
-
-
-def _loop_case(name: str, level: Level, elements: str) -> Case:
-    return case(name, GROUP, partial(_loop, elements),
-                "Do both codes find the same events of a loop of loading and unloading, and what it loses?",
-                r"$U = U_{el} - \int \gamma \sqrt{1 + h'^2} dx$; released $= U_1 - U_2$ at fixed $\Delta$",
-                "carbone2009 destuynder1983", "layer adhesion slope_term unloading", level=level,
-                scene="layer_two_crests")  # fmt: skip
-
-
 CASES = (
-    _fold_case("fem-fold-coarse", "quick", "P2/P1"),
-    _fold_case("fem-fold", "standard", "P4/P3"),
-    _loop_case("fem-loop-coarse", "standard", "P2/P1"),
-    _loop_case("fem-loop", "full", "P4/P3"),
-)
+    *in_forms({"fem-fold-coarse": ("quick", "P2/P1"), "fem-fold": ("standard", "P4/P3")}, GROUP, _waves,
+              "Do both codes and Johnson's curve lose the contact of a wave at the same place?",
+              r"$d\Delta/da = 0$, $dp/da = 0$ at $K = \sqrt{2 E^\ast \gamma}$, $a$ the contact fraction",
+              "johnson1995 destuynder1983", "layer adhesion unloading", scene="layer_sinusoid"),
+    *in_forms({"fem-loop-coarse": ("standard", "P2/P1"), "fem-loop": ("full", "P4/P3")}, GROUP, _loop,
+              "Do both codes find the same events of a loop of loading and unloading, and what it loses?",
+              r"$U = U_{el} - \int \gamma \sqrt{1 + h'^2} dx$; released $= U_1 - U_2$ at fixed $\Delta$",
+              "carbone2009 destuynder1983", "layer adhesion slope_term unloading", scene="layer_two_crests"),
+)  # fmt: skip

@@ -12,23 +12,15 @@ compared: fem_comparison.py. SI units.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import partial
 
 import bem
 from bem.scene.scene import Scene, parse_scene
-from validation.cases.finite_elements.fem_comparison import (
-    EQUATIONS,
-    GROUP,
-    SOURCES,
-    Comparison,
-    compare_equilibria,
-    counts,
-    rows,
-)
-from validation.cases.shared.checks import Against, case
+from validation.cases.finite_elements import fem_comparison
+from validation.cases.finite_elements.fem_comparison import Comparison, compare_equilibria
+from validation.cases.shared.checks import Against, in_forms
 from validation.corpus.random.random_scenes import draw
-from validation.harness.case import Case, Outcome
-from validation.harness.schema import Cells, Level, Table
+from validation.harness.case import Outcome
+from validation.harness.schema import Cells, Table
 
 SEED, DRAWN = 47, 200
 TINY = (3, 340, 577)  # 1, 2 and 1 patches, past 5, 2 and 1 events
@@ -70,36 +62,25 @@ def _matrix(elements: str, chosen: Iterable[int] | None) -> Outcome:
         columns=["scene", "profile", "control", "targets", "d/lambda", "nu", "adhesion", "patches", "largest share"],
         rows=[_line(index, comparison) for index, comparison in found.items()],
     )
-    every = (row for comparison in found.values() for row in rows(comparison, asked_uncertainty=False))
-    return Outcome(rows=(*every, states), tables=(table,), counts=counts(list(found.values())))
+    every = (row for one in found.values() for row in fem_comparison.rows(one, asked_uncertainty=False))
+    return Outcome(rows=(*every, states), tables=(table,), counts=fem_comparison.counts(list(found.values())))
 
 
 def _line(index: int, comparison: Comparison) -> Cells:
     """What a scene is, and how far the codes are apart."""
     scene = posed(index)
     assert scene.layer is not None
-    return [
-        index,
-        scene.profile.kind,
-        scene.loading.control,
-        len(scene.loading.targets),
-        float(f"{scene.layer.thickness / scene.surface().period:.3g}"),
-        float(f"{scene.solid.poisson_ratio:.3g}"),
-        "none" if scene.adhesion is None else "yes",
-        len(comparison.fem.edges) if comparison.fem is not None else 0,
-        float(f"{comparison.share:.2g}") if comparison.differences else comparison.failure,
-    ]
+    thickness, ratio = scene.layer.thickness / scene.surface().period, scene.solid.poisson_ratio
+    patches = len(comparison.fem.edges) if comparison.fem is not None else 0
+    return [index, scene.profile.kind, scene.loading.control, len(scene.loading.targets), float(f"{thickness:.3g}"),
+            float(f"{ratio:.3g}"), "none" if scene.adhesion is None else "yes", patches,
+            comparison.shown("share")]  # fmt: skip
 
 
-def _case(name: str, level: Level, elements: str, chosen: Iterable[int] | None) -> Case:
-    return case(name, GROUP, partial(_matrix, elements, chosen),
-                "Do both codes find the same equilibria of scenes drawn at random, past events, whatever the "
-                "layer, the adhesion, the control and the number of patches?",
-                EQUATIONS, SOURCES, "layer adhesion slope_term unloading", level=level)  # fmt: skip
-
-
-CASES = (
-    _case("fem-matrix-coarse", "quick", "P2/P1", TINY),
-    _case("fem-matrix", "standard", "P4/P3", SHORT),
-    _case("fem-matrix-many", "full", "P4/P3", None),
-)
+CASES = tuple(in_forms(
+    {"fem-matrix-coarse": ("quick", "P2/P1", TINY),
+     "fem-matrix": ("standard", "P4/P3", SHORT),
+     "fem-matrix-many": ("full", "P4/P3", None)}, fem_comparison.GROUP, _matrix,
+    "Do both codes find the same equilibria of scenes drawn at random, past events, whatever the layer, the "
+    "adhesion, the control and the number of patches?",
+    fem_comparison.EQUATIONS, fem_comparison.SOURCES, "layer adhesion slope_term unloading"))  # fmt: skip

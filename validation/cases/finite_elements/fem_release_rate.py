@@ -11,7 +11,6 @@ energies. SI units.
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,11 +18,10 @@ import numpy as np
 import bem
 from bem.scene.scene import Scene
 from fem_reference.energy_difference import energy_difference
-from validation.cases.finite_elements.fem_comparison import COARSER, GROUP, beside, within
-from validation.cases.shared.checks import Against, case, posed
+from validation.cases.finite_elements.fem_comparison import COARSER, GROUP, within
+from validation.cases.shared.checks import Against, beside, in_forms, posed
 from validation.harness.arrays import FloatArray
-from validation.harness.case import Case, Outcome
-from validation.harness.schema import Level
+from validation.harness.case import Outcome
 from validation.references import fem_adapter
 
 SCENES: dict[str, tuple[str, int, dict[str, Any]]] = {  # scene, patches, changes
@@ -73,16 +71,10 @@ def _rates(elements: str, label: str) -> Outcome:
     return Outcome(rows=rows, counts={"unknowns of the finite elements": fem.unknowns})
 
 
-def _case(name: str, level: Level, elements: str, label: str) -> Case:
-    return case(name, GROUP, partial(_rates, elements, label),
-                "Is the energy that opening an edge releases the same by differences of both codes' energies?",
-                r"$G = dU / d\xi = K^2 / (2 E^\ast) = \gamma \sqrt{1 + h'^2}$ at every edge",
-                "carbone2009 destuynder1983 shih1986", "layer adhesion slope_term", level=level,
-                scene="layer_two_crests")  # fmt: skip
-
-
-CASES = (
-    _case("fem-release-rate-coarse", "quick", "P2/P1", "one crest"),
-    _case("fem-release-rate", "standard", "P4/P3", "one crest"),
-    _case("fem-release-rate-two", "full", "P4/P3", "two crests"),
-)
+CASES = tuple(in_forms(
+    {"fem-release-rate-coarse": ("quick", "P2/P1", "one crest"),
+     "fem-release-rate": ("standard", "P4/P3", "one crest"),
+     "fem-release-rate-two": ("full", "P4/P3", "two crests")}, GROUP, _rates,
+    "Is the energy that opening an edge releases the same by differences of both codes' energies?",
+    r"$G = dU / d\xi = K^2 / (2 E^\ast) = \gamma \sqrt{1 + h'^2}$ at every edge",
+    "carbone2009 destuynder1983 shih1986", "layer adhesion slope_term", scene="layer_two_crests"))  # fmt: skip

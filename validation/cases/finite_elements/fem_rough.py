@@ -15,15 +15,7 @@ import numpy as np
 
 import bem
 from bem.scene.scene import Scene
-from validation.cases.finite_elements.fem_comparison import (
-    EQUATIONS,
-    GROUP,
-    SOURCES,
-    compare_equilibria,
-    counts,
-    rows,
-)
-from validation.cases.finite_elements.fem_figures import figure
+from validation.cases.finite_elements import fem_comparison
 from validation.cases.shared.checks import Against, case, column, posed
 from validation.harness.case import Outcome
 from validation.harness.schema import Cells, Row, Table
@@ -48,12 +40,12 @@ def _posed(seed: int, layer: bool = True) -> Scene:
 
 
 def _rough(elements: str) -> Outcome:
-    found = compare_equilibria("one realisation", _posed(SEED), elements, None)
+    found = fem_comparison.compare_equilibria("one realisation", _posed(SEED), elements, None)
     states = [bem.solve(_posed(seed)).targets[-1] for seed in range(REALISATIONS)]
     if any(state.status != "converged" for state in states):
         raise ArithmeticError("a realisation did not converge")
     theory = adapters.persson_contact(_posed(SEED, layer=False), LOAD)
-    judged, table = list(rows(found)), []
+    judged, table = list(fem_comparison.rows(found)), []
 
     def over_theory(words: str, unit: str, value: float, uncertain: float, band: tuple[float, float]) -> Row:
         return Against("theory", "Persson 2001").ratio(
@@ -76,13 +68,14 @@ def _rough(elements: str) -> Outcome:
         columns=["quantity", "bem, one realisation", "fem, one realisation", "bem, mean", "spread", "Persson"],
         rows=table,
     )
-    drawn = figure("fem-rough", f"Pressure of a rough profile of {HARMONICS} harmonics, {elements}.", found)
-    return Outcome(rows=tuple(judged), figures=drawn, tables=(shown,), counts=counts([found]))
+    caption = f"Pressure of a rough profile of {HARMONICS} harmonics, {elements}."
+    return Outcome(rows=tuple(judged), figures=fem_comparison.figure("fem-rough", caption, found), tables=(shown,),
+                   counts=fem_comparison.counts([found]))  # fmt: skip
 
 
 CASES = (
-    case("fem-rough", GROUP, partial(_rough, "P2/P1"),
+    case("fem-rough", fem_comparison.GROUP, partial(_rough, "P2/P1"),
          "What do boundary elements, finite elements and Persson's theory say of one rough profile?",
-         EQUATIONS + r"; theory: $A/A_0 = \text{erf}(\sqrt{2} \sigma_0 / (E^\ast h'_{rms}))$",
-         f"{SOURCES} persson2001", "layer load_control", level="standard", scene="rough_100"),
+         fem_comparison.EQUATIONS + r"; theory: $A/A_0 = \text{erf}(\sqrt{2} \sigma_0 / (E^\ast h'_{rms}))$",
+         f"{fem_comparison.SOURCES} persson2001", "layer load_control", level="standard", scene="rough_100"),
 )  # fmt: skip

@@ -18,7 +18,6 @@ How P2 and P4 converge on uniform and on graded meshes: case convergence-rates. 
 
 from __future__ import annotations
 
-from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -32,12 +31,12 @@ from fem_reference.mesh import crisscross
 from fem_reference.refine import observed_order
 from validation.cases.finite_elements.fem_closed_forms import given
 from validation.cases.finite_elements.fem_comparison import NAMES
-from validation.cases.shared.checks import Against, case
+from validation.cases.shared.checks import Against, case, in_forms
 from validation.harness.arrays import FloatArray
-from validation.harness.case import Case, Outcome
+from validation.harness.case import Outcome
 from validation.harness.compare import pairwise_orders
 from validation.harness.figure_data import drawn, loglog, trace
-from validation.harness.schema import Level, Table
+from validation.harness.schema import Table
 from validation.references.closed_forms import Sinusoid
 
 RATIOS = (-0.5, 0.3, 0.499999, 0.5)
@@ -162,23 +161,19 @@ def _richardson(order: int) -> Outcome:
     return Outcome(rows=rows, tables=(table,))
 
 
-def drawn_state(rng: np.random.Generator, order: int) -> tuple[Sinusoid, float, Resolution]:
-    """A wave, its contact fraction, and a resolution among the coarsest that the reference accepts."""
-    wave = Sinusoid(
-        AMPLITUDE, PERIOD, MODULUS, float(rng.choice([0.0, 0.5, rng.uniform(0, 0.5)])), float(rng.uniform(0.05, 0.5))
-    )
-    cells = int(rng.integers(*((10, 17) if order == 2 else (6, 11))))
-    tips = int(rng.integers(*((8, 15) if order == 2 else (12, 21))))
-    return wave, float(rng.uniform(0.08, 0.92)), Resolution(order, cells, tips)
-
-
 def ratios(order: int, draws: int) -> FloatArray:
-    """True error over stated uncertainty of the load and of K at both edges, (draws, 3)."""
+    """True error over stated uncertainty of the load and of K at both edges, (draws, 3).
+
+    Resolutions are among the coarsest that the reference accepts.
+    """
     rng = np.random.default_rng([SEED, order])
     found = []
     for _ in range(draws):
-        wave, fraction, resolution = drawn_state(rng, order)
-        fem = fem_reference.solve(**_arguments(wave, fraction), resolution=resolution)
+        ratio, alpha = float(rng.choice([0.0, 0.5, rng.uniform(0, 0.5)])), float(rng.uniform(0.05, 0.5))
+        cells = int(rng.integers(*((10, 17) if order == 2 else (6, 11))))
+        tips = int(rng.integers(*((8, 15) if order == 2 else (12, 21))))
+        wave, fraction = Sinusoid(AMPLITUDE, PERIOD, MODULUS, ratio, alpha), float(rng.uniform(0.08, 0.92))
+        fem = fem_reference.solve(**_arguments(wave, fraction), resolution=Resolution(order, cells, tips))
         critical = wave.alpha * wave.full_contact_pressure * np.sqrt(PERIOD)
         off = abs(fem.mean_pressure - float(wave.mean_pressure(fraction * np.pi / 2)))
         intensity = np.abs(fem.stress_intensity - critical) / np.asarray(fem.uncertainty["stress_intensity"])
@@ -202,26 +197,16 @@ def _coverage(order: int, draws: int) -> Outcome:
     return Outcome(rows=rows, tables=(table,))
 
 
-def _case(name: str, level: Level, question: str, equations: str, compute: Any) -> Case:
-    return case(name, "code verification of the finite elements", compute, question, equations,
-                "roache1998 taylor1973 gustafsson2020 johnson1995", "layer", level=level)  # fmt: skip
-
-
-def _richardson_case(name: str, level: Level, order: int) -> Case:
-    return _case(
-        name, level,
-        "Are the meshes in the asymptotic range, and how do Richardson's value and the GCI stand to the uncertainty?",
-        r"$q_R = q_4 + (q_4 - q_3) / (r^p - 1)$, GCI $= 1.25 |q_4 - q_3| / (r^p - 1)$",
-        partial(_richardson, order))  # fmt: skip
-
-
-COVERED = "Is the true error within the uncertainty that the finite elements state of themselves?"
+GROUP, SOURCES = "code verification of the finite elements", "roache1998 taylor1973 gustafsson2020 johnson1995"
 CASES = (
-    _case("fem-manufactured", "quick",
-          "Do the elements converge at their order on a manufactured solution, for any Poisson's ratio?",
-          r"$\|u - u_h\|_{L_2} \propto h^{m+1}$, $\|p - p_h\|_{L_2} \propto h^m$", _manufactured),
-    _richardson_case("fem-richardson-coarse", "quick", 2),
-    _richardson_case("fem-richardson", "standard", 4),
-    _case("fem-coverage-coarse", "quick", COVERED, r"$|q - q_{exact}| \le U$", partial(_coverage, 2, 8)),
-    _case("fem-coverage", "full", COVERED, r"$|q - q_{exact}| \le U$", partial(_coverage, 2, 100)),
+    case("fem-manufactured", GROUP, _manufactured,
+         "Do the elements converge at their order on a manufactured solution, for any Poisson's ratio?",
+         r"$\|u - u_h\|_{L_2} \propto h^{m+1}$, $\|p - p_h\|_{L_2} \propto h^m$", SOURCES, "layer"),
+    *in_forms({"fem-richardson-coarse": ("quick", 2), "fem-richardson": ("standard", 4)}, GROUP, _richardson,
+              "Are the meshes in the asymptotic range, and how do Richardson's value and the GCI stand to the "
+              "uncertainty?",
+              r"$q_R = q_4 + (q_4 - q_3) / (r^p - 1)$, GCI $= 1.25 |q_4 - q_3| / (r^p - 1)$", SOURCES, "layer"),
+    *in_forms({"fem-coverage-coarse": ("quick", 2, 8), "fem-coverage": ("full", 2, 100)}, GROUP, _coverage,
+              "Is the true error within the uncertainty that the finite elements state of themselves?",
+              r"$|q - q_{exact}| \le U$", SOURCES, "layer"),
 )  # fmt: skip

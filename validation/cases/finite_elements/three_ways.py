@@ -82,16 +82,13 @@ def _quantities(state: State, elastic: bem.ContactState, fem: Result) -> list[Th
     inside, outside = _away_from_edges(distance)
 
     def of(
-        name: str, unit: str, exact: Any, ours: Any, theirs: Any, own: float | None, key: str, scale: float
-    ) -> ThreeAnswers:
+        name: str, unit: str, exact: Any, ours: Any, theirs: Any, own: float | None, key: str, scale: float,
+        nodes: Any = slice(None),
+    ) -> ThreeAnswers:  # fmt: skip
         right, one, other = (np.ravel(np.asarray(value, dtype=np.float64)) for value in (exact, ours, theirs))
         per = period if unit == "J/m^2" else 1.0  # theirs are of one period
-        return ThreeAnswers(
-            name, unit, right, one, other, own or 0.0, float(np.max(np.asarray(fem.uncertainty[key]))) / per, scale
-        )
-
-    def at(key: str, nodes: NDArray[np.bool_]) -> float:
-        return float(np.max(np.asarray(fem.uncertainty[key])[nodes]))
+        uncertain = float(np.max(np.ravel(fem.uncertainty[key])[nodes])) / per
+        return ThreeAnswers(name, unit, right, one, other, own or 0.0, uncertain, scale)
 
     energy, height = WAVE.elastic_energy(PSI), elastic.profile.height(x[outside]) - depth
     gap = elastic.displacement(x[outside]) - height - elastic.penetration
@@ -104,10 +101,10 @@ def _quantities(state: State, elastic: bem.ContactState, fem: Result) -> list[Th
            (estimate.contact_fraction or 0.0) * period, "edges", period),
         of("elastic energy per area", "J/m^2", energy, state.elastic_energy, fem.elastic_energy / period,
            estimate.elastic_energy, "elastic_energy", energy),
-        ThreeAnswers("pressure at points", "Pa", WAVE.pressure(distance[inside], PSI), elastic.pressure(x[inside]),
-                 fem.interface.pressure[inside], 0.0, at("pressure", inside), star),
-        ThreeAnswers("gap at points", "m", WAVE.gap(distance[outside], PSI), gap,
-                 fem.gap(x[outside]), 0.0, at("gap", outside), depth),
+        of("pressure at points", "Pa", WAVE.pressure(distance[inside], PSI), elastic.pressure(x[inside]),
+           fem.interface.pressure[inside], None, "pressure", star, inside),
+        of("gap at points", "m", WAVE.gap(distance[outside], PSI), gap, fem.gap(x[outside]), None, "gap", depth,
+           outside),
     ]  # fmt: skip
 
 

@@ -15,7 +15,7 @@ from bem.scene.result import Result
 from validation.cases.shared.checks import OVER_STATES, Against, case, column, posed, refused, solved, touching, work
 from validation.harness.case import Outcome
 from validation.harness.figure_data import axes, drawn, marks, trace
-from validation.harness.schema import Figure, Panel, Row, Table
+from validation.harness.schema import Figure, Row, Table
 from validation.references.adapters import NOT_SELF_AFFINE
 from validation.references.closed_forms import layer_compliance
 from validation.references.dense_equilibrium import reference
@@ -117,7 +117,7 @@ def _figure(results: dict[str, Result], half_space: Result, found: dict[str, Pai
     return drawn(
         "thin-layer-path",
         "Loading and unloading on a layer of 0.02 wavelengths and on a half-space; below, bem less reference.",
-        Panel(xlabel="separation / um", ylabel="mean pressure / kPa", yscale="symlog", series=above),
+        axes("separation / um", "mean pressure / kPa", *above, yscale="symlog"),
         axes("separation / um", "relative to the largest", *below),
     )
 

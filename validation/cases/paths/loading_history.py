@@ -1,7 +1,7 @@
 """Hysteresis: what a loop dissipates, state by state and event by event, and the symmetry that a path breaks.
 
 Work balance: int sigma_0 dDelta over a closed loop, integrated from loads alone, is the sum of the energies that its
-events release (energy_balance.py).
+events release (loop_work.py).
 
 Seven equal waves in equal contact stay equal while the smallest eigenvalue is positive; the bifurcation is an event,
 and no wave alone has one.
@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from bem.scene.result import Event, Result
-from validation.cases.paths.energy_balance import Account, accounts, closed, legs
+from validation.cases.paths.loop_work import Account, accounts, closed, legs
 from validation.cases.shared.checks import OVER_STATES, Against, case, column, posed, solved, touching, work
 from validation.harness.case import Outcome
 from validation.harness.figure_data import axes, drawn, marks, trace

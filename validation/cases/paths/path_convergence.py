@@ -22,13 +22,9 @@ OF_EVENTS = (
 
 def _solved(increment: float) -> tuple[Result, tuple[int, int]]:
     """The scene at one largest increment, and the increments accepted and rejected."""
-    counts = (0, 0)
-
-    def note(progress: Progress) -> None:
-        nonlocal counts
-        counts = (progress.increments_accepted, progress.increments_rejected)
-
-    return bem.solve(posed("rough_100", accuracy={"max_increment": increment}), progress=note), counts
+    seen: list[Progress] = []
+    result = bem.solve(posed("rough_100", accuracy={"max_increment": increment}), progress=seen.append)
+    return result, (seen[-1].increments_accepted, seen[-1].increments_rejected)
 
 
 def _of_events(result: Result, name: str, count: int | None = None) -> list[float]:

@@ -19,7 +19,7 @@ import numpy as np
 
 import bem
 from bem.scene.result import Result
-from validation.cases.shared.checks import Against, case, solved
+from validation.cases.shared.checks import Against, beside, case, solved
 from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
 from validation.harness.schema import Row
@@ -53,10 +53,7 @@ class Waves:
             force = self.state(edges, depth).gradient / self.work
             if np.max(np.abs(force)) < AT_REST:
                 break
-            gap = np.append(edges[1:, 0], edges[0, 0] + PERIOD) - edges[:, 1]
-            beside = np.stack([np.roll(gap, 1), gap], axis=1)
-            scale = np.minimum(beside, (edges[:, 1] - edges[:, 0])[:, None])
-            edges = edges - np.clip(STEP * force, -LARGEST, LARGEST) * scale
+            edges = edges - np.clip(STEP * force, -LARGEST, LARGEST) * beside(edges, PERIOD)
             stays = edges[:, 1] - edges[:, 0] > GONE * widths
             edges, widths = edges[stays], widths[stays]
         for _ in range(NEWTON_STEPS):

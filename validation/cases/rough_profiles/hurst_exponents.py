@@ -33,10 +33,6 @@ CAUSE = (
 SOURCE = "Carbone, Scaraggi, Tartaglino 2009, abstract: about 50 % for any given load, H = 0.7, with adhesion"
 
 
-class LostLoadError(ArithmeticError):
-    """A realisation that did not reach the loads asked for."""
-
-
 def _posed(hurst: float, seed: int, adhesive: bool) -> tuple[bem.Scene, list[float]]:
     """A realisation and its pressures, Pa."""
     profile = {"hurst": hurst, "seed": seed}
@@ -60,7 +56,7 @@ def _areas(hurst: float, seed: int, adhesive: bool) -> list[float]:
     states = [state for state in bem.solve(scene).targets if state.n_patches][: len(pressures)]
     reached = column(states, "mean_pressure")
     if not np.allclose(reached, pressures, rtol=1e-9, atol=0.0) or any(s.status != "converged" for s in states):
-        raise LostLoadError(f"H = {hurst:g}, seed {seed}: {reached} for {pressures}")
+        raise ArithmeticError(f"H = {hurst:g}, seed {seed}: {reached} for {pressures}")
     return column(states, "contact_fraction")
 
 

@@ -17,11 +17,9 @@ LOADS = (0.002, 0.005, 0.01, 0.02)  # of E*
 THEORY_LOADS = tuple(np.geomspace(0.001, 0.03, 7).tolist())
 FEWER = {"harmonics": 50}
 CAUSE = "mean-field theory: it neglects correlations between neighbouring contacts, strongest for lines"
-BAND, MEASURED = (
-    (1.25, 1.85),
-    "measured on this realisation, 1.4 to 1.7; the factor of two of Carbone, Scaraggi, Tartaglino 2009 is with "
-    "adhesion",
-)
+BAND = (1.25, 1.85)
+MEASURED = ("measured on this realisation, 1.4 to 1.7; the factor of two of Carbone, Scaraggi, Tartaglino 2009 is with "
+            "adhesion")  # fmt: skip
 
 
 def _area() -> Outcome:

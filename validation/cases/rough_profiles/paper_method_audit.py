@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-import bem
 from bem.scene.result import State
-from bem.scene.scene import Scene, parse_scene
-from validation.cases.shared.checks import OVER_STATES, Against, case, column, posed
+from bem.scene.scene import parse_scene
+from validation.cases.shared.checks import OVER_STATES, Against, beside, case, column, posed
+from validation.corpus.effects import solved
 from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
 from validation.harness.figure_data import drawn, loglog, marks, trace
@@ -52,14 +52,7 @@ class Limit:
 
 
 def _solved(posed: Posed) -> State:
-    return _last(parse_scene(scene_tables(posed) | {"accuracy": {"tolerance": 1e-8}}))
-
-
-def _last(scene: Scene) -> State:
-    result = bem.solve(scene)
-    if result.status != "converged":
-        raise ArithmeticError(f"solver: {result.status}")
-    return result.targets[-1]
+    return solved(parse_scene(scene_tables(posed) | {"accuracy": {"tolerance": 1e-8}})).targets[-1]
 
 
 def _audited(surface: Surface, penetration: float, edges: FloatArray, cells: Sequence[int]) -> list[PaperState]:
@@ -134,17 +127,14 @@ def _path() -> Outcome:
 
 def _many() -> Outcome:
     scene = posed("rough_100", profile={"harmonics": 300}, loading={"targets": [25e-6]}, accuracy={"tolerance": 1e-8})
-    state, profile, cells = _last(scene), scene.surface(), (4, 8, 16)
+    state, profile, cells = solved(scene).targets[-1], scene.surface(), (4, 8, 16)
     assert scene.adhesion is not None
     surface = Surface(
         scene.solid.youngs_modulus, scene.solid.poisson_ratio, profile.period, profile.orders, profile.amplitudes,
         profile.phases, scene.adhesion.work_of_adhesion, scene.adhesion.slope_term,
     )  # fmt: skip
     edges = np.array(state.edges)
-    behind = np.append(edges[1:, 0], edges[0, 0] + surface.period) - edges[:, 1]
-    width = np.diff(edges, axis=1)[:, 0]
-    scale = np.stack([np.minimum(width, np.roll(behind, 1)), np.minimum(width, behind)], axis=1)
-    moved = edges + MOVED * scale * np.random.default_rng(0).uniform(-1, 1, edges.shape)
+    moved = edges + MOVED * beside(edges, surface.period) * np.random.default_rng(0).uniform(-1, 1, edges.shape)
     return _outcome("many", state, _audited(surface, state.penetration, moved, cells), cells, surface)
 
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
 from typing import Any, Literal
+
+import numpy as np
 
 import bem
 from bem.scene.result import Result, State
 from bem.scene.scene import Scene
+from validation.harness.arrays import FloatArray
 from validation.harness.case import Case, Outcome
 from validation.harness.rows import Against as Against
 from validation.harness.schema import Code, Level, Norm
@@ -38,6 +42,14 @@ def case(
                 text, code, problem)  # fmt: skip
 
 
+def in_forms(
+    forms: Mapping[str, tuple[Any, ...]], group: str, compute: Callable[..., Outcome], *words: str, **named: Any
+) -> Iterator[Case]:
+    """One case in several forms, by their names: the level of each, and what `compute` is given; the rest as `case`."""
+    for identity, (level, *given) in forms.items():
+        yield case(identity, group, partial(compute, *given), *words, level=level, **named)
+
+
 def posed(name: str, **tables: Any) -> Scene:
     """A scene of the registry with some keys of its tables changed; None removes a table or key."""
     return adapters.scene(name, tables)
@@ -57,6 +69,12 @@ def column(states: Iterable[Any], name: str, unit: float | None = None) -> list[
 def touching(states: Iterable[State]) -> list[State]:
     """Those with patches and gaps."""
     return [state for state in states if state.edges]
+
+
+def beside(edges: FloatArray, period: float) -> FloatArray:
+    """The shorter of the patch and the gap beside every edge, (n_patches, 2), m."""
+    lengths = np.diff(np.append(edges.ravel(), edges[0, 0] + period))
+    return np.minimum(lengths, np.roll(lengths, 1)).reshape(edges.shape)
 
 
 def refused(*results: Result) -> float:

@@ -145,11 +145,22 @@ def _error_estimate() -> Outcome:
             found += numbers(name, scene, wave, result.targets)
             miss = distance(scene, result.targets, tight[name])
             errors[tolerance] = max(errors.get(tolerance, 0.0), miss)
+    spent = Table(
+        caption="What a tolerance costs: unknowns of all states at targets, evaluations of all paths.",
+        columns=["tolerance", "true error", "unknowns", "evaluations"],
+        rows=[[tolerance, float(f"{errors[tolerance]:.2g}"), *effort[tolerance]] for tolerance in errors],
+    )
+    tolerances = sorted(errors)
+    met = drawn("tolerance-met",
+                "Largest true error of contact fraction and mean pressure at the targets of all scenes.",
+                loglog("tolerance asked for", "error",
+                       marks("largest true error", tolerances, [errors[t] for t in tolerances]),
+                       trace("tolerance", tolerances, tolerances, "dashed")))  # fmt: skip
     return Outcome(
         rows=_rows(found, errors),
-        figures=(_figure(found), _tolerance_figure(errors)),
-        tables=(_table(found), _effort_table(errors, effort)),
-        counts={"numbers": len(found), "evaluations": sum(spent for _, spent in effort.values())},
+        figures=(_figure(found), met),
+        tables=(_table(found), spent),
+        counts={"numbers": len(found), "evaluations": sum(evaluations for _, evaluations in effort.values())},
     )
 
 
@@ -187,14 +198,6 @@ def _table(found: list[Number]) -> Table:
     )  # fmt: skip
 
 
-def _effort_table(errors: dict[float, float], effort: dict[float, list[int]]) -> Table:
-    return Table(
-        caption="What a tolerance costs: unknowns of all states at targets, evaluations of all paths.",
-        columns=["tolerance", "true error", "unknowns", "evaluations"],
-        rows=[[tolerance, float(f"{errors[tolerance]:.2g}"), *effort[tolerance]] for tolerance in errors],
-    )
-
-
 def _figure(found: list[Number]) -> Figure:
     kinds = {
         "pressure, contact fraction": ("mean_pressure", "contact_fraction"),
@@ -214,15 +217,6 @@ def _figure(found: list[Number]) -> Figure:
                         *series,
                         trace("true error", span, span),
                         trace("a hundred times that", span, [ORDERS * value for value in span], "dashed")))  # fmt: skip
-
-
-def _tolerance_figure(errors: dict[float, float]) -> Figure:
-    tolerances = sorted(errors)
-    return drawn("tolerance-met",
-                 "Largest true error of contact fraction and mean pressure at the targets of all scenes.",
-                 loglog("tolerance asked for", "error",
-                        marks("largest true error", tolerances, [errors[t] for t in tolerances]),
-                        trace("tolerance", tolerances, tolerances, "dashed")))  # fmt: skip
 
 
 CASES = (

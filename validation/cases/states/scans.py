@@ -30,6 +30,9 @@ DEGREES = {"mean": 0, "line": 1, "quadratic": 2, "cubic": 3}
 SPIKES = {17: 60.0, 18: 55.0, 50: -70.0, 71: -40.0}  # heights of spikes of both signs, one and two samples wide
 NEIGHBOURS, TAPERED = 2, 0.1  # of the median, on either side; share of the line at either end
 KEPT = 5  # harmonics after the cut
+X = SPACING * np.arange(SAMPLES)  # m
+LINE = HEIGHT * np.cumsum(np.random.default_rng(11).uniform(-1.0, 1.0, SAMPLES))  # which no step may take for spikes
+DRAWN = 1e-6 * np.cumsum(np.random.default_rng(5).normal(size=FEWER))  # of the scan that begins anywhere
 
 
 def _posed(x: NDArray[Any], h: NDArray[Any], **asked: Any) -> Scene:
@@ -45,18 +48,14 @@ def _posed(x: NDArray[Any], h: NDArray[Any], **asked: Any) -> Scene:
         return parse_scene(tables, Path(name))
 
 
-def _surface(h: NDArray[Any], x: NDArray[Any] | None = None, **asked: Any) -> Profile:
-    """The surface of a scan, by default at the positions, as its scene prepares it."""
-    return _posed(_positions() if x is None else x, h, **asked).surface()
-
-
-def _drawn_heights() -> FloatArray:
-    return np.asarray(1e-6 * np.cumsum(np.random.default_rng(5).normal(size=FEWER)))
+def _surface(h: NDArray[Any], x: NDArray[Any] = X, **asked: Any) -> Profile:
+    """The surface of a scan as its scene prepares it."""
+    return _posed(x, h, **asked).surface()
 
 
 def _highest(start: float) -> float:
     """Where the interpolant is highest, in [0, period): by the grid, then by Newton."""
-    period, series = FEWER * SPACING, np.fft.rfft(_drawn_heights()) / FEWER
+    period, series = FEWER * SPACING, np.fft.rfft(DRAWN) / FEWER
     order = np.arange(series.size)
 
     def derivative(x: float, times: int) -> float:
@@ -71,16 +70,15 @@ def _highest(start: float) -> float:
 
 
 def _shifted_scan() -> Outcome:
-    heights = _drawn_heights()
     found, touched = list[float](), list[float | None]()
     for start in STARTS:
         x = start + SPACING * np.arange(FEWER)
-        scene = _posed(x, heights)
+        scene = _posed(x, DRAWN)
         found += scene.surface().height(x).tolist()
         touched.append(next(event.position for event in bem.solve(scene).events if event.kind == "first_touch"))
     rows = (
         Against("exact", "the samples, less their mean").row(
-            "surface at the samples, over the largest", "m", (heights - np.mean(heights)).tolist() * len(STARTS), found,
+            "surface at the samples, over the largest", "m", (DRAWN - np.mean(DRAWN)).tolist() * len(STARTS), found,
             (1e-12, 4e-13)),
         Against("exact", "highest point of the trigonometric interpolant").row(
             "place of first touch", "m", map(_highest, STARTS), touched, (1e-12, 4e-13)),
@@ -88,62 +86,52 @@ def _shifted_scan() -> Outcome:
     return Outcome(rows=rows)
 
 
-def _positions() -> FloatArray:
-    return np.asarray(SPACING * np.arange(SAMPLES), dtype=np.float64)
-
-
-def _heights() -> FloatArray:
-    """A rough line that no step may take for spikes."""
-    return np.asarray(HEIGHT * np.cumsum(np.random.default_rng(11).uniform(-1.0, 1.0, SAMPLES)), dtype=np.float64)
-
-
 Pair = tuple[FloatArray, FloatArray]  # what is right, and what is found
 
 
 def _trends() -> Pair:
     """The residue of least squares, by an orthogonal basis of the polynomials."""
-    x, h = _positions(), _heights()
     expected, found = [], []
     for method, degree in DEGREES.items():
-        basis = np.linalg.qr(np.vander((x - x.mean()) / PERIOD, degree + 1))[0]
-        expected.append(h - basis @ (basis.T @ h))
-        found.append(_surface(h, detrend=method).height(x))
+        basis = np.linalg.qr(np.vander((X - X.mean()) / PERIOD, degree + 1))[0]
+        expected.append(LINE - basis @ (basis.T @ LINE))
+        found.append(_surface(LINE, detrend=method).height(X))
     return np.concatenate(expected), np.concatenate(found)
 
 
 def _mirrored() -> Pair:
-    both = np.concatenate([_heights(), _heights()[::-1]])
-    surface = _surface(_heights(), periodic="mirror", harmonics=SAMPLES - 1)
+    both = np.concatenate([LINE, LINE[::-1]])
+    surface = _surface(LINE, periodic="mirror", harmonics=SAMPLES - 1)
     return both - both.mean(), surface.height(SPACING * np.arange(2 * SAMPLES))
 
 
 def _windowed() -> Pair:
-    h, reach = _heights() - _heights().mean(), TAPERED * (SAMPLES - 1)
+    h, reach = LINE - LINE.mean(), TAPERED * (SAMPLES - 1)
     from_end = np.minimum(np.arange(SAMPLES), np.arange(SAMPLES)[::-1])
     tapered = h * np.where(from_end < reach, 0.5 * (1 - np.cos(np.pi * from_end / reach)), 1.0)
-    return tapered - tapered.mean(), _surface(h, detrend="mean", periodic="window").height(_positions())
+    return tapered - tapered.mean(), _surface(h, detrend="mean", periodic="window").height(X)
 
 
 def _without_spikes() -> Pair:
-    h = _heights() + HEIGHT * np.array([SPIKES.get(k, 0.0) for k in range(SAMPLES)])
+    h = LINE + HEIGHT * np.array([SPIKES.get(k, 0.0) for k in range(SAMPLES)])
     clean = h.copy()
     for k in SPIKES:
         clean[k] = statistics.median(h[k - NEIGHBOURS : k + NEIGHBOURS + 1].tolist())
-    return clean - clean.mean(), _surface(h, outliers="replace").height(_positions())
+    return clean - clean.mean(), _surface(h, outliers="replace").height(X)
 
 
 def _resampled() -> Pair:
     """A straight line at unequal steps: any curve through it that does not overshoot is that line."""
-    x = _positions() + 0.3 * SPACING * np.sin(np.arange(SAMPLES)) * (np.arange(SAMPLES) % (SAMPLES - 1) > 0)
-    line = HEIGHT * _positions() / PERIOD
+    x = X + 0.3 * SPACING * np.sin(np.arange(SAMPLES)) * (np.arange(SAMPLES) % (SAMPLES - 1) > 0)
+    line = HEIGHT * X / PERIOD
     surface = _surface(HEIGHT * x / PERIOD, x, unequal_spacing="resample", detrend="none")
-    return line - line.mean(), surface.height(_positions())
+    return line - line.mean(), surface.height(X)
 
 
 def _cut() -> Pair:
     """Of seven waves, the first five, at places between the samples."""
     amplitude, at = HEIGHT / np.arange(1, 8), (np.arange(50) + 0.5) / 50 * PERIOD
-    waves = np.cos(2 * np.pi * np.outer(_positions() / PERIOD, np.arange(1, 8)) + np.arange(7))
+    waves = np.cos(2 * np.pi * np.outer(X / PERIOD, np.arange(1, 8)) + np.arange(7))
     kept = np.cos(2 * np.pi * np.outer(at / PERIOD, np.arange(1, KEPT + 1)) + np.arange(KEPT)) @ amplitude[:KEPT]
     return kept, _surface(waves @ amplitude, harmonics=KEPT).height(at)
 

@@ -14,10 +14,10 @@ import numpy as np
 
 import bem
 import fem_reference
-from bem.scene.result import Result, State
+from bem.scene.result import Result
 from bem.scene.scene import parse_scene
 from validation.cases.finite_elements.fem_closed_forms import given
-from validation.cases.shared.checks import Against, case
+from validation.cases.shared.checks import OVER_STATES, Against, case, work
 from validation.corpus.accuracy_costs import CostPoint, stored
 from validation.corpus.effects import EFFECTS, loaded_alone, rough, seconds_of
 from validation.harness.case import Outcome
@@ -45,17 +45,14 @@ DASHED = ("bem, dense", "fem (4", "fft, c = 16")
 HARMONICS, RUNS = 30, 1
 
 
-def _route(point: CostPoint) -> str:
-    """The route of a point, finite elements by their order."""
-    return f"{point.route} {point.setting[:2]}" if point.route == "fem" else point.route
-
-
 def _curves(points: Iterable[CostPoint]) -> list[Series]:
-    known = [(_route(point), point) for point in points]
+    by_route: dict[str, list[CostPoint]] = {}
+    for point in points:  # finite elements by their order
+        route = f"{point.route} {point.setting[:2]}" if point.route == "fem" else point.route
+        by_route.setdefault(route, []).append(point)
     curves = []
     for route, (label, hue) in ROUTES.items():
-        chosen = [point for name, point in known if name == route]
-        if chosen:
+        if chosen := by_route.get(route):
             seconds = [point.cpu_seconds for point in chosen]
             errors = [max(point.error, point.floor, SMALLEST_SHOWN) for point in chosen]
             style = "dashed" if route in DASHED else "line"
@@ -71,73 +68,59 @@ def _again(posed: Posed, tolerance: float = TOLERANCE) -> tuple[Result, float]:
     return found, time.process_time() - begun
 
 
-def _error(posed: Posed, state: State, answer: dict[str, float]) -> float:
-    """The larger of the errors of contact fraction and mean pressure, over their scales."""
-    found = answer_of(state.contact_fraction, state.mean_pressure, state.elastic_energy, 0.0)
-    errors = posed.errors(found, answer)
-    return max(errors["contact_fraction"], errors["mean_pressure"])
-
-
-def _figure(name: str, title: str, curves: list[Series], reference: str) -> Figure:
+def _figure(
+    name: str, title: str, scene: str, crosses: str, again: list[tuple[float, float]], reference: str
+) -> Figure:
+    """The stored points of a scene, and (seconds, error) of this run as crosses."""
     known = stored()
     caption = (
         f"{title}: error of contact fraction or mean pressure, the larger, against CPU seconds on one thread; every "
         f"route finds its own contact. Against {reference}; no point is drawn below the uncertainty of its reference. "
         f"Curves were measured on {known.date} on {known.machine}; crosses in this run."
     )
-    return drawn(name, caption, loglog("CPU seconds", "error", *curves))
+    curves = _curves(point for point in known.points if point.scene == scene)
+    seconds, errors = zip(*again, strict=True)
+    crossed = marks(crosses, seconds, [max(error, SMALLEST_SHOWN) for error in errors], hue=5)
+    return drawn(name, caption, loglog("CPU seconds", "error", *curves, crossed))
 
 
 def _costs() -> Outcome:
     posed = scenes()
-    found, seconds = _again(posed["sinusoid"])
-    smooth = found.targets[-1]
-    error = _error(posed["sinusoid"], smooth, exact_sinusoid(posed["sinusoid"]))
-    crossed = marks("boundary elements, this run", [seconds], [max(error, SMALLEST_SHOWN)], hue=5)
-    points = stored().points
-    smooth_curves = [*_curves(p for p in points if p.scene == "sinusoid"), crossed]
-
-    _, seconds = _again(posed["rough"])
-    rough_points = [p for p in points if p.scene == "rough"]
-    floor = next(point for point in rough_points if point.route == "bem")
-    rough_curves = [
-        *_curves(rough_points),
-        marks("boundary elements, this run", [seconds], [max(floor.error, floor.floor)], hue=5),
-    ]
-    exact_path, seconds = _again(posed["paper"])
+    found, of_wave = _again(posed["sinusoid"])
+    smooth, exact = found.targets[-1], exact_sinusoid(posed["sinusoid"])
+    answer = answer_of(smooth.contact_fraction, smooth.mean_pressure, smooth.elastic_energy, 0.0)
+    errors = posed["sinusoid"].errors(answer, exact)
+    error = max(errors["contact_fraction"], errors["mean_pressure"])
+    _, of_rough = _again(posed["rough"])
+    floor = next(point for point in stored().points if (point.scene, point.route) == ("rough", "bem"))
+    exact_path, _ = _again(posed["paper"])
     leaps = [_again(posed["paper"], tolerance) for tolerance in LEAPS]
     off = [_apart(found, exact_path) for found, _ in leaps]
-    paper_curves = [
-        *_curves(p for p in points if p.scene == "paper"),
-        marks(
-            "boundary elements in leaps, this run",
-            [took for _, took in leaps],
-            [max(error, SMALLEST_SHOWN) for error in off],
-            hue=5,
-        ),
-    ]
+    of_leaps = [(took, error) for (_, took), error in zip(leaps, off, strict=True)]
     figures = (
-        _figure("cost-smooth", "Smooth, one adhesive wave", smooth_curves, "Johnson's closed form"),
-        _figure("cost-rough", "Rough, 60 harmonics and nine contacts, from first touch", rough_curves,
+        _figure("cost-smooth", "Smooth, one adhesive wave", "sinusoid", "boundary elements, this run",
+                [(of_wave, error)], "Johnson's closed form"),
+        _figure("cost-rough", "Rough, 60 harmonics and nine contacts, from first touch", "rough",
+                "boundary elements, this run", [(of_rough, max(floor.error, floor.floor))],
                 "the boundary elements, and these against the paper's method extrapolated; finite elements begin at "
                 "edges of the paper's method with four cells, which are in their seconds"),
         _figure("cost-paper", "The paper's profile, 1000 harmonics, six separations on the way in, up to 39 contacts",
-                paper_curves, "the boundary elements at 1e-12 in a quarter of the increment, as no other code here "
+                "paper", "boundary elements in leaps, this run", of_leaps,
+                "the boundary elements at 1e-12 in a quarter of the increment, as no other code here "
                 "reaches it. Their tolerances are 1e-2, 1e-3, 1e-4 (leaps, from the left), 1e-6, 1e-8, 1e-9 (event by "
                 "event). In leaps states are as exact, unless one is of another branch: then it is off by up to some "
                 "per cent"),
     )  # fmt: skip
-    exact = exact_sinusoid(posed["sinusoid"])["contact_fraction"]
     again = Against("exact", "Johnson 1995").row(
-        "contact fraction, solved again", "", exact, smooth.contact_fraction, (3.5e-14, 1.3e-14), "absolute",
-        uncertainty=smooth.error_estimate.contact_fraction or 0.0)  # fmt: skip
+        "contact fraction, solved again", "", exact["contact_fraction"], smooth.contact_fraction, (3.5e-14, 1.3e-14),
+        "absolute", uncertainty=smooth.error_estimate.contact_fraction or 0.0)  # fmt: skip
     same = Against("self", "the path event by event at 1e-8").row(
         "contact fraction of the paper's profile in leaps at 1e-2, 1e-3, 1e-4", "", [0.0] * len(LEAPS), off,
-        (5e-12, 1.7e-12), "maximum over states", 1.0)  # fmt: skip
+        (5e-12, 1.7e-12), OVER_STATES, 1.0)  # fmt: skip
     rows, unknowns = _given_edges()
-    counts = {f"evaluations in leaps at {tolerance:g}": sum(state.evaluations for state in found.states)
+    counts = {f"evaluations in leaps at {tolerance:g}": work("evaluations", found)["evaluations"]
               for tolerance, (found, _) in zip(LEAPS, leaps, strict=True)}  # fmt: skip
-    counts["evaluations event by event"] = sum(state.evaluations for state in exact_path.states)
+    counts["evaluations event by event"] = work("evaluations", exact_path)["evaluations"]
     return Outcome(rows=(*rows, again, same), figures=figures,
                    counts=counts | {"unknowns of the finite elements": unknowns})  # fmt: skip
 

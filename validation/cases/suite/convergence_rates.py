@@ -8,18 +8,11 @@ from functools import partial
 import numpy as np
 
 from validation.cases.shared.checks import Against, case
-from validation.corpus.convergence_curves import (
-    Curve,
-    bem_curves,
-    ensemble_curve,
-    fem_curve,
-    paper_method_curve,
-    persson_curves,
-    predicted_line,
-)
+from validation.corpus import convergence_curves as made
+from validation.corpus.convergence_curves import Curve, fem_curve
 from validation.harness.case import Outcome
-from validation.harness.figure_data import drawn, marks, trace
-from validation.harness.schema import Cells, Figure, Panel, Row, Table
+from validation.harness.figure_data import axes, drawn, marks, trace
+from validation.harness.schema import Cells, Figure, Row, Table
 
 # relative distance of the fitted rate from the predicted one
 MEASURED = {
@@ -49,9 +42,9 @@ def _figure(name: str, caption: str, curves: Sequence[Curve]) -> Figure:
         for one in curves
     ]
     for curve in curves:
-        series.append(trace(f"predicted, {curve.id}", *predicted_line(curve), "dashed"))
+        series.append(trace(f"predicted, {curve.id}", *made.predicted_line(curve), "dashed"))
     scale = "linear" if curves[0].law == "geometric" else "log"
-    return drawn(name, caption, Panel(xlabel=curves[0].knob, ylabel="error", xscale=scale, yscale="log", series=series))
+    return drawn(name, caption, axes(curves[0].knob, "error", *series, xscale=scale, yscale="log"))
 
 
 def _table(curves: Sequence[Curve]) -> Table:
@@ -71,9 +64,12 @@ def _table(curves: Sequence[Curve]) -> Table:
 
 
 def _rates() -> Outcome:
-    bem = bem_curves(0.9, range(4, 49, 4))
+    bem = made.bem_curves(0.9, range(4, 49, 4))
     fem = (fem_curve(2, (4, 8, 16), True), fem_curve(4, (8, 16, 32), False))
-    others = (*persson_curves((25, 50, 100, 200, 400), (6, 12, 25, 50, 100)), paper_method_curve((8, 16, 32, 64)))
+    others = (
+        *made.persson_curves((25, 50, 100, 200, 400), (6, 12, 25, 50, 100)),
+        made.paper_method_curve((8, 16, 32, 64)),
+    )
     every = (*bem, *fem, *others)
     plateau = Against("exact", "Johnson 1995").row(
         "plateau of K over critical and of the load over p*", "", [0.0, 0.0], [curve.rate.plateau for curve in bem],
@@ -96,26 +92,22 @@ def _elements() -> Outcome:
         fem_curve(2, (16, 32, 64), False),
         fem_curve(4, (8, 16, 32), False),
     )
-    return Outcome(
-        rows=tuple(_rate_row(curve, MEASURED_FULL[curve.id]) for curve in curves),
-        figures=(_figure("convergence-elements", "Load at prescribed edges, graded and uniform meshes.", curves),),
-        tables=(_table(curves),),
-    )
+    figure = _figure("convergence-elements", "Load at prescribed edges, graded and uniform meshes.", curves)
+    rows = (_rate_row(curve, MEASURED_FULL[curve.id]) for curve in curves)
+    return Outcome(rows=tuple(rows), figures=(figure,), tables=(_table(curves),))
 
 
 def _ensemble(harmonics: int, realisations: int) -> Outcome:
-    curve = ensemble_curve(harmonics, realisations)
+    curve = made.ensemble_curve(harmonics, realisations)
     areas = np.array(curve.samples)
     means = Table(
         caption=f"Contact fraction at a separation of 0.8 h_rms, {harmonics} harmonics.",
         columns=["realisations", "mean", "standard error"],
         rows=[[realisations, float(areas.mean()), float(areas.std(ddof=1)) / realisations**0.5]],
     )
-    return Outcome(
-        rows=(_rate_row(curve, MEASURED[curve.id]),),
-        figures=(_figure("convergence-ensemble", "Spread of the mean contact fraction over its mean.", (curve,)),),
-        tables=(_table((curve,)), means),
-    )
+    figure = _figure("convergence-ensemble", "Spread of the mean contact fraction over its mean.", (curve,))
+    rows = (_rate_row(curve, MEASURED[curve.id]),)
+    return Outcome(rows=rows, figures=(figure,), tables=(_table((curve,)), means))
 
 
 CASES = (

@@ -9,6 +9,8 @@ gains a (-dA/dV).  SI units.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
@@ -25,6 +27,8 @@ from validation.references import adapters
 
 YOUNGS_MODULUS, POISSON_RATIO, WORK_OF_ADHESION = 1e6, 0.5, 0.03
 MODULUS = YOUNGS_MODULUS / (1 - POISSON_RATIO**2)
+PAPER: dict[str, Any] = {"youngs_modulus": YOUNGS_MODULUS, "poisson_ratio": POISSON_RATIO,
+                         "work_of_adhesion": WORK_OF_ADHESION, "with_separation": False}  # fmt: skip
 Q0 = 2 * np.pi / 0.01
 LOADS = (0.005, 0.02, 0.1)  # of E*
 CURVE = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2)
@@ -45,28 +49,9 @@ def spectra() -> dict[str, Spectrum]:
     }
 
 
-def adhesive(
-    spectrum: Spectrum,
-    load: float,
-    *,
-    route: Route = "finite_volumes",
-    resolution: float = 1.0,
-    with_separation: bool = False,
-    detached_width: float = 1.0,
-    poisson_ratio: float = POISSON_RATIO,
-) -> persson.AdhesiveContact:
-    """The theory with adhesion at a load in units of the paper's E*, the paper's material."""
-    state = persson.solve(
-        spectrum,
-        load * MODULUS,
-        youngs_modulus=YOUNGS_MODULUS,
-        poisson_ratio=poisson_ratio,
-        work_of_adhesion=WORK_OF_ADHESION,
-        route=route,
-        resolution=resolution,
-        with_separation=with_separation,
-        detached_width=detached_width,
-    )
+def adhesive(spectrum: Spectrum, load: float, **options: Any) -> persson.AdhesiveContact:
+    """The theory with adhesion at a load in units of the paper's E*, the paper's material; options of `solve`."""
+    state = persson.solve(spectrum, load * MODULUS, **PAPER | options)
     if not isinstance(state, persson.AdhesiveContact):
         raise TypeError(f"work_of_adhesion = {WORK_OF_ADHESION} must give a state with adhesion")
     return state
@@ -74,9 +59,8 @@ def adhesive(
 
 def dry(spectrum: Spectrum, load: float) -> persson.NonadhesiveContact:
     """The theory without adhesion at a load in units of E*."""
-    return persson.solve_nonadhesive(
-        spectrum, load * MODULUS, youngs_modulus=YOUNGS_MODULUS, poisson_ratio=POISSON_RATIO
-    )
+    return persson.solve_nonadhesive(spectrum, load * MODULUS, youngs_modulus=YOUNGS_MODULUS,
+                                     poisson_ratio=POISSON_RATIO)  # fmt: skip
 
 
 def _quadrature() -> Outcome:

@@ -84,6 +84,26 @@ def waves_of(surface: Profile) -> Table:
     return {"kind": "harmonics", "period": surface.period} | lists
 
 
+def in_units(tables: Table, length: float, modulus: float) -> Table:
+    """A scene with lengths and moduli so many times larger, and all that follows from them."""
+    target = modulus if tables["loading"]["control"] == "mean_pressure" else length
+    factors = {
+        "solid": {"youngs_modulus": modulus},
+        "profile": {"period": length, "rms_height": length, "amplitudes": length},
+        "layer": {"thickness": length},
+        "adhesion": {"work_of_adhesion": length * modulus},
+        "loading": {"targets": target, "flaw": length, "stop_at_mean_pressure": modulus, "at_mean_pressures": modulus},
+    }
+
+    def times(value: Any, factor: float | None) -> Any:
+        if factor is None:
+            return value
+        return [one * factor for one in value] if isinstance(value, list) else value * factor
+
+    return {name: {key: times(value, factors.get(name, {}).get(key)) for key, value in table.items()}
+            for name, table in tables.items()}  # fmt: skip
+
+
 def scene(
     profile: Table,
     control: str,

@@ -65,24 +65,20 @@ def _persson_cases() -> list[PerssonCase]:
         PerssonCase("nan_load", "not a number", lines(125), np.nan, expected="refused: mean_pressure"),
         PerssonCase("much_adhesion", "contact persists at zero load", lines(125), 1e-3, 10.0, expected="branches"),
     ]
-    for hurst in (0.01, 0.3, 0.99):
-        cases.append(
-            PerssonCase(f"hurst_{hurst:g}", "flat and steep spectra", lines(125, hurst), 0.02, full={"lines": 1000})
-        )
-    for work in (1e-8, 1e-4, 1.0, 1e2):
-        expected = "complete_contact" if work > 1 else "below_zero" if work == 1 else "converged"
-        cases.append(
-            PerssonCase(
-                f"work_{work:g}", "hardly any adhesion to far too much", lines(125), 0.02, work, expected=expected
-            )
-        )
-    for height in (1e-9, 1e-7, 1e-5, 1e-3):
-        expected = "complete_contact" if height < 1e-6 else "below_zero" if height < 1e-4 else "converged"
-        pressure = 0.02 * height / RMS_HEIGHT
-        cases.append(
-            PerssonCase(f"rms_height_{height:g}", "nm to mm", lines(125, h_rms=height), pressure, expected=expected)
-        )
-    return cases
+    cases += [
+        PerssonCase(f"hurst_{hurst:g}", "flat and steep spectra", lines(125, hurst), 0.02, full=more)
+        for hurst in (0.01, 0.3, 0.99)
+    ]
+    cases += [
+        PerssonCase(f"work_{work:g}", "hardly any adhesion to far too much", lines(125), 0.02, work, expected=expected)
+        for work, expected in ((1e-8, "converged"), (1e-4, "converged"), (1.0, "below_zero"), (1e2, "complete_contact"))
+    ]
+    heights = {1e-9: "complete_contact", 1e-7: "complete_contact", 1e-5: "below_zero", 1e-3: "converged"}
+    return cases + [
+        PerssonCase(f"rms_height_{height:g}", "nm to mm", lines(125, h_rms=height), 0.02 * height / RMS_HEIGHT,
+                    expected=expected)
+        for height, expected in heights.items()
+    ]  # fmt: skip
 
 
 PERSSON_CASES: tuple[PerssonCase, ...] = tuple(_persson_cases())

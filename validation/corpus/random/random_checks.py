@@ -21,7 +21,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from itertools import pairwise
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 
@@ -31,28 +31,12 @@ from bem.scene.scene import Scene
 from validation.corpus.random.random_scenes import mean_compliance
 
 Kind = Literal[
-    "vocabulary",
-    "targets",
-    "unreachable",
-    "not finite",
-    "certificate",
-    "identity",
-    "energy released",
-    "energy balance",
-    "fields",
-    "warning",
-    "refusal",
-    "dense route",
-    "increment",
-    "events at a smaller increment",
-    "scale",
-    "shift",
-    "mirror",
-    "restart",
-]
-KINDS: tuple[Kind, ...] = get_args(Kind)
-EVENTS = ("first_touch", "new_contact", "coalescence", "detachment", "pull_off", "complete_contact", "opening")
-EVENT_KINDS = (*EVENTS, "bifurcation")
+    "vocabulary", "targets", "unreachable", "not finite", "certificate", "identity", "energy released",
+    "energy balance", "fields", "warning", "refusal", "dense route", "increment", "events at a smaller increment",
+    "scale", "shift", "mirror", "restart",
+]  # fmt: skip
+EVENT_KINDS = ("first_touch", "new_contact", "coalescence", "detachment", "pull_off", "complete_contact", "opening",
+               "bifurcation")  # fmt: skip
 
 EPS = float(np.finfo(float).eps)
 ROUNDINGS = 24.0  # of the height of the profile, seen through the stiffness of the state
@@ -96,6 +80,20 @@ class Units:
         scales = Scales(surface.period, height, solid.plane_strain_modulus)
         compliance = mean_compliance(scene.resolved()) if scene.layer is not None else 0.0
         return cls(surface.period, height, scales.stress, scales.energy_per_area, highest, compliance)
+
+    def scales(self, state: State) -> dict[str, float]:
+        """What differences of the numbers of a state are measured against."""
+        return {
+            "mean_pressure": max(self.pressure, abs(state.mean_pressure)),
+            "contact_fraction": 1.0,
+            "penetration": max(self.height, self.highest),
+            "elastic_energy": max(self.energy, abs(state.elastic_energy)),
+            "adhesion_energy": max(self.energy, abs(state.adhesion_energy)),
+        }
+
+    def soft(self, state: State) -> float:
+        """Pressure by which rounding of the height of the profile is seen through the stiffness of a state."""
+        return ROUNDINGS * EPS * self.highest * abs(state.contact_stiffness or 0.0)
 
     def controlled(self, scene: Scene, state: State) -> float:
         """The controlled quantity of a state over its unit, that of the control."""
@@ -151,7 +149,7 @@ def targets(scene: Scene, result: Result, units: Units) -> Iterator[Objection]:
         if state.status not in FINAL_STATUSES:
             break
         value = units.controlled(scene, state)
-        digit = ROUNDINGS * EPS * units.highest * abs(state.contact_stiffness or 0.0)  # in narrow gaps
+        digit = units.soft(state)  # in narrow gaps
         goal = goals[met] if met < len(goals) else math.nan
         if abs(value - goal) <= TARGET * unit + 8 * EPS * abs(goal):
             met += 1
@@ -292,7 +290,7 @@ def balances(scene: Scene, result: Result, units: Units) -> Iterator[Balance]:
     apart = None  # without adhesion the compliance at first touch has no bound, and no rule for the integral holds
     if scene.loading.initial == "separated" and scene.adhesion is not None:
         apart = Mark(0.0, 0.0, 0.0, 0.0)
-    marks = [_mark(scene, state, units) for state in result.states]
+    marks = [mark(scene, state, units) for state in result.states]
     counts = [0, *(state.events or 0 for state in result.states)]
     groups = [result.events[first:last] for first, last in pairwise(counts)]
     for k, (before, after, events) in enumerate(zip([apart, *marks], marks, groups, strict=False)):
@@ -308,30 +306,31 @@ def balances(scene: Scene, result: Result, units: Units) -> Iterator[Balance]:
             yield Balance(k, change + freed - work, error, energies, len(events))
 
 
-def _mark(scene: Scene, state: State, units: Units) -> Mark:
+def mark(scene: Scene, state: State, units: Units) -> Mark:
     """A state as place on the path; not finite where it has no energy or load, or was not reached."""
-    stiffness = 0.0 if state.contact_stiffness is None else state.contact_stiffness
-    p, depth = state.mean_pressure, state.penetration
+    stiffness, p = state.contact_stiffness or 0.0, state.mean_pressure
     energy = state.total_energy if state.status in FINAL_STATUSES else math.nan
     if scene.loading.control == "mean_pressure":
-        return Mark(p, -depth, -1 / stiffness if stiffness else 0.0, energy - p * depth)
+        slope = -1 / stiffness if stiffness else 0.0
+        return Mark(*place(scene, state, units), slope, energy - p * state.penetration)
     c = units.compliance if scene.loading.control == "total_displacement" else 0.0
+    slope = stiffness / (1 + c * stiffness)
     if state.status == "complete_contact":
-        return Mark(depth + c * p if c else depth, p, 1 / c if c else math.nan, energy + c * p * p / 2)
-    return Mark(depth + c * p, p, stiffness / (1 + c * stiffness), energy + c * p * p / 2)
+        slope = 1 / c if c else math.nan
+    return Mark(*place(scene, state, units), slope, energy + c * p**2 / 2)
 
 
-def _event_mark(scene: Scene, event: Event, units: Units) -> tuple[float, float]:
-    """Control value and force at the end of the branch from which an event jumps."""
+def place(scene: Scene, at: State | Event, units: Units) -> tuple[float, float]:
+    """Control value and force of a state, or at the end of the branch from which an event jumps."""
     if scene.loading.control == "mean_pressure":
-        return event.mean_pressure, -event.penetration
+        return at.mean_pressure, -at.penetration
     c = units.compliance if scene.loading.control == "total_displacement" else 0.0
-    return event.penetration + (c * event.mean_pressure if c else 0.0), event.mean_pressure
+    return at.penetration + (c * at.mean_pressure if c else 0.0), at.mean_pressure
 
 
 def _work(scene: Scene, units: Units, before: Mark, after: Mark, events: tuple[Event, ...]) -> tuple[float, float]:
     """Integral of the force over the control value from one state to the next, and its quadrature error."""
-    places = [_event_mark(scene, event, units) for event in events]
+    places = [place(scene, event, units) for event in events]
     if not places:
         step = after.value - before.value
         plain = step * (before.force + after.force) / 2

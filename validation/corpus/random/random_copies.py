@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
@@ -25,8 +26,8 @@ from bem.geometry.profile import Profile
 from bem.scene.result import FINAL_STATUSES, Event, Result, State
 from bem.scene.result_file import write_result
 from bem.scene.scene import LoadingTable, Scene, parse_scene
-from validation.corpus.hard.hard_case_scenes import waves_of
-from validation.corpus.random.random_checks import EPS, ROUNDINGS, Kind, Objection, Units
+from validation.corpus.hard.hard_case_scenes import in_units, waves_of
+from validation.corpus.random.random_checks import Kind, Objection, Units
 from validation.corpus.random.random_scenes import SCAN, Table
 
 LENGTH, MODULUS, SHIFT = 0.37, 290.0, 1.0  # no powers of two, whose products are exact
@@ -83,31 +84,11 @@ def smaller_increment(tables: Table, scene: Scene, result: Result, folder: Path)
 
 def scaled(tables: Table, scene: Scene, result: Result, folder: Path) -> Copy:
     """Lengths and moduli in other units."""
-    other = {name: dict(table) for name, table in _plain(tables, scene).items()}
-    other["solid"]["youngs_modulus"] *= MODULUS
-    profile = other["profile"]
-    for key in ("period", "rms_height"):
-        if key in profile:
-            profile[key] *= LENGTH
-    if "amplitudes" in profile:
-        profile["amplitudes"] = [amplitude * LENGTH for amplitude in profile["amplitudes"]]
+    other = in_units(_plain(tables, scene), LENGTH, MODULUS)
     if scene.scan is not None:
-        profile["file"] = "scaled_" + SCAN
+        other["profile"]["file"] = "scaled_" + SCAN
         columns = np.column_stack([scene.scan.x, scene.scan.h]) * LENGTH
-        np.savetxt(folder / profile["file"], columns, delimiter=",", fmt="%.17g")
-    if "layer" in other:
-        other["layer"]["thickness"] *= LENGTH
-    if "adhesion" in other:
-        other["adhesion"]["work_of_adhesion"] *= LENGTH * MODULUS
-    loading = other["loading"]
-    unit = MODULUS if scene.loading.control == "mean_pressure" else LENGTH
-    loading["targets"] = [target * unit for target in loading["targets"]]
-    if "flaw" in loading:
-        loading["flaw"] *= LENGTH
-    if "stop_at_mean_pressure" in loading:
-        loading["stop_at_mean_pressure"] *= MODULUS
-    if "at_mean_pressures" in loading:
-        loading["at_mean_pressures"] = [pressure * MODULUS for pressure in loading["at_mean_pressures"]]
+        np.savetxt(folder / other["profile"]["file"], columns, delimiter=",", fmt="%.17g")
     return Copy("scale", parse_scene(other, folder), LENGTH, MODULUS)
 
 
@@ -210,15 +191,11 @@ def _differences(made: Copy, units: Units, one: State, two: State) -> Iterator[s
     if (one.status, one.n_patches) != (two.status, two.n_patches):
         yield f"{two.status} with {two.n_patches} patches for {one.status} with {one.n_patches}"
         return
-    soft = ROUNDINGS * EPS * units.highest * abs(one.contact_stiffness or 0.0) / units.pressure
-    scale = {
-        "mean_pressure": (max(units.pressure, abs(one.mean_pressure)), made.modulus),
-        "contact_fraction": (1.0, 1.0),
-        "penetration": (max(units.height, units.highest), made.length),
-        "elastic_energy": (max(units.energy, abs(one.elastic_energy)), made.length * made.modulus),
-        "adhesion_energy": (max(units.energy, abs(one.adhesion_energy)), made.length * made.modulus),
-    }
-    for name, (unit, factor) in scale.items():
+    soft, energy = units.soft(one) / units.pressure, made.length * made.modulus
+    factors = {"mean_pressure": made.modulus, "contact_fraction": 1.0, "penetration": made.length,
+               "elastic_energy": energy, "adhesion_energy": energy}  # fmt: skip
+    for name, unit in units.scales(one).items():
+        factor = factors[name]
         first, second = float(getattr(one, name)), float(getattr(two, name)) / factor
         estimates = [getattr(one.error_estimate, name) or 0.0, (getattr(two.error_estimate, name) or 0.0) / factor]
         if np.isnan(first) and np.isnan(second):
@@ -307,16 +284,7 @@ def _changes(avalanche: Sequence[Event]) -> list[str]:
 
 def _avalanches(events: Sequence[Event]) -> list[list[Event]]:
     """Events that happen at one penetration and pressure, together."""
-    groups: list[list[Event]] = []
-    last: tuple[float, float] | None = None
-    for event in events:
-        here = (event.penetration, event.mean_pressure)
-        if here == last:
-            groups[-1].append(event)
-        else:
-            groups.append([event])
-        last = here
-    return groups
+    return [list(group) for _, group in groupby(events, lambda event: (event.penetration, event.mean_pressure))]
 
 
 def _unlike(ours: list[list[str]], theirs: list[list[str]]) -> str:

@@ -103,6 +103,10 @@ class Drawn:
         parts += [name for name in ("layer", "adhesion") if name in tables]
         return ", ".join([*parts, *([f"special: {self.special}"] if self.special else [])])
 
+    def expectation(self, full: bool) -> tuple[str, ...]:
+        """What must come of it, as of the other cases of the study of stability; `full` makes no difference."""
+        return (self.expected,)
+
     def write(self, folder: Path) -> Path:
         """Write the scene file, and its scan beside it; the path of the scene file."""
         folder.mkdir(parents=True, exist_ok=True)

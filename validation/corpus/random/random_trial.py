@@ -14,7 +14,7 @@ import tempfile
 import time
 import warnings
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +25,7 @@ from bem.scene.result import Result, State
 from bem.scene.scene import Scene, SceneError, parse_scene
 from bem.solver import solve
 from validation.corpus.hard.hard_case_run import TrialOutcome
-from validation.corpus.random.random_checks import EPS, ROUNDINGS, Objection, Units, energy_balance, findings_of
+from validation.corpus.random.random_checks import Objection, Units, energy_balance, findings_of
 from validation.corpus.random.random_copies import COPIES, STATE, compared, smaller_increment
 from validation.corpus.random.random_scenes import Drawn, draw
 from validation.references.dense import dense_nodes
@@ -35,54 +35,25 @@ MOST_DENSE = 3  # states of a scene that are solved by dense algebra: the first,
 MOST_WORK = 2e7  # nodes squared times terms of the layer, below 1 s: states that need more are not
 
 
-@dataclass(frozen=True)
-class RandomCase:
-    """A random scene as a case of the stability study; its name holds seed and index."""
-
-    seed: int
-    index: int
-    most_harmonics: int = 12
-
-    @property
-    def drawn(self) -> Drawn:
-        """The scene."""
-        return draw(self.seed, self.index, self.most_harmonics)
-
-    @property
-    def id(self) -> str:
-        """Its name."""
-        return f"seed_{self.seed}_scene_{self.index}"
-
-    @property
-    def reason(self) -> str:
-        """What it asks for."""
-        return self.drawn.reason
-
-    def expectation(self, full: bool) -> tuple[str, ...]:
-        """What must come of it."""
-        return (self.drawn.expected,)
-
-
-def case_of(name: str) -> RandomCase:
-    """The case of a name.
+def case_of(name: str) -> Drawn:
+    """The scene of a name.
 
     Examples
     --------
-    >>> case_of("seed_3_scene_14")
-    RandomCase(seed=3, index=14, most_harmonics=12)
+    >>> case_of("seed_3_scene_14").index
+    14
     """
     found = re.fullmatch(r"seed_(\d+)_scene_(\d+)", name)
     if found is None:
         raise ValueError(f"{name!r}: seed_K_scene_k is the name of a random scene")
-    return RandomCase(int(found[1]), int(found[2]))
+    return draw(int(found[1]), int(found[2]))
 
 
-def run_case(case: RandomCase, full: bool = False) -> TrialOutcome:
+def run_case(drawn: Drawn, full: bool = False) -> TrialOutcome:
     """Solve and judge a random scene; `full` makes no difference.
 
     Whatever leaves `solve` besides a mistake of the scene is raised: that is the crash that the study counts.
     """
-    drawn = case.drawn
     begun = time.process_time()
     with tempfile.TemporaryDirectory() as name, warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -169,16 +140,9 @@ def _dense_work(scene: Scene, state: State) -> float:
 
 def _missed(units: Units, state: State, known: dict[str, float]) -> Iterator[str]:
     """Names of the numbers farther from dense algebra than estimated."""
-    soft = ROUNDINGS * EPS * units.highest * abs(state.contact_stiffness or 0.0) / units.pressure
-    scale = {
-        "mean_pressure": max(units.pressure, abs(state.mean_pressure)),
-        "contact_fraction": 1.0,
-        "penetration": max(units.height, units.highest),
-        "elastic_energy": max(units.energy, abs(state.elastic_energy)),
-        "adhesion_energy": max(units.energy, abs(state.adhesion_energy)),
-        "stress_intensity_max": units.pressure * math.sqrt(units.period / (2 * math.pi)),
-    }
-    for name, unit in scale.items():
+    soft = units.soft(state) / units.pressure
+    intensity = {"stress_intensity_max": units.pressure * math.sqrt(units.period / (2 * math.pi))}
+    for name, unit in (units.scales(state) | intensity).items():
         error = abs(float(getattr(state, name)) - known[name]) / unit
         estimate = (getattr(state.error_estimate, name) or 0.0) / unit
         if not error <= estimate + STATE + soft:
