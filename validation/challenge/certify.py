@@ -15,9 +15,8 @@ import numpy as np
 from bem.scene.atomic_file import write_atomically
 from bem.scene.result import Result
 from bem.solver import solve as solve_scene
-from validation.challenge.answers import Certified, Check, Key, csv_of, json_of, scale_of
 from validation.challenge.closed_answers import CLOSED, closed_answers
-from validation.challenge.problem import PROBLEM_FILE
+from validation.challenge.problem import PROBLEM_FILE, Certified, Check, Key, csv_of, json_of, scale_of
 from validation.challenge.problem import problem as shipped
 from validation.challenge.second_routes import ROUTES
 from validation.challenge.worker import with_arrays
@@ -28,14 +27,9 @@ from validation.routes import boundary_elements
 Checks = dict[str, tuple[Check, ...]]
 FLOOR = 1e-12  # of the scale; closed forms and solver differ by up to 4e-13
 SOLVER = "boundary elements at tolerance 1e-12"
-SECOND: dict[str, tuple[str, ...]] = {
-    "two-crests-thick": ("finite elements", "dense algebra"),
-    "three-crests": ("finite elements", "dense algebra"),
-    "two-crests-thin": ("finite elements", "dense algebra"),
-}
+FEW_CONTACTS = ("two-crests-thick", "three-crests", "two-crests-thin")  # which finite elements can do
 OF_PULL_OFF = {"pull_off_penetration": "penetration", "pull_off_mean_pressure": "mean_pressure"}
 AS_FINE = ("dense algebra", "path at a tenth of the increment")  # as the solver
-DEFAULT_ROUTES = AS_FINE
 
 
 def certified(name: str, second: bool = True) -> Key:
@@ -51,11 +45,15 @@ def certified(name: str, second: bool = True) -> Key:
         closed = closed_answers(data)
         beside: Checks = {key: (Check(SOLVER, _difference(ours[key], closed[key])),) for key in ours}
         return _key(data, closed, "closed form", dict.fromkeys(ours, ()), beside)
-    routes = SECOND.get(name, DEFAULT_ROUTES) if second else ()
+    usual = ("finite elements", "dense algebra") if name in FEW_CONTACTS else AS_FINE
+    routes = usual if second else ()
     found = {route: ROUTES[route](problem, result) for route in routes}
     checks: Checks = {
         key: tuple(
-            Check(_named(route, answer.uncertainty, key), _difference(np.array(answer.values[key], float), ours[key]))
+            Check(
+                f"{route}, known to {np.max(answer.uncertainty[key]):.1g}" if key in answer.uncertainty else route,
+                _difference(np.array(answer.values[key], float), ours[key]),
+            )
             for route, answer in found.items()
             if key in answer.values
         )
@@ -78,11 +76,7 @@ def _arrays(values: dict[str, Any]) -> dict[str, FloatArray]:
 
 
 def _key(
-    problem: dict[str, Any],
-    values: dict[str, FloatArray],
-    made: str,
-    estimates: dict[str, Any],
-    checks: Checks,
+    problem: dict[str, Any], values: dict[str, FloatArray], made: str, estimates: dict[str, Any], checks: Checks
 ) -> Key:
     answers = {}
     for name, asked in problem["asked"].items():
@@ -107,11 +101,6 @@ def _estimates(result: Result, name: str) -> tuple[float, ...]:
     source = "contact_fraction" if name == "gap_fraction" else name
     found = [getattr(state.error_estimate, source, None) for state in result.targets]
     return () if any(value is None for value in found) else tuple(map(float, found))  # type: ignore[arg-type]
-
-
-def _named(route: str, spread: dict[str, Any], key: str) -> str:
-    """The route, with the uncertainty that it states of itself."""
-    return f"{route}, known to {np.max(spread[key]):.1g}" if key in spread else route
 
 
 def _difference(values: FloatArray, answers: FloatArray) -> tuple[float, ...]:

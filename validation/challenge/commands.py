@@ -15,9 +15,8 @@ from typing import Any
 
 from bem.command_line.folder_lock import locked
 from validation.challenge import standings
-from validation.challenge.answers import scale_of
 from validation.challenge.judging import MOST_DIGITS
-from validation.challenge.problem import FOLDER, Shipped, names, problem
+from validation.challenge.problem import FOLDER, NAMES, Shipped, problem, scale_of
 from validation.harness.entry_points import solvers
 from validation.harness.execution import Note
 from validation.harness.executors import LOCAL, opener_of
@@ -31,8 +30,8 @@ SHORT = 6  # numbers of a list that are shown
 
 def _list(options: argparse.Namespace) -> int:
     """One problem a line, its name first."""
-    width = max(map(len, names()))
-    for name in names():
+    width = max(map(len, NAMES))
+    for name in NAMES:
         data = problem(name).data
         print(f"{name:{width}}  {data['difficulty']:6}  {data['title']}")
     return DONE
@@ -113,7 +112,7 @@ def _make(options: argparse.Namespace) -> int:
     """The answers made anew."""
     from validation.challenge.certify import certified, write
 
-    for name in options.names or names():
+    for name in options.names or NAMES:
         write(certified(name), options.out)
         print(options.out / name, flush=True)
     return DONE

@@ -15,7 +15,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from validation.challenge.answers import Certified, Key, scale_of
+from validation.challenge.problem import Certified, Key, scale_of
 from validation.harness.route import Answer
 
 MOST_DIGITS = 15.0
@@ -25,7 +25,7 @@ LOST = 0.5  # digits by which a quantity may fall behind a baseline: rounding mo
 
 @dataclass(frozen=True)
 class Digits:
-    """A quantity of a problem, judged.
+    """A quantity of a problem, judged; the numbers are those of an answer, where one came.
 
     A status is "right", "wrong", "missing", "not a number", "wrong shape", "not offered", "crashed", "out of
     memory" or "timed out".
@@ -57,11 +57,6 @@ class Judged:
     def passed(self) -> bool:
         """Whether everything is right."""
         return all(row.status == RIGHT for row in self.rows)
-
-    @property
-    def error(self) -> float | None:
-        """Largest error of what was answered."""
-        return max((row.error for row in self.rows if row.error is not None), default=None)
 
 
 def judged(key: Key, returned: Answer, digits: float) -> Judged:

@@ -1,9 +1,18 @@
-"""The standings run for real: every entrant through the public door on every problem, into standings.json."""
+"""The standings run for real: every entrant through the public door on every problem, into standings.json.
+
+Answers on grids, each twice as fine, are extrapolated to what they tend to, with the error estimated.  Contact counted
+in whole points is wrong by a term in the spacing; cohesion of a range that must span some spacings is wrong by its
+range, which falls as the root of the spacing.  With r = 2 without adhesion and r = sqrt 2 with it, and the two finest
+grids,
+
+    x = fine + (fine - coarse) / (r - 1).
+"""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from importlib import metadata
 from pathlib import Path
@@ -13,10 +22,8 @@ import numpy as np
 
 from bem.scene.atomic_file import write_atomically
 from validation.challenge import run_judge
-from validation.challenge.answers import scale_of
-from validation.challenge.extrapolation import extrapolated
 from validation.challenge.judging import judged
-from validation.challenge.problem import ChallengeError, Shipped
+from validation.challenge.problem import ChallengeError, Shipped, scale_of
 from validation.challenge.standings import ENTRANTS, RECORD, SCHEMA, SOLVERS, Entrant, recorded
 from validation.harness.execution import Listener, Note
 from validation.harness.provenance import provenance
@@ -112,3 +119,30 @@ def estimated(one: Shipped, quantity: str, finest: Answer, limit: Answer) -> flo
 
 def _rounded(value: float | None) -> float | None:
     return None if value is None else float(f"{value:.3g}")
+
+
+WHOLE = ("patches",)  # counts, of which the finest grid's stands
+
+
+def extrapolated(problem: Mapping[str, Any], grids: Sequence[Answer]) -> Answer:
+    """The answers to a problem that grids, coarsest first, tend to; as the finest where it has none."""
+    fine, coarse = grids[-1], grids[-2]
+    if fine.status != "answered" or coarse.status != "answered":
+        return fine if fine.status != "answered" else coarse
+    ratio = math.sqrt(2) if "adhesion" in problem else 2.0
+    answers = {
+        name: value if name in WHOLE else _limit(value, coarse.values[name], ratio)
+        for name, value in fine.values.items()
+        if name in coarse.values
+    }
+    spent = [sum(getattr(grid, name) or 0.0 for grid in grids[-2:]) for name in ("seconds", "cpu_seconds")]
+    told = f"from the two finest grids, errors falling by {ratio:.3g}"
+    return Answer("answered", told, answers, seconds=spent[0], cpu_seconds=spent[1])
+
+
+def _limit(fine: Any, coarse: Any, ratio: float) -> Any:
+    if isinstance(fine, list):
+        if len(fine) != len(coarse):
+            return None
+        return [_limit(x, y, ratio) for x, y in zip(fine, coarse, strict=True)]
+    return None if fine is None or coarse is None else fine + (fine - coarse) / (ratio - 1)

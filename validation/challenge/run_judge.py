@@ -24,7 +24,7 @@ from pydantic import TypeAdapter, ValidationError
 from bem.scene.atomic_file import write_atomically
 from validation.challenge import standings
 from validation.challenge.judging import Judged, judged, lost
-from validation.challenge.problem import ChallengeError, Shipped, names, problem
+from validation.challenge.problem import NAMES, ChallengeError, Shipped, problem
 from validation.challenge.solver_process import look_up, returned
 from validation.challenge.submission import read_submission
 from validation.harness.execution import Listener, Note
@@ -74,9 +74,9 @@ def chosen(only: str | None) -> tuple[Shipped, ...]:
     """
     patterns = ["*"] if only is None else only.split(",")
     for pattern in patterns:
-        if not any(fnmatch(name, pattern) for name in names()):
-            raise ChallengeError(f"--only {pattern!r}: one of {', '.join(names())} is needed")
-    return tuple(problem(name) for name in names() if any(fnmatch(name, pattern) for pattern in patterns))
+        if not any(fnmatch(name, pattern) for name in NAMES):
+            raise ChallengeError(f"--only {pattern!r}: one of {', '.join(NAMES)} is needed")
+    return tuple(problem(name) for name in NAMES if any(fnmatch(name, pattern) for pattern in patterns))
 
 
 def solved(

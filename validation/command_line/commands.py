@@ -18,8 +18,7 @@ import bem.__main__ as scenes
 import validation.__main__ as harness
 from validation.command_line import comparison, examples, fem_answer
 from validation.harness.schema import Report
-from validation.report.history import history_of
-from validation.report.history_page import named, write_history
+from validation.report.history import history_of, named, write_history
 
 SHELLS = ("bash", "zsh", "tcsh")
 

@@ -43,10 +43,11 @@ from validation.report.verification.matrix import (
     Kind,
     kind_of,
     matrix_of,
+    named,
     row_id,
     tally,
+    worst_place,
 )
-from validation.report.verification.row_views import named, worst_place
 from validation.report.verification.typesetting import printable, subscripts, typeset, unset, with_links
 
 PAGE = "report.html"

@@ -9,8 +9,7 @@ from validation.harness.compare import error_over_tolerance
 from validation.harness.figure_data import loglog, marks, trace
 from validation.harness.schema import Figure, Report, Row, is_intact
 from validation.harness.verdict import GATING, counted, counts, fails, verdict_of
-from validation.report.verification.matrix import KINDS, kind_of
-from validation.report.verification.row_views import worst_place
+from validation.report.verification.matrix import KINDS, kind_of, worst_place
 
 
 def first_sentence(report: Report) -> str:

@@ -29,10 +29,18 @@ from validation.harness.execution import Listener, Note
 from validation.harness.provenance import provenance
 from validation.harness.store import Store, store_in, write_json
 from validation.harness.verdict import case_verdicts
-from validation.report.fault_matrix import write_matrix
-from validation.studies.faults.fault_findings import Finding, Search, bad, compared
+from validation.report.map_figures import write_matrix
+from validation.studies.faults.fault_findings import (
+    Finding,
+    Search,
+    bad,
+    compared,
+    content_of,
+    failures_of,
+    lines_of,
+    table_of,
+)
 from validation.studies.faults.fault_injection import Examined, Exposure, examine
-from validation.studies.faults.fault_report import content_of, failures_of, lines_of, table_of
 from validation.studies.faults.fault_table import Fault, FaultError, Studied, faults_in
 
 FILE, FIGURE = "faults.json", "faults.svg"

@@ -34,12 +34,11 @@ from validation.harness.store import write_json
 from validation.references.paper_problem import RMS_SLOPE
 from validation.report.render import failures, write_html
 from validation.studies.shown import text_table
-from validation.studies.theory_correction.correction_figures import chosen
 from validation.studies.theory_correction.correction_members import FIT_ROOT, HOLD_OUT_ROOT, Group, groups
 from validation.studies.theory_correction.data import Observed, observed, relative_errors
 from validation.studies.theory_correction.fit import Calibration, calibrate, correction_from
 from validation.studies.theory_correction.hold_out import CALIBRATED, PLAIN, HeldOut, judge, rms, rms_of, theories_of
-from validation.studies.theory_correction.page import JUDGED, case_of, outcome
+from validation.studies.theory_correction.page import JUDGED, case_of, chosen, outcome
 
 SCHEMA = "linecontact-theory-correction-study/1"
 FILE, CALIBRATION = "theory-correction.json", "calibration.json"
