@@ -49,6 +49,11 @@ class Setting:
     tables: Tables = field(default_factory=dict, compare=False)
     why_not: str = ""  # why it has none
 
+    @property
+    def title(self) -> str:
+        """Source and name, said once."""
+        return self.name if self.kind == "base" else f"{self.source} {self.name}"
+
 
 def settings_of(scene: Scene, tables: Tables, places: tuple[Path, Path], seeds: int, quick: bool) -> list[Setting]:
     """All settings of a scene, of which the tables of its file are given: as it is, the finest, then by source.
@@ -68,7 +73,12 @@ def settings_of(scene: Scene, tables: Tables, places: tuple[Path, Path], seeds: 
     }
     found = [
         Setting("base", BASE, BASE, copy.deepcopy(tables)),
-        Setting("numerical", FINEST, _accuracy_name(accuracy), changed(tables, {"accuracy": accuracy})),
+        Setting(
+            "numerical",
+            FINEST,
+            ", ".join(f"{key} {value:g}" for key, value in accuracy.items()),
+            changed(tables, {"accuracy": accuracy}),
+        ),
     ]
     base = places[0]
     sources: tuple[tuple[Kind, Changes], ...] = (
@@ -92,10 +102,6 @@ def settings_of(scene: Scene, tables: Tables, places: tuple[Path, Path], seeds: 
 
 Change = Mapping[str, Mapping[str, Any]]
 Changes = Iterator[tuple[str, str, Change | str]]
-
-
-def _accuracy_name(accuracy: Mapping[str, float]) -> str:
-    return ", ".join(f"{key} {value:g}" for key, value in accuracy.items())
 
 
 def _tolerances(scene: Scene, quick: bool) -> Changes:

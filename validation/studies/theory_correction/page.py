@@ -59,18 +59,9 @@ GUARD = (
 
 
 def outcome(calibration: Mapping[str, Any], judged: Sequence[HeldOut], planned: int, short: bool) -> Outcome:
-    """Rows, figures and tables of the page.
+    """Rows, figures and tables of the page, from the content of the data file and the hold-out with its planned loads.
 
-    Parameters
-    ----------
-    calibration : mapping
-        Content of the data file.
-    judged : sequence of HeldOut
-        The hold-out.
-    planned : int
-        Loads planned on the hold-out.
-    short : bool
-        The quick form, which shows that everything runs and judges nothing.
+    `short` is the quick form, which shows that everything runs and judges nothing.
     """
     made = (_areas_without_adhesion(), _uncertainties_without_adhesion(), _areas(), _uncertainties_with_adhesion())
     of_judged = (_uncertainties(judged), _aims(judged), _coefficients(calibration), _by_kind(judged), _all(judged))
