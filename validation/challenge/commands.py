@@ -29,7 +29,6 @@ SHORT = 6  # numbers of a list that are shown
 
 
 def _list(options: argparse.Namespace) -> int:
-    """One problem a line, its name first."""
     width = max(map(len, NAMES))
     for name in NAMES:
         data = problem(name).data
@@ -109,7 +108,6 @@ def _judge(options: argparse.Namespace) -> int:
 
 
 def _make(options: argparse.Namespace) -> int:
-    """The answers made anew."""
     from validation.challenge.certify import certified, write
 
     for name in options.names or NAMES:
@@ -119,7 +117,6 @@ def _make(options: argparse.Namespace) -> int:
 
 
 def _standings(options: argparse.Namespace) -> int:
-    """The recorded solvers run again."""
     from validation.challenge.record_standings import record
 
     with locked(options.out):

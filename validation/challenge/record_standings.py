@@ -97,15 +97,10 @@ def _entries(
 
 def _entry(solver: str, setting: str, one: Shipped, found: Answer) -> dict[str, Any]:
     row = asdict(judged(one.key, found, DIGITS))
-    row["rows"] = [
-        {"quantity": r["quantity"], "status": r["status"]}
-        | {name: _rounded(r[name]) for name in ("digits", "error")}
-        | {"answered": r["answered"], "asked": r["asked"]}
-        for r in row["rows"]
-    ]
-    spent = {name: _rounded(row[name]) for name in ("seconds", "cpu_seconds")}
+    kept = ("quantity", "status", "digits", "error", "answered", "asked")
+    row["rows"] = [{name: _rounded(r[name]) for name in kept} for r in row["rows"]]
     del row["ignored"]
-    return {"solver": solver, "setting": setting} | row | spent
+    return {"solver": solver, "setting": setting} | {name: _rounded(value) for name, value in row.items()}
 
 
 def estimated(one: Shipped, quantity: str, finest: Answer, limit: Answer) -> float | None:
@@ -114,11 +109,12 @@ def estimated(one: Shipped, quantity: str, finest: Answer, limit: Answer) -> flo
     if values.shape != limits.shape or any(value is None for value in (*values, *limits)):
         return None
     miss = np.abs(values.astype(np.float64) - limits.astype(np.float64))
-    return _rounded(float(np.max(miss)) / scale_of(quantity, one.key.answers[quantity].value))
+    return float(_rounded(float(np.max(miss)) / scale_of(quantity, one.key.answers[quantity].value)))
 
 
-def _rounded(value: float | None) -> float | None:
-    return None if value is None else float(f"{value:.3g}")
+def _rounded(value: Any) -> Any:
+    """A number that is no count, to three digits; all else as it is."""
+    return float(f"{value:.3g}") if isinstance(value, float) else value
 
 
 WHOLE = ("patches",)  # counts, of which the finest grid's stands

@@ -19,7 +19,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import TypeAdapter
 
 from bem.scene.atomic_file import write_atomically
 from validation.challenge import standings
@@ -136,16 +136,14 @@ def earlier(baseline: Path, problems: Sequence[Shipped]) -> tuple[Judged, ...]:
     """
     try:
         content = json.loads(baseline.read_text("utf-8"))
-        schema = content["schema"]
+        if content["schema"] != SCHEMA:
+            raise ChallengeError(f"baseline {baseline}: schema {content['schema']!r} is not {SCHEMA!r}")
+        before = TypeAdapter(tuple[Judged, ...]).validate_python(content["problems"])
     except FileNotFoundError as error:
         raise ChallengeError(f"baseline {baseline}: no such file") from error
+    except ChallengeError:
+        raise
     except (ValueError, KeyError, TypeError, RecursionError) as error:
-        raise ChallengeError(f"baseline {baseline}: challenge.json of a judgement is needed") from error
-    if schema != SCHEMA:
-        raise ChallengeError(f"baseline {baseline}: schema {schema!r} is not {SCHEMA!r}")
-    try:
-        before = TypeAdapter(tuple[Judged, ...]).validate_python(content["problems"])
-    except (KeyError, ValidationError) as error:
         raise ChallengeError(f"baseline {baseline}: challenge.json of a judgement is needed") from error
     held = ", ".join(one.problem for one in before)
     if not {one.name for one in problems} & {one.problem for one in before}:
@@ -162,13 +160,10 @@ def against(judgement: Judgement, name: str, before: Sequence[Judged]) -> Judgem
 def write(judgement: Judgement, problems: Sequence[Shipped], folder: Path) -> None:
     """Write challenge.json and challenge.html."""
     shown = ("title", "difficulty", "what_is_hard")
+    told = ("solver", "digits", "outcome", "passed", "baseline")
     content: dict[str, Any] = {
         "schema": SCHEMA,
-        "solver": judgement.solver,
-        "digits": judgement.digits,
-        "outcome": judgement.outcome,
-        "passed": judgement.passed,
-        "baseline": judgement.baseline,
+        **{name: getattr(judgement, name) for name in told},
         "lost": list(judgement.lost or ()),
         "problems": [
             asdict(row) | {name: one.data[name] for name in shown}

@@ -8,11 +8,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from bem.scene.result import Result
 from bem.scene.scene import parse_scene
-from bem.solver import solve as solve_scene
 from fem_reference import Resolution
 from validation.harness.arrays import FloatArray
 from validation.harness.route import Answer, Problem
@@ -54,19 +55,8 @@ def _amplitudes(problem: Problem, result: Result) -> FloatArray:
     return np.asarray(2 * np.abs(modes) * 2 / (modulus * q))
 
 
-def finite_elements(problem: Problem, result: Result) -> Answer:
-    """The last state on three meshes."""
-    return finest(problem, FINEST, result.targets[-1].n_patches)
-
-
-def tenth_of_the_increment(problem: Problem, result: Result) -> Answer:
-    """Everything, on a path of ten times as many increments."""
-    finer = solve_scene(boundary_elements.tables(problem, 1e-12, increment=0.1))
-    return Answer(values=boundary_elements.answers(problem, finer))
-
-
-ROUTES = {
+ROUTES: dict[str, Callable[[Problem, Result], Answer]] = {
     "dense algebra": dense,
-    "finite elements": finite_elements,
-    "path at a tenth of the increment": tenth_of_the_increment,
+    "finite elements": lambda problem, result: finest(problem, FINEST, result.targets[-1].n_patches),
+    "path at a tenth of the increment": lambda problem, _: boundary_elements.solve(problem, 1e-12, 0.1),
 }

@@ -68,7 +68,6 @@ def returned(spec: str, problem: str, limit: float, memory: float | None = None)
 
 
 def _ending(code: int) -> str:
-    """How a process ended, in words."""
     if code >= 0:
         return f"the process ended with code {code}"
     named = {one.value: one.name for one in signal.Signals}

@@ -61,7 +61,6 @@ def _parser(program: str) -> argparse.ArgumentParser:
 
 
 def _example(options: argparse.Namespace) -> int:
-    """List the examples, or write one."""
     if options.name is None:
         print("\n".join(examples.listed()))
         return harness.DONE

@@ -131,17 +131,8 @@ def window_table(samples: Sequence[Sample], theories: Sequence[FloatArray]) -> T
         def line(what: str, start: float, fit: DoubleGaussian, one: Sample = sample) -> Cells:
             variance = 2 * fit.diffusivity * one.load**2 / one.spread**2
             stress = fit.detachment_stress
-            return [
-                one.load,
-                what,
-                start,
-                fit.amplitude,
-                stress,
-                stress / one.detachment_stress,
-                variance,
-                fit.load / one.load,
-                fit.residual,
-            ]
+            return [one.load, what, start, fit.amplitude, stress, stress / one.detachment_stress, variance,
+                    fit.load / one.load, fit.residual]  # fmt: skip
 
         lines += [
             line(name, start, sample.over(start, None, free, logarithmic))

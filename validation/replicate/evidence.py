@@ -41,9 +41,7 @@ class Realisation:
     def surface(self) -> Profile:
         """The profile, SI units."""
         table = self.result.scene["profile"]
-        return Profile.self_affine(
-            table["period"], table["hurst"], table["rms_height"], table["harmonics"], table["seed"]
-        )
+        return Profile.self_affine(*(table[name] for name in ("period", "hurst", "rms_height", "harmonics", "seed")))
 
     @property
     def touching(self) -> list[State]:
@@ -58,11 +56,6 @@ class Realisation:
     def final_load(self) -> float:
         """Highest load reached."""
         return max((state.mean_pressure for state in self.result.states), default=0.0) / MODULUS
-
-    @property
-    def all_certified(self) -> bool:
-        """Whether the audit of every state holds."""
-        return all(state.certificate.ok for state in self.result.states)
 
     def value_at(self, load: float, of: Callable[[State], float]) -> float:
         """A number of the state at this load; on the straight line across the jump when the load jumps over it."""

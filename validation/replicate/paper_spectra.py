@@ -76,7 +76,9 @@ def exponent(power: FloatArray, window: Window) -> float:
     >>> round(exponent(np.arange(1.0, 200.0) ** -2.7, (10, 100)), 12)
     -2.7
     """
-    return _line(power, window)[0]
+    order = np.arange(1, power.size + 1)
+    inside = (order >= window[0]) & (order <= window[1])
+    return float(np.polyfit(np.log(order[inside]), np.log(power[inside]), 1)[0])
 
 
 def exponent_of(power: FloatArray, windows: Sequence[Window]) -> Exponent:
@@ -276,14 +278,6 @@ def _curves(power: FloatArray, theory: FloatArray, name: str, hue: int) -> list[
         *scattered(bands, bands[0][0], [value for _, value in bands], name=f"{name}, ", hue=hue)[:2],
         trace(f"{name}, Persson with adhesion", order, theory, hue=hue),
     ]
-
-
-def _line(power: FloatArray, window: Window) -> tuple[float, float]:
-    """Slope and level of ln C = level + slope ln(q/q0) by least squares over the orders of a window."""
-    order = np.arange(1, power.size + 1)
-    inside = (order >= window[0]) & (order <= window[1])
-    slope, level = np.polyfit(np.log(order[inside]), np.log(power[inside]), 1)
-    return float(slope), float(level)
 
 
 def _fits(power: FloatArray, windows: Sequence[Window]) -> Iterator[tuple[float, float, Window]]:

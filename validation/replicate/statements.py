@@ -25,8 +25,8 @@ from dataclasses import dataclass
 
 from validation.harness.case import Outcome
 from validation.harness.compare import combined_tolerance, error_of
-from validation.harness.rows import REVIEW, Against
-from validation.harness.schema import Band, CaseRecord, Cells, Reference, Row, Table, Tolerance
+from validation.harness.rows import Against
+from validation.harness.schema import CaseRecord, Cells, Reference, Row, Table, Tolerance
 from validation.harness.verdict import verdict_of
 
 PAPER = "Carbone, Scaraggi, Tartaglino 2009"
@@ -55,45 +55,23 @@ def statement(
     shortfall: str = "",
     reported: str = "",
 ) -> Row:
-    """A row that agrees or deviates.
+    """A row that agrees or deviates: our number, with its standard error `error`, and the paper's, at `where`.
 
-    Parameters
-    ----------
-    ours, error : float
-        What was found, and its standard error.
-    allowed, measured : float
-        Tolerance of the difference, and the difference found when it was set.
-    against : Alternative
-        What would contradict the paper, which says otherwise at `where`.
-    last_digit : float
-        Uncertainty of the paper's number.
-    shortfall : str
-        Why the ensemble is not the paper's: the row is then not run.
-    reported : str
-        What is to be read beside the verdict.
-
-    Raises
-    ------
-    ValueError
-        If the tolerance itself reaches further than half the way to the alternative, with the paper's ensemble.
+    `allowed` is the tolerance of the difference, `measured` the difference found when it was set, `last_digit` the
+    uncertainty of the paper's number, `against` what would contradict it. `reported` is to be read beside the verdict.
+    With a `shortfall`, why the ensemble is not the paper's, the row is not run; else ValueError where the tolerance
+    itself reaches further than half the way to the alternative.
     """
     said = _values(paper)
     distance = min(abs(against.value - value) for value in said if value is not None)
     if allowed > distance / 2 and not shortfall:
         raise ValueError(f"{quantity}: a tolerance of {allowed:g} does not exclude {against.value:g}, {against.words}")
     excludes = f"excludes {against.value:.4g}, {against.words}"
-    row = Row(
-        quantity=quantity,
-        unit="",
-        reference=Reference(kind="independent code", source=f"{PAPER}, {where}", uncertainty=last_digit),
-        norm="absolute",
-        expected=said,
-        computed=_values(ours),
-        uncertainty=error,
-        tolerance=Tolerance(value=allowed, measured=measured, basis="required"),
-        status="not run" if shortfall else "run",
-        message=shortfall or "; ".join(part for part in (excludes, reported) if part),
-    )
+    message = shortfall or "; ".join(filter(None, (excludes, reported)))
+    source = Reference(kind="independent code", source=f"{PAPER}, {where}", uncertainty=last_digit)
+    row = Row(quantity=quantity, unit="", reference=source, norm="absolute", expected=said, computed=_values(ours),
+              uncertainty=error, tolerance=Tolerance(value=allowed, measured=measured, basis="required"),
+              status="not run" if shortfall else "run", message=message)  # fmt: skip
     accepted = combined_tolerance(row)
     if row.status == "run" and accepted > distance / 2:
         why = f"no test: {accepted:.2g} is accepted, {against.value:.4g} ({against.words}) is {distance:.2g} away"
@@ -133,20 +111,14 @@ def disagreement(
     """
     if band[0] <= 1 <= band[1]:
         raise ValueError(f"{quantity}: a band of {band[0]:g} to {band[1]:g} holds 1, where the two agree")
-    row = Row(
-        quantity=quantity,
-        unit=unit,
-        reference=Reference(kind="independent code", source=f"{PAPER}, {where}"),
-        norm="ratio",
-        expected=_values(paper),
-        computed=_values(ours),
-        uncertainty=error,
-        band=Band(low=band[0], high=band[1], cause=cause, source=f"{PAPER}, {where}", review=REVIEW),
-        status="not run" if shortfall else "run",
-        message=shortfall or reported,
-    )
+    source = f"{PAPER}, {where}"
+    row = Against("independent code", source).ratio(quantity, unit, _values(paper), _values(ours), band, cause, source,
+                                                    uncertainty=error)  # fmt: skip
+    if shortfall:
+        return row.model_copy(update={"status": "not run", "message": shortfall})
+    row = row.model_copy(update={"message": reported})
     apart = abs(error_of(row.model_copy(update={"band": None})))
-    if row.status == "run" and apart < 2 * error:
+    if apart < 2 * error:
         return row.model_copy(update={"status": "not run", "message": f"no finding: {apart / error:.1f} errors apart"})
     return row
 

@@ -210,7 +210,6 @@ def _summary(name: str, lines: list[Course]) -> dict[str, Any]:
 
 
 def _cells(line: Course) -> dict[str, Any]:
-    """A row of the table of a case."""
     changed = len({value for value in line.values if value is not None}) > 1
     values = [(number(value), line.rises(k)) for k, value in enumerate(line.values)]
     return {"quantity": line.quantity, "kind": line.kind, "band": line.bands[-1], "values": values, "changed": changed}

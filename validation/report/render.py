@@ -40,7 +40,6 @@ from validation.report.verification.matrix import (
     KINDS,
     SIGNS,
     TALLIED,
-    Kind,
     kind_of,
     matrix_of,
     named,
@@ -71,31 +70,7 @@ class ReportError(ValueError):
     """A report that cannot be read or rendered."""
 
 
-@dataclass(frozen=True)
-class RowView:
-    """A row as the tables show it; what begins with `sort_` is the number behind a text, "" where there is none.
-
-    `name` is its quantity without what the error is scaled with, which stands in `norm`.
-    """
-
-    row: Row
-    target: str
-    kind: Kind
-    name: str
-    norm: str
-    expected: Markup
-    computed: Markup
-    error: float
-    numerical: float | None
-    data: float | None
-    validation: float | None
-    decides: str
-    allowed: str
-    ratio: float | None
-    verdict: str
-    sort_expected: float | str
-    sort_computed: float | str
-    sort_allowed: float
+Line = dict[str, Any]  # of the tables
 
 
 @dataclass(frozen=True)
@@ -107,14 +82,6 @@ class DrawnFigure:
     caption: str
     svg: Markup
     files: list[str]
-
-
-@dataclass(frozen=True)
-class Worst:
-    """The largest error over tolerance, and the case it belongs to."""
-
-    ratio: float
-    case: str
 
 
 def write_html(report: Report, folder: Path, jobs: int = 1) -> None:
@@ -133,13 +100,13 @@ def render(report: Report, jobs: int = 1) -> str:
     lines = {case.id: [_line(case, place, row) for place, row in enumerate(case.rows)] for case in report.cases}
     groups = list(dict.fromkeys(case.group for case in report.cases))
     hard = hard_map(report.cases)
-    drawn = _drawn(report.cases, jobs)
+    drawn, overview = _drawn(report.cases, jobs), scatter(report)
     return filled(
         "page.jinja",
         report=report,
         sentence=first_sentence(report),
         passed=not fails(report) and is_intact(report),
-        all_results=_overview(report),
+        all_results=overview and DrawnFigure("", overview.id, overview.caption, svg_of(overview, "all-results"), []),
         lines=lines,
         verdicts=[(name, count, MARKS[name], name in GATING) for name, count in counts(report.cases).items()],
         marks=MARKS,
@@ -161,7 +128,7 @@ def render(report: Report, jobs: int = 1) -> str:
         tallied=TALLIED,
         kinds=KINDS,
         summary={
-            kind: [(c, line) for c, given in lines.items() for line in given if line.kind == kind] for kind in KINDS
+            kind: [(c, line) for c, given in lines.items() for line in given if line["kind"] == kind] for kind in KINDS
         },
         without_rows=[case for case in report.cases if not case.rows],
         unstated=unstated(report.cases),
@@ -235,21 +202,21 @@ def failures(report: Report) -> list[tuple[str, str]]:
     return found
 
 
-def _worst_ratio(lines: dict[str, list[RowView]]) -> Worst | None:
-    """The largest error over tolerance of all rows that have one; None when none has."""
-    known = [(line.ratio, case) for case, given in lines.items() for line in given if line.ratio is not None]
-    ratios = [Worst(ratio, case) for ratio, case in known if not math.isnan(ratio)]
-    return max(ratios, key=lambda worst: worst.ratio, default=None)
+def _worst_ratio(lines: Mapping[str, list[Line]]) -> dict[str, Any] | None:
+    """The largest error over tolerance of all rows that have one, with its case; None when none has."""
+    known = [{"ratio": line["ratio"], "case": case} for case, given in lines.items() for line in given]
+    ratios = [one for one in known if one["ratio"] is not None and not math.isnan(one["ratio"])]
+    return max(ratios, key=lambda one: float(one["ratio"]), default=None)
 
 
-def _known(report: Report, lines: dict[str, list[RowView]]) -> list[tuple[str, RowView, bool]]:
+def _known(report: Report, lines: Mapping[str, list[Line]]) -> list[tuple[str, Line, bool]]:
     """Rows with a band: the case, the line, and whether its review is overdue at the date of the report."""
     today = str(report.provenance.get("date", ""))[:10]
     return [
-        (case, line, _is_before(line.row.band.review, today))
+        (case, line, _is_before(line["row"].band.review, today))
         for case, given in lines.items()
         for line in given
-        if line.row.band is not None
+        if line["row"].band is not None
     ]
 
 
@@ -260,13 +227,17 @@ def _is_before(review: str, today: str) -> bool:
         return False
 
 
-def _line(case: CaseRecord, place: int, row: Row) -> RowView:
+def _line(case: CaseRecord, place: int, row: Row) -> Line:
+    """A row as the tables show it; what begins with `sort_` is the number behind a text, "" where there is none.
+
+    `name` is its quantity without what the error is scaled with, which stands in `norm`.
+    """
     allowed = f"{row.band.low:g} to {row.band.high:g}" if row.band else number(combined_tolerance(row))
     worst = worst_place(row)
     name, over = named(row.quantity, row.unit)
-    budget = budget_of(row)
     scale = "" if row.scale == 1 else f"{number(row.scale)} {row.unit}".strip()
-    return RowView(
+    return dict(
+        **vars(budget_of(row)),
         row=row,
         target=row_id(case, place),
         kind=kind_of(row),
@@ -275,15 +246,11 @@ def _line(case: CaseRecord, place: int, row: Row) -> RowView:
         expected=_value(row.expected, worst),
         computed=_value(row.computed, worst) + _spread(row.uncertainty),
         error=error_of(row),
-        numerical=budget.numerical,
-        data=budget.data,
-        validation=budget.validation,
-        decides=budget.decides,
         allowed=allowed,
         ratio=None if row.band else error_over_tolerance(row),
         verdict=verdict_of(row),
-        sort_expected=_sorted_as(row.expected[worst]),
-        sort_computed=_sorted_as(row.computed[worst]),
+        sort_expected="" if row.expected[worst] is None else row.expected[worst],
+        sort_computed="" if row.computed[worst] is None else row.computed[worst],
         sort_allowed=row.band.high if row.band else combined_tolerance(row),
     )
 
@@ -304,10 +271,6 @@ def _short(commit: str) -> str:
     return re.sub(r"^([0-9a-f]{12})[0-9a-f]{28}", r"\1", str(commit))
 
 
-def _sorted_as(value: float | None) -> float | str:
-    return "" if value is None else value
-
-
 def _drawn(cases: Sequence[CaseRecord], jobs: int) -> dict[str, list[tuple[DrawnFigure, str | None]]]:
     """The figures of every case, each with its place on the first screen; many are drawn in processes of their own."""
     asked = [(case.id, figure) for case in cases for figure in case.figures]
@@ -324,12 +287,6 @@ def _drawn(cases: Sequence[CaseRecord], jobs: int) -> dict[str, list[tuple[Drawn
 def _in_svg(asked: tuple[str, Figure]) -> DrawnFigure:
     case, figure = asked
     return DrawnFigure(case, figure.id, figure.caption, svg_of(figure, f"{case}-{figure.id}"), figure.files)
-
-
-def _overview(report: Report) -> DrawnFigure | None:
-    """The figure of all results."""
-    figure = scatter(report)
-    return None if figure is None else DrawnFigure("", figure.id, figure.caption, svg_of(figure, "all-results"), [])
 
 
 def _worst(case: CaseRecord) -> str:

@@ -133,7 +133,6 @@ def _target(state: State) -> list[tuple[str, float | str]]:
 
 
 def _events(result: Result) -> Iterator[list[tuple[str, float | str]]]:
-    """Cells of the events."""
     highest = result.states[0].penetration + result.states[0].separation if result.states else 0.0
     for event in result.events:
         error = event.error_estimate

@@ -114,8 +114,7 @@ def run(folder: Path, quick: bool, report: Listener, jobs: int = 1, opener: Open
             return 1
         found[part] = {}
         for group in groups:
-            states = [result.targets for result in results[name_of(group)]]
-            areas = np.array([[state.contact_fraction for state in targets] for targets in states])
+            areas = np.array([[s.contact_fraction for s in result.targets] for result in results[name_of(group)]])
             error = areas.std(axis=0, ddof=1) / np.sqrt(len(areas)) / areas.mean(axis=0)
             found[part][name_of(group)] = group, areas.mean(axis=0), error
     coefficients = fitted(found["fit"], np.array(data()["fit"]["loads_over_E*h'"]))

@@ -206,7 +206,6 @@ def _running_mean(areas: Sequence[float]) -> Plot:
 
 
 def _content(curves: Sequence[Curve]) -> Iterator[dict[str, Any]]:
-    """The curves as convergence.json holds them."""
     for curve in curves:
         entry = asdict(replace(curve, samples=())) | {"met": _met(curve)}
         try:

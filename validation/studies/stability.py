@@ -131,7 +131,6 @@ def _row(measure: Measure, task: Trial) -> TrialRow:
 
 
 def _write(path: Path, facts: dict[str, Any], rows: Sequence[TrialRow], planned: int) -> None:
-    """The file of the study with the rows so far."""
     content = {
         "schema": SCHEMA,
         "provenance": facts,

@@ -109,7 +109,7 @@ def _panel(result: Result, name: str, theories: list[Theory]) -> Panel:
     targets = [state for state in states if state.target and (not apart or state.separation > 0)]
     if targets:
         x, y = [factor * getattr(state, name) for state in targets], [lift * state.mean_pressure for state in targets]
-        errors = [lift * _finite(state.error_estimate.mean_pressure) for state in targets]
+        errors = [lift * finite(state.error_estimate.mean_pressure) for state in targets]
         low, high = ([value + sign * e for value, e in zip(y, errors, strict=True)] for sign in (-1, 1))
         series += [marks("states at targets", x, y, hue=5), bars("estimated error", x, low, high, hue=5)]
     series += _pulled_off(result, apart, factor, lift)
@@ -142,7 +142,7 @@ def _pulled_off(result: Result, apart: bool, factor: float, lift: float) -> Iter
                     [lift * end.mean_pressure for end in ends], hue=3)  # fmt: skip
 
 
-def _finite(error: float | None) -> float:
+def finite(error: float | None) -> float:
     """An estimated error; none where there is no finite one."""
     return 0.0 if error is None or not math.isfinite(error) else error
 

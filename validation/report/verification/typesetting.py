@@ -112,7 +112,6 @@ def _mathml(latex: str) -> Markup:
 
 
 def _written(element: Element) -> Markup:
-    """An element of MathML as markup."""
     if not ELEMENTS.fullmatch(element.tag):
         raise TypesettingError(f"<{element.tag}> is no symbol")
     beyond = [name for name in element.keys() if not ATTRIBUTES.fullmatch(name)]  # noqa: SIM118 (no mapping)

@@ -99,7 +99,6 @@ def content_of(found: Findings, answered: Sequence[tuple[Setting, Solved, float]
 
 
 def _at(key: Key) -> str:
-    """A target in words."""
     held, value, visit = key
     unit = CONTROLS[held][1]
     again = "" if visit == 1 else f" (visit {visit})"

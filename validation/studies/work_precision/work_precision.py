@@ -168,7 +168,6 @@ def _swept(posed: Posed, method: Method, quick: bool, store: Store) -> list[Time
 
 
 def _print(results: Results, told: Sequence[str]) -> None:
-    """Points, what is fixed and not run, prices, conclusion and failures."""
     columns = ["scene", "method", "setting", "unknowns", "error", "of it the reference's", "wall/s", "spread", "cpu/s",
                "MB", "repeats", "status"]  # fmt: skip
     print(text_table(columns, [_row(point) for point in results.points]))
