@@ -296,9 +296,8 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     paper.add_argument("--out", type=Path, required=True, help="folder of the report; realisations there are kept")
     paper.add_argument("--jobs", type=positive, default=cores, help=f"worker processes (default: {cores})")
     paper.add_argument("--executor", default="local", help="local (default) or dask://host:port")
-    paper.add_argument(
-        "--quick", action="store_true", help="few realisations with few harmonics: shows only that it runs"
-    )
+    short = "few realisations with few harmonics: shows only that it runs"
+    paper.add_argument("--quick", action="store_true", help=short)
     paper.add_argument("--json", action="store_true", help="print the summary as JSON")
     paper.set_defaults(command=_alone(_replicate), perform=perform)
 
@@ -328,13 +327,11 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     study.add_argument("--overwrite", action="store_true", help=f"{OF_A_SCENE}: replace the study of another scene")
     study.add_argument("--quick", action="store_true", help="its short form")
     study.add_argument("--out", type=Path, required=True)
-    study.add_argument(
-        "--jobs", type=positive, help=f"processes of {that_take('jobs')} (default: {cores}; scene, stability: 1)"
-    )
+    jobs = f"processes of {that_take('jobs')} (default: {cores}; scene, stability: 1)"
+    study.add_argument("--jobs", type=positive, help=jobs)
     study.add_argument("--executor", default="local", help=f"for {that_take('executor')}: local or dask://host:port")
-    study.add_argument(
-        "--peers", action="store_true", help=f"{that_take('peers')} beside FFT solvers only (extra `peers`)"
-    )
+    peers = f"{that_take('peers')} beside FFT solvers only (extra `peers`)"
+    study.add_argument("--peers", action="store_true", help=peers)
     study.add_argument("--random", type=positive, metavar="N", help=f"{that_take('random')}: N random scenes instead")
     study.add_argument("--seed", type=_natural, default=0, metavar="K", help="of the random scenes (default: 0)")
     study.set_defaults(command=_alone(_study), perform=perform)

@@ -24,7 +24,6 @@ from validation.replicate.double_gaussian_fit import WAYS, Sample, window_figure
 from validation.replicate.evidence import jackknife, joined, mean_and_error
 from validation.replicate.members import LOADS, PAPER, Size
 from validation.replicate.paper_spectra import (
-    _line,
     _power_law,
     _shift_rows,
     banded,
@@ -102,7 +101,7 @@ def test_power_of_the_decay_is_found(power):
 
 
 def test_drawn_power_law_is_the_fitted_one():
-    ends, values = _power_law(*_line(np.arange(1.0, 200.0) ** -2.7, (10.0, 100.0)), (10.0, 100.0))
+    ends, values = _power_law(exponent(np.arange(1.0, 200.0) ** -2.7, (10.0, 100.0)), 0.0, (10.0, 100.0))
     assert ends == [10.0, 100.0]
     assert np.log(values[1] / values[0]) / np.log(10.0) == pytest.approx(-2.7, abs=1e-10)
 

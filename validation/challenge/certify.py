@@ -15,7 +15,7 @@ import numpy as np
 from bem.scene.atomic_file import write_atomically
 from bem.scene.result import Result
 from bem.solver import solve as solve_scene
-from validation.challenge.closed_answers import CLOSED, closed_answers
+from validation.challenge.closed_answers import CLOSED
 from validation.challenge.problem import PROBLEM_FILE, Certified, Check, Key, csv_of, json_of, scale_of
 from validation.challenge.problem import problem as shipped
 from validation.challenge.second_routes import ROUTES
@@ -42,12 +42,11 @@ def certified(name: str, second: bool = True) -> Key:
     result = solve_scene(boundary_elements.tables(problem, 1e-12))
     ours = _arrays(boundary_elements.answers(problem, result))
     if name in CLOSED:
-        closed = closed_answers(data)
+        closed = CLOSED[name](data)
         beside: Checks = {key: (Check(SOLVER, _difference(ours[key], closed[key])),) for key in ours}
         return _key(data, closed, "closed form", dict.fromkeys(ours, ()), beside)
-    usual = ("finite elements", "dense algebra") if name in FEW_CONTACTS else AS_FINE
-    routes = usual if second else ()
-    found = {route: ROUTES[route](problem, result) for route in routes}
+    routes = ("finite elements", "dense algebra") if name in FEW_CONTACTS else AS_FINE
+    found = {route: ROUTES[route](problem, result) for route in routes if second}
     checks: Checks = {
         key: tuple(
             Check(

@@ -25,11 +25,6 @@ Given = dict[str, Any]
 Answers = dict[str, FloatArray]
 
 
-def closed_answers(problem: Given) -> Answers:
-    """All answers to a problem of CLOSED."""
-    return CLOSED[problem["name"]](problem)
-
-
 def _wave(problem: Given) -> tuple[float, float, float, float]:
     """Amplitude, period, E*, p*."""
     solid, profile = problem["solid"], problem["profile"]

@@ -44,16 +44,10 @@ def _parser(program: str) -> argparse.ArgumentParser:
     fem_answer.add_command(commands, harness.perform)
     harness.add_commands(commands, run_name="verify")
 
-    several = commands.add_parser(
-        "compare", help="two results, or two verification reports, by their uncertainties; more reports: their history"
-    )
-    several.add_argument(
-        "folders",
-        nargs="+",
-        type=Path,
-        metavar="FOLDER",
-        help="two or more, of runs or of reports; or one that holds folders of reports",
-    )
+    what = "two results, or two verification reports, by their uncertainties; more reports: their history"
+    several = commands.add_parser("compare", help=what)
+    given = "two or more, of runs or of reports; or one that holds folders of reports"
+    several.add_argument("folders", nargs="+", type=Path, metavar="FOLDER", help=given)
     several.add_argument("--out", type=Path, metavar="DIR", help="write the history of the reports, DIR/history.html")
     several.add_argument("--json", action="store_true", help="print as JSON")
     several.set_defaults(command=_compare, perform=harness.perform)
@@ -83,14 +77,8 @@ def _history(reports: list[Report], options: argparse.Namespace) -> int:
     rises, newest = found.rises(-1), named(found.reports[-1], len(reports))
     page = None if options.out is None else str(write_history(found, options.out))
     if options.json:
-        facts = {
-            "reports": len(reports),
-            "numbers": len(found.lines),
-            "newest": newest,
-            "rises": rises,
-            "unjudged": found.unjudged,
-        }
-        print(json.dumps(facts | {"gone": found.gone, "page": page}))
+        facts = {"reports": len(reports), "numbers": len(found.lines), "newest": newest, "rises": rises}
+        print(json.dumps(facts | {"unjudged": found.unjudged, "gone": found.gone, "page": page}))
     else:
         ending = f"{len(rises)} rose in the newest, {newest}" if rises else f"none rose in the newest, {newest}"
         told = f"{len(reports)} reports, {len(found.lines)} errors and counts: {ending}; {found.unjudged} not judged"

@@ -45,7 +45,8 @@ def compute(evidence: Evidence) -> Outcome:
     density = np.array([np.histogram(h, BOUNDS, density=True)[0] for h in heights])
     (skewness, excess), (skewness_error, excess_error) = (map(float, both) for both in mean_and_error(moments))
     first = [order for order in FIRST_KEPT if order < evidence.size.harmonics / 2]
-    power = {order: _power_from(evidence, order) for order in first}
+    shared = evidence.loading[0].surface
+    power = {order: np.asarray(shared.amplitudes[shared.orders >= order] ** 2) for order in first}
     fourth = {order: _fourth_moment(evidence, order) for order in first}
     says = partial(statement, where="section 4: heights of the generated profiles are Gaussian",
                    shortfall=evidence.shortfall)  # fmt: skip
@@ -87,11 +88,6 @@ def compute(evidence: Evidence) -> Outcome:
 def _excess(power: FloatArray) -> float:
     """Excess kurtosis of independent phases."""
     return float(-1.5 * np.sum(power**2) / np.sum(power) ** 2)
-
-
-def _power_from(evidence: Evidence, first: int) -> FloatArray:
-    surface = evidence.loading[0].surface
-    return np.asarray(surface.amplitudes[surface.orders >= first] ** 2)
 
 
 def _fourth_moment(evidence: Evidence, first: int) -> tuple[float, float]:

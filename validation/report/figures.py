@@ -166,9 +166,8 @@ def described(figure: Figure) -> str:
     >>> described(Figure(id="one", caption="One point.", solution=panel))
     'load against x: a & b.'
     """
-    panels = [figure.solution] if figure.error is None else [figure.solution, figure.error]
-    words = [f"{panel.ylabel} against {panel.xlabel}: {', '.join(s.label for s in panel.series)}." for panel in panels]
-    return " ".join(words)
+    panels = filter(None, (figure.solution, figure.error))
+    return " ".join(f"{one.ylabel} against {one.xlabel}: {', '.join(s.label for s in one.series)}." for one in panels)
 
 
 def _draw(axes: Axes, panel: Panel, most_inside: int = MOST_INSIDE) -> None:
@@ -191,9 +190,8 @@ def _draw(axes: Axes, panel: Panel, most_inside: int = MOST_INSIDE) -> None:
 
 def _scale(asked: str, values: list[float | None]) -> str:
     """The scale asked for, but a linear one where nothing is positive that a logarithmic one could show."""
-    return (
-        "linear" if asked == "log" and not any(value is not None and 0 < value < np.inf for value in values) else asked
-    )
+    positive = any(value is not None and 0 < value < np.inf for value in values)
+    return asked if positive or asked != "log" else "linear"
 
 
 def _draw_series(axes: Axes, series: Series, colour: str, marker: str) -> None:

@@ -29,6 +29,9 @@ from validation.harness.verdict import counts
 from validation.report.figures import COLOURS, svg_of
 from validation.report.render import filled, number
 
+Kind = Literal["error", "count"]
+Key = tuple[str, str, Kind]  # case, quantity
+
 FACTOR = 5.0  # 2.05 measured
 
 
@@ -38,7 +41,7 @@ class Course:
 
     case: str
     quantity: str
-    kind: Literal["error", "count"]
+    kind: Kind
     # errors, scaled as their rows say, or counts; None where a report does not have it; (n,)
     values: tuple[float | None, ...]
     limits: tuple[float, ...]  # tolerances of the errors; nan for counts; (n,)
@@ -82,7 +85,7 @@ class History:
 def history_of(reports: Sequence[Report]) -> History:
     """The history of reports of one suite, given in any order."""
     ordered = tuple(sorted(reports, key=lambda report: str(report.provenance.get("date", ""))))
-    found: dict[tuple[str, str, Literal["error", "count"]], dict[int, _Value]] = {}
+    found: dict[Key, dict[int, _Value]] = {}
     for k, report in enumerate(ordered):
         for key, value in _values(report).items():
             found.setdefault(key, {})[k] = value
@@ -105,9 +108,9 @@ class _Value:
     measured: float = 0.0
 
 
-def _values(report: Report) -> dict[tuple[str, str, Literal["error", "count"]], _Value]:
+def _values(report: Report) -> dict[Key, _Value]:
     """Errors and counts of a report; quantities of one name are numbered."""
-    found: dict[tuple[str, str, Literal["error", "count"]], _Value] = {}
+    found: dict[Key, _Value] = {}
     for case in report.cases:
         seen: Counter[str] = Counter()
         for row in case.rows:
@@ -120,9 +123,7 @@ def _values(report: Report) -> dict[tuple[str, str, Literal["error", "count"]], 
     return found
 
 
-def _line(
-    case: str, quantity: str, kind: Literal["error", "count"], given: dict[int, _Value], kernels: list[tuple[str, ...]]
-) -> Course:
+def _line(case: str, quantity: str, kind: Kind, given: dict[int, _Value], kernels: list[tuple[str, ...]]) -> Course:
     n = len(kernels)
     bands: list[float | None] = []
     for k in range(n):
@@ -196,16 +197,13 @@ def _report(report: Report, k: int, rises: int) -> list[tuple[str, float | str]]
 def _summary(name: str, lines: list[Course]) -> dict[str, Any]:
     """The newest state of a case: whether it rose, its largest error over tolerance and over band, its counts."""
     errors = [line for line in lines if line.kind == "error"]
+    counted = [line for line in lines if line.kind == "count" and line.values[-1] is not None]
     return {
         "case": name,
         "rises": sum(line.rises(-1) for line in lines),
         "tolerance": _largest([_over(line.values[-1], line.limits[-1]) for line in errors]),
         "band": _largest([_over(line.values[-1], line.bands[-1]) for line in errors]),
-        "counts": ", ".join(
-            f"{number(line.values[-1])} {line.quantity}"
-            for line in lines
-            if line.kind == "count" and line.values[-1] is not None
-        ),
+        "counts": ", ".join(f"{number(line.values[-1])} {line.quantity}" for line in counted),
     }
 
 

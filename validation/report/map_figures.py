@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 import matplotlib as mpl
@@ -22,6 +23,7 @@ from validation.report.figures import csv_text, save, styled, write_files
 
 DARK = 0.55  # of the colour scale, from where the text is white
 APART = 30.0
+DECADES = 12.0  # of error over allowed, beyond which the colour no longer deepens
 
 
 @dataclass(frozen=True)
@@ -86,17 +88,9 @@ def _words(value: float | None, error: float | None, note: str) -> tuple[str, fl
 def table_of(found: Map) -> str:
     """The numbers as CSV, one line for each cell."""
     head = [found.row_label, found.column_label, found.title, "standard error", "note"]
-    return csv_text(
-        head,
-        (
-            [row, column, found.values[i][j], found.errors[i][j], found.notes[i][j]]
-            for i, row in enumerate(found.rows)
-            for j, column in enumerate(found.columns)
-        ),
-    )
-
-
-DECADES = 12.0  # beyond which the colour no longer deepens
+    numbers = (found.values, found.errors, found.notes)
+    cells = product(enumerate(found.rows), enumerate(found.columns))
+    return csv_text(head, ([row, column, *(of[i][j] for of in numbers)] for (i, row), (j, column) in cells))
 
 
 @dataclass(frozen=True)

@@ -24,29 +24,9 @@ from validation.harness.execution import answers_in_order
 from validation.harness.schema import CaseRecord, Figure, Report, Row, is_intact
 from validation.harness.verdict import GATING, VERDICTS, case_verdicts, counted, counts, fails, verdict_of
 from validation.report.figures import svg_of
+from validation.report.verification import first_screen, matrix
 from validation.report.verification.all_results import first_sentence, scatter
 from validation.report.verification.allowances import LOOSE, budget_of, loose, unstated
-from validation.report.verification.first_screen import (
-    HARD,
-    PLACES,
-    PRICE,
-    counted_endings,
-    hard_map,
-    place_of,
-    tables_at,
-)
-from validation.report.verification.matrix import (
-    COLUMNS,
-    KINDS,
-    SIGNS,
-    TALLIED,
-    kind_of,
-    matrix_of,
-    named,
-    row_id,
-    tally,
-    worst_place,
-)
 from validation.report.verification.typesetting import printable, subscripts, typeset, unset, with_links
 
 PAGE = "report.html"
@@ -99,7 +79,7 @@ def render(report: Report, jobs: int = 1) -> str:
         raise ReportError(f"the provenance of the report has no {' and no '.join(absent)}")
     lines = {case.id: [_line(case, place, row) for place, row in enumerate(case.rows)] for case in report.cases}
     groups = list(dict.fromkeys(case.group for case in report.cases))
-    hard = hard_map(report.cases)
+    hard = first_screen.hard_map(report.cases)
     drawn, overview = _drawn(report.cases, jobs), scatter(report)
     return filled(
         "page.jinja",
@@ -116,19 +96,25 @@ def render(report: Report, jobs: int = 1) -> str:
         known=_known(report, lines),
         groups=[(group, [case for case in report.cases if case.group == group]) for group in groups],
         scenes={case.id: hashlib.sha256(case.scene.encode()).hexdigest() for case in report.cases},
-        placed={place: [one for given in drawn.values() for one, at in given if at == place] for place in PLACES},
+        placed={
+            place: [one for given in drawn.values() for one, at in given if at == place]
+            for place in first_screen.PLACES
+        },
         drawn_of={case: [one for one, at in given if at is None] for case, given in drawn.items()},
-        tables={place: tables_at(report.cases, place) for place in (PRICE, HARD)},
+        tables={
+            place: first_screen.tables_at(report.cases, place) for place in (first_screen.PRICE, first_screen.HARD)
+        },
         hard=hard,
-        hard_counts=counted_endings(hard),
-        matrix=matrix_of(report.cases),
-        columns=list(COLUMNS),
-        signs=list(SIGNS.items()),
-        tally=tally(report.cases),
-        tallied=TALLIED,
-        kinds=KINDS,
+        hard_counts=first_screen.counted_endings(hard),
+        matrix=matrix.matrix_of(report.cases),
+        columns=list(matrix.COLUMNS),
+        signs=list(matrix.SIGNS.items()),
+        tally=matrix.tally(report.cases),
+        tallied=matrix.TALLIED,
+        kinds=matrix.KINDS,
         summary={
-            kind: [(c, line) for c, given in lines.items() for line in given if line["kind"] == kind] for kind in KINDS
+            kind: [(c, line) for c, given in lines.items() for line in given if line["kind"] == kind]
+            for kind in matrix.KINDS
         },
         without_rows=[case for case in report.cases if not case.rows],
         unstated=unstated(report.cases),
@@ -233,18 +219,19 @@ def _line(case: CaseRecord, place: int, row: Row) -> Line:
     `name` is its quantity without what the error is scaled with, which stands in `norm`.
     """
     allowed = f"{row.band.low:g} to {row.band.high:g}" if row.band else number(combined_tolerance(row))
-    worst = worst_place(row)
-    name, over = named(row.quantity, row.unit)
+    worst = matrix.worst_place(row)
+    name, over = matrix.named(row.quantity, row.unit)
     scale = "" if row.scale == 1 else f"{number(row.scale)} {row.unit}".strip()
+    spread = Markup(" <small>± {:.2g}</small>").format(row.uncertainty)
     return dict(
         **vars(budget_of(row)),
         row=row,
-        target=row_id(case, place),
-        kind=kind_of(row),
+        target=matrix.row_id(case, place),
+        kind=matrix.kind_of(row),
         name=name,
         norm=f"{row.norm}, over {' = '.join(filter(None, (over, scale)))}" if over or scale else row.norm,
         expected=_value(row.expected, worst),
-        computed=_value(row.computed, worst) + _spread(row.uncertainty),
+        computed=_value(row.computed, worst) + (spread if row.uncertainty > 0 else ""),
         error=error_of(row),
         allowed=allowed,
         ratio=None if row.band else error_over_tolerance(row),
@@ -261,11 +248,6 @@ def _value(values: list[float | None], worst: int) -> Markup:
     return text if len(values) == 1 else text + Markup(" <small>worst of {}</small>").format(len(values))
 
 
-def _spread(uncertainty: float) -> Markup:
-    """The uncertainty of what was computed, where it has one."""
-    return Markup(" <small>± {:.2g}</small>").format(uncertainty) if uncertainty > 0 else Markup("")
-
-
 def _short(commit: str) -> str:
     """A commit by its first twelve digits; what follows them in words is kept."""
     return re.sub(r"^([0-9a-f]{12})[0-9a-f]{28}", r"\1", str(commit))
@@ -280,7 +262,7 @@ def _drawn(cases: Sequence[CaseRecord], jobs: int) -> dict[str, list[tuple[Drawn
     for (case, figure), one in zip(asked, found, strict=True):
         if isinstance(one, Exception):
             raise one
-        given[case].append((one, place_of(figure)))
+        given[case].append((one, first_screen.place_of(figure)))
     return given
 
 

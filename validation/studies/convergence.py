@@ -197,10 +197,10 @@ def _running_mean(areas: Sequence[float]) -> Plot:
     count = list(range(2, len(areas) + 1))
     mean = [float(np.mean(areas[:n])) for n in count]
     half = [2 * float(np.std(areas[:n], ddof=1)) / math.sqrt(n) for n in count]
+    shifts = {"mean of the first n": 0, "plus two standard errors": 1, "less two standard errors": -1}
     lines = [
-        Line("mean of the first n", count, mean, joined=False),
-        Line("plus two standard errors", count, [m + h for m, h in zip(mean, half, strict=True)], joined=False),
-        Line("less two standard errors", count, [m - h for m, h in zip(mean, half, strict=True)], joined=False),
+        Line(label, count, [m + sign * h for m, h in zip(mean, half, strict=True)], joined=False)
+        for label, sign in shifts.items()
     ]
     return Plot("Mean contact fraction", "realisations n", "contact fraction", lines, xscale="linear", yscale="linear")
 

@@ -64,11 +64,9 @@ def standings_svg(
     prefix: str, title: str, recorded: Sequence[SolverCurve], judged: SolverCurve | None = None
 ) -> Markup:
     """The same as an element of a page, described in words."""
-    every = [*recorded, judged] if judged is not None else list(recorded)
-    words = [
-        f"{curve.label}: " + ", ".join(_word(x, y) for x, y in curve.points) + "." for curve in every if curve.points
-    ]
-    return inline_svg(drawn_standings(title, recorded, judged), prefix, title, " ".join(words))
+    every = [*recorded, judged] if judged is not None else recorded
+    told = (f"{curve.label}: {', '.join(_word(x, y) for x, y in curve.points)}." for curve in every if curve.points)
+    return inline_svg(drawn_standings(title, recorded, judged), prefix, title, " ".join(told))
 
 
 def error_of_digits(digits: Sequence[float]) -> float:

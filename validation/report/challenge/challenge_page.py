@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import statistics
+from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -101,9 +102,9 @@ def grid_errors(entries: Sequence[Shipped]) -> list[tuple[str, str, str, float, 
 
 def overall_curves(entries: Iterable[Shipped]) -> list[SolverCurve]:
     """A curve for each solver on record: geometric means of seconds and errors over the problems it answered."""
-    by_solver: dict[str, list[list[Shipped]]] = {}
+    by_solver = defaultdict[str, list[list[Shipped]]](list)
     for (solver, _), problems in _grouped(entries).items():
-        by_solver.setdefault(solver, []).append(problems)
+        by_solver[solver].append(problems)
     return [_curve(solver, settings) for solver, settings in by_solver.items()]
 
 
@@ -132,7 +133,7 @@ def _digits(problem: Shipped) -> list[float]:
 
 
 def _grouped(entries: Iterable[Shipped]) -> dict[tuple[str, str], list[Shipped]]:
-    found: dict[tuple[str, str], list[Shipped]] = {}
+    found = defaultdict[tuple[str, str], list[Shipped]](list)
     for entry in entries:
-        found.setdefault((entry["solver"], entry["setting"]), []).append(entry)
+        found[entry["solver"], entry["setting"]].append(entry)
     return found

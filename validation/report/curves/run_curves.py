@@ -115,9 +115,8 @@ def _panel(result: Result, name: str, theories: list[Theory]) -> Panel:
     series += _pulled_off(result, apart, factor, lift)
     for hue, theory in enumerate(theories):
         places = theory.separations if apart else theory.fractions
-        least = (
-            NEAR * min((state.separation for state in states if state.separation > 0), default=0.0) if apart else 0.0
-        )
+        closest = min((state.separation for state in states if state.separation > 0), default=0.0)
+        least = NEAR * closest if apart else 0.0
         pairs = [(factor * x, lift * load) for x, load in zip(places, theory.loads, strict=True) if x >= least]
         series.append(trace(theory.label, (x for x, _ in pairs), (y for _, y in pairs), "dashed", hue=2 + 2 * hue))
     shape = semilogx if apart and any(state.separation > 0 for state in states) else axes
@@ -208,8 +207,6 @@ def theories_of(result: Result) -> list[Theory]:
 
 def _curve(label: str, loads: list[float], states: Sequence[Solved]) -> Theory:
     """States as a curve."""
-    separations = [state.separation for state in states]
-    known = [value for value in separations if value is not None]
-    return Theory(
-        label, loads, [state.contact_fraction for state in states], known if len(known) == len(states) else []
-    )
+    known = [state.separation for state in states if state.separation is not None]
+    fractions = [state.contact_fraction for state in states]
+    return Theory(label, loads, fractions, known if len(known) == len(states) else [])

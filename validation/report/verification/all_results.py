@@ -21,18 +21,18 @@ def first_sentence(report: Report) -> str:
     'Failed: 0 of 0 comparisons with something else agree; 0 of 1 planned case reported; changed after it was written.'
     """
     given = counts(report.cases)
-    judged = {kind: [row for case in report.cases for row in case.rows if kind_of(row) == kind and _has_tolerance(row)]
-              for kind in KINDS}  # fmt: skip
+    rows = [row for case in report.cases for row in case.rows if row.band is None and row.status != "not run"]
+    judged = {kind: [row for row in rows if kind_of(row) == kind] for kind in KINDS}
     others = [*judged["self-comparison"], *judged["limit"]]
     held = {kind: sum(verdict_of(row) == "agrees" for row in rows) for kind, rows in judged.items()}
     failed = fails(report) or not is_intact(report)
     compared = len(judged["comparison"])
+    agree = "agrees" if compared == 1 else "agree"
     words = [f"{'Failed' if failed else 'Passed'}: {held['comparison']} of {counted(compared, 'comparison')} with "
-             f"something else {'agrees' if compared == 1 else 'agree'}"]  # fmt: skip
+             f"something else {agree}"]  # fmt: skip
     if others:
-        words.append(
-            f"{held['self-comparison'] + held['limit']} of {len(others)} self-comparisons, counts and limits hold"
-        )
+        within = held["self-comparison"] + held["limit"]
+        words.append(f"{within} of {len(others)} self-comparisons, counts and limits hold")
     many = {"deviates": "deviate", "error": "errors"}
     failing = {name: count for name, count in given.items() if count and name in GATING and name != "changed"}
     words += [counted(count, name, many.get(name, name)) for name, count in failing.items()]
@@ -50,11 +50,6 @@ def first_sentence(report: Report) -> str:
     if slowest is not None and slowest.seconds:
         words.append(f"slowest: {slowest.id}, {slowest.seconds:.3g} s")
     return "; ".join(words) + "."
-
-
-def _has_tolerance(row: Row) -> bool:
-    """Whether a row was judged by a tolerance: not one with a band, nor one that did not run."""
-    return row.band is None and row.status != "not run"
 
 
 def scatter(report: Report) -> Figure | None:

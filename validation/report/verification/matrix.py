@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -112,8 +112,7 @@ def code_of(case: CaseRecord, row: Row) -> Code:
 
 def tally(cases: Iterable[CaseRecord]) -> list[tuple[str, list[int]]]:
     """Rows by whose answer they judge, and by what they compare it with: the names of `TALLIED`, code by code."""
-    heads = list(dict.fromkeys([name for _, name in REFERENCES.values()] + [KINDS["limit"]]))
-    found = {code: dict.fromkeys(heads, 0) for code in CODES}
+    found = {code: dict.fromkeys(TALLIED, 0) for code in CODES}
     for case in cases:
         for row in case.rows:
             head = KINDS["limit"] if kind_of(row) == "limit" else REFERENCES[row.reference.kind][1]
@@ -150,7 +149,10 @@ def matrix_of(cases: Iterable[CaseRecord]) -> Matrix:
     """The matrix of all comparisons with something else that ran."""
     lines: dict[str, tuple[str, list[dict[str, list[tuple[Row, str]]]]]] = {}
     outside = []
-    for case, place, row in _comparisons(cases):
+    every = ((case, place, row) for case in cases for place, row in enumerate(case.rows))
+    for case, place, row in every:
+        if kind_of(row) != "comparison" or row.status != "run":
+            continue
         column = None if code_of(case, row) == "suite" else column_of(row.quantity)
         target = row_id(case, place)
         if column is None:
@@ -171,13 +173,6 @@ def problem_of(case: CaseRecord, row: Row) -> str:
     """The problem of a row: that of its case, with the state that its quantity names."""
     name = case.problem or case.id.removesuffix("-coarse").replace("-", " ")
     return ", ".join(filter(None, (name, _placed(row.quantity)[1])))
-
-
-def _comparisons(cases: Iterable[CaseRecord]) -> Iterator[tuple[CaseRecord, int, Row]]:
-    for case in cases:
-        for place, row in enumerate(case.rows):
-            if kind_of(row) == "comparison" and row.status == "run":
-                yield case, place, row
 
 
 def _entry(pair: str, rows: list[tuple[Row, str]]) -> Entry:

@@ -16,7 +16,6 @@ from typing import Any
 from validation.harness.compare import error_of, error_over_tolerance
 from validation.harness.schema import CaseRecord, Row
 from validation.harness.verdict import GATING, case_verdicts, verdict_of
-from validation.report.map_figures import FaultLine
 from validation.studies.faults.fault_injection import Examined, TooSlowError
 from validation.studies.faults.fault_table import Fault
 
@@ -160,14 +159,6 @@ def _rows_by_name(record: CaseRecord) -> dict[tuple[str, int], Row]:
 
 
 SCHEMA = "linecontact-faults/2"
-
-
-def lines_of(findings: Iterable[Finding]) -> list[FaultLine]:
-    """The findings as lines of the figure of faults against cases."""
-    return [
-        FaultLine(finding.fault.id, finding.excesses, {*finding.failed, *finding.apart}, finding.asked)
-        for finding in findings
-    ]
 
 
 def failures_of(findings: Iterable[Finding]) -> list[str]:

@@ -29,7 +29,7 @@ from validation.harness.execution import Listener, Note
 from validation.harness.provenance import provenance
 from validation.harness.store import Store, store_in, write_json
 from validation.harness.verdict import case_verdicts
-from validation.report.map_figures import write_matrix
+from validation.report.map_figures import FaultLine, write_matrix
 from validation.studies.faults.fault_findings import (
     Finding,
     Search,
@@ -37,7 +37,6 @@ from validation.studies.faults.fault_findings import (
     compared,
     content_of,
     failures_of,
-    lines_of,
     table_of,
 )
 from validation.studies.faults.fault_injection import Examined, Exposure, examine
@@ -96,7 +95,8 @@ def run(folder: Path, quick: bool, report: Listener, studied: Studied | None = N
     failures = [f"control run is not green: {line}" for line in red] + failures_of(findings)
     write_json(folder / FILE, content_of(facts, control, findings, len(faults), failures))
     if findings:
-        write_matrix(folder / FIGURE, [record.id for record in control.records], lines_of(findings))
+        lines = [FaultLine(one.fault.id, one.excesses, {*one.failed, *one.apart}, one.asked) for one in findings]
+        write_matrix(folder / FIGURE, [record.id for record in control.records], lines)
     if not quick:
         shrink(runs, findings, control)
         write_json(folder / FILE, content_of(facts, control, findings, len(faults), failures))
@@ -105,10 +105,8 @@ def run(folder: Path, quick: bool, report: Listener, studied: Studied | None = N
         print(f"NOT MET: {line}")
     caught = sum(finding.caught for finding in findings)
     by_name = sum(finding.noticed for finding in findings) - caught
-    reported = (
-        f"{caught} of {len(faults)} faults caught by {len(control.records)} cases, {by_name} more noticed by name"
-    )
-    print(f"{reported}; {folder / FILE}")
+    cases = f"{len(control.records)} cases"
+    print(f"{caught} of {len(faults)} faults caught by {cases}, {by_name} more noticed by name; {folder / FILE}")
     return 1 if failures or len(findings) != len(faults) else 0
 
 
@@ -125,9 +123,8 @@ def control_run(runs: Runs, faults: Iterable[Fault], quick: bool) -> Examined:
     known = baseline.expected_seconds(names, baseline.FOLDER)
     limit = QUICK_SECONDS if quick else FULL_SECONDS
     chosen = [name for name in names if known.get(name, 0.0) <= limit or name in asked]
-    tasks = [Exposure(None, 0.0, ((name, 10 * FULL_SECONDS),)) for name in chosen]
-    if quick:  # short ones: one process for all
-        tasks = [Exposure(None, 0.0, tuple((name, 10 * FULL_SECONDS) for name in chosen))]
+    together = [chosen] if quick else [[name] for name in chosen]  # short ones: one process for all
+    tasks = [Exposure(None, 0.0, tuple((name, 10 * FULL_SECONDS) for name in some)) for some in together]
     answers = runs.answers(tasks)
     records = {record.id: record for answer in answers for record in answer.records}
     calls = {name: counted for answer in answers for name, counted in answer.calls.items()}

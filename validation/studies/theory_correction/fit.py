@@ -18,7 +18,7 @@ from scipy.optimize import least_squares
 from persson.corrected import contact_fractions
 from persson.corrected_variance import Correction, area_at, diffused
 from persson.diffusion import SAFE
-from persson.magnification import MagnificationMesh, magnification_mesh
+from persson.magnification import magnification_mesh
 from validation.harness.arrays import FloatArray
 from validation.studies.theory_correction.correction_members import Group, Observed, relative_errors
 
@@ -87,21 +87,20 @@ def calibrate(ensembles: Sequence[Observed]) -> Calibration:
 
 def fitted(ensembles: Sequence[Observed], errors: Mapping[str, FloatArray], start: ArrayLike) -> FloatArray:
     """The three coefficients, (3,), from a start, with relative standard errors (n_loads,) by name of group."""
-    meshed = [(one, np.array(one.group.loads), _mesh(one.group)) for one in ensembles]
+    meshed = []
+    for group in (one.group for one in ensembles):
+        mesh = magnification_mesh(group.lines, 4 * (min(group.loads) / SAFE) ** 2 * 0.99, 1 + GROWTH)
+        meshed.append((np.array(group.loads), mesh))
 
     def residual(trial: FloatArray) -> FloatArray:
         correction = correction_from(trial)
-        areas = (area_at(loads, diffused(correction, mesh, loads)[:, -1]) for _, loads, mesh in meshed)
+        areas = (area_at(loads, diffused(correction, mesh, loads)[:, -1]) for loads, mesh in meshed)
         return np.concatenate([_weighted(one, errors, area) for one, area in zip(ensembles, areas, strict=True)])
 
     found = least_squares(residual, start, bounds=(LOWEST, HIGHEST), diff_step=STEP, xtol=1e-5, ftol=1e-7)
     if not found.success:
         raise ArithmeticError(f"calibration: {found.message}")
     return np.asarray(found.x)
-
-
-def _mesh(group: Group) -> MagnificationMesh:
-    return magnification_mesh(group.lines, 4 * (min(group.loads) / SAFE) ** 2 * 0.99, 1 + GROWTH)
 
 
 def _weighted(one: Observed, errors: Mapping[str, FloatArray], area: FloatArray) -> FloatArray:
