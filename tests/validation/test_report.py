@@ -13,9 +13,8 @@ from validation.harness.schema import Figure, Reference, Table, Tolerance, with_
 from validation.replicate import TOPICS
 from validation.report.figures import svg_of
 from validation.report.render import ReportError, number, render
-from validation.report.verification.all_results import first_sentence, scatter
 from validation.report.verification.allowances import budget_of, loose, unstated
-from validation.report.verification.first_screen import hard_map
+from validation.report.verification.first_screen import first_sentence, hard_map, scatter
 from validation.report.verification.matrix import column_of, kind_of, matrix_of, tally
 from validation.report.verification.typesetting import typeset, unset
 from validation.studies.theory_correction.page import EQUATIONS

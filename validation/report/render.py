@@ -25,7 +25,6 @@ from validation.harness.schema import CaseRecord, Figure, Report, Row, is_intact
 from validation.harness.verdict import GATING, VERDICTS, case_verdicts, counted, counts, fails, verdict_of
 from validation.report.figures import svg_of
 from validation.report.verification import first_screen, matrix
-from validation.report.verification.all_results import first_sentence, scatter
 from validation.report.verification.allowances import LOOSE, budget_of, loose, unstated
 from validation.report.verification.typesetting import printable, subscripts, typeset, unset, with_links
 
@@ -80,11 +79,11 @@ def render(report: Report, jobs: int = 1) -> str:
     lines = {case.id: [_line(case, place, row) for place, row in enumerate(case.rows)] for case in report.cases}
     groups = list(dict.fromkeys(case.group for case in report.cases))
     hard = first_screen.hard_map(report.cases)
-    drawn, overview = _drawn(report.cases, jobs), scatter(report)
+    drawn, overview = _drawn(report.cases, jobs), first_screen.scatter(report)
     return filled(
         "page.jinja",
         report=report,
-        sentence=first_sentence(report),
+        sentence=first_screen.first_sentence(report),
         passed=not fails(report) and is_intact(report),
         all_results=overview and DrawnFigure("", overview.id, overview.caption, svg_of(overview, "all-results"), []),
         lines=lines,

@@ -86,7 +86,6 @@ def run(
     The folder gets convergence.json and the figures. Quick: fewer sizes, fewer realisations. Parts and increments,
     where they are given, are others than those of the study.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     facts, store = provenance(), store_in(folder, report)
     curves: list[Curve] = []
     failures: list[str] = []

@@ -129,7 +129,6 @@ def run(
     Quick: only the benchmark. Other realisations than those of the study may be given, and other measurements of a
     realisation and of a path taken apart, importable by name; None leaves the latter out.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     chosen = realisations_of(quick) if realisations is None else list(realisations)
     facts, store, measure = provenance(), store_in(folder, report), measure or measured
     found: list[Cost] = []

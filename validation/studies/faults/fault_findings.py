@@ -16,8 +16,7 @@ from typing import Any
 from validation.harness.compare import error_of, error_over_tolerance
 from validation.harness.schema import CaseRecord, Row
 from validation.harness.verdict import GATING, case_verdicts, verdict_of
-from validation.studies.faults.fault_injection import Examined, TooSlowError
-from validation.studies.faults.fault_table import Fault
+from validation.studies.faults.fault_injection import Examined, Fault, TooSlowError
 
 LAST_DECADE = 16
 KEEN = 3  # cases that are asked about smaller sizes: those that saw the fault best

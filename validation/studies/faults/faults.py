@@ -39,8 +39,7 @@ from validation.studies.faults.fault_findings import (
     failures_of,
     table_of,
 )
-from validation.studies.faults.fault_injection import Examined, Exposure, examine
-from validation.studies.faults.fault_table import Fault, FaultError, Studied, faults_in
+from validation.studies.faults.fault_injection import Examined, Exposure, Fault, FaultError, Studied, examine, faults_in
 
 FILE, FIGURE = "faults.json", "faults.svg"
 QUICK_SECONDS, FULL_SECONDS = 1.0, 30.0  # longest case that takes part, unless it must notice a fault
@@ -83,7 +82,6 @@ def run(folder: Path, quick: bool, report: Listener, studied: Studied | None = N
     default the tables of this folder; FaultError where a fault does not fit the sources, or names a case that is not
     there.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     studied = studied or Studied(faults_in())
     studied.functions()
     faults = [fault for fault in studied.faults if fault.quick or not quick]

@@ -58,14 +58,8 @@ class Setting:
 def settings_of(scene: Scene, tables: Tables, places: tuple[Path, Path], seeds: int, quick: bool) -> list[Setting]:
     """All settings of a scene, of which the tables of its file are given: as it is, the finest, then by source.
 
-    Parameters
-    ----------
-    places : two Paths
-        The folder in which file names of the scene begin, and one for the parts of a scan.
-    seeds : int
-        Realisations besides the scene's own.
-    quick : bool
-        Two settings of each numerical source instead of five.
+    The places are the folder in which file names of the scene begin, and one for the parts of a scan; `seeds` counts
+    realisations besides the scene's own. Quick: two settings of each numerical source instead of five.
     """
     accuracy = {
         "tolerance": min(FINEST_TOLERANCE, scene.accuracy.tolerance),

@@ -134,7 +134,6 @@ def run(
         raise CaseError(f"--peers: {absent}")
     if methods is METHODS and not absent:
         methods = (*METHODS, *FFT_METHODS)
-    folder.mkdir(parents=True, exist_ok=True)
     chosen = {
         name: posed
         for name, posed in scenes().items()
