@@ -29,8 +29,7 @@ from validation.harness.execution import Listener, Note
 from validation.harness.provenance import provenance
 from validation.harness.route import Answer
 from validation.harness.store import plain
-from validation.report.challenge.challenge_figures import drawn_standings
-from validation.report.challenge.challenge_page import overall_curves
+from validation.report.challenge_page import drawn_standings, overall_curves
 from validation.report.figures import save
 
 DIGITS = 3.0

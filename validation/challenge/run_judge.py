@@ -32,7 +32,7 @@ from validation.harness.executors import Opener, local_processes
 from validation.harness.provenance import provenance, versions
 from validation.harness.route import Answer
 from validation.harness.store import FOLDER, Store, plain
-from validation.report.challenge.challenge_page import render_challenge
+from validation.report.challenge_page import render_challenge
 
 SCHEMA = "linecontact-challenge/1"
 JSON_FILE, PAGE = "challenge.json", "challenge.html"

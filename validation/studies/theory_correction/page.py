@@ -286,7 +286,7 @@ def figures_of(judged: Sequence[HeldOut]) -> list[Figure]:
 def _separation_figure(some: Sequence[HeldOut], words: str) -> Figure:
     ordered = sorted(some, key=lambda one: one.separation)
     at = [one.separation for one in ordered]
-    noise: list[float | None] = [known(2 * one.separation_noise / one.separation) for one in ordered]
+    noise = [known(2 * one.separation_noise / one.separation) for one in ordered]
     return drawn(f"correction-separation-{words}-adhesion",
                  f"Hold-out {words} adhesion: relative error of the separation, before and after, with two standard "
                  "errors of the ensembles.",
@@ -296,8 +296,7 @@ def _separation_figure(some: Sequence[HeldOut], words: str) -> Figure:
                                     [known(one.separations.get(name, np.nan) / one.separation - 1) for one in ordered])
                               for name in (CALIBRATED, PLAIN)
                           ),
-                          shaded("two standard errors", at, [None if value is None else -value for value in noise],
-                                 noise)))  # fmt: skip
+                          _two_errors(at, noise)))  # fmt: skip
 
 
 def _times(some: Sequence[HeldOut], name: str) -> list[float | None]:
@@ -306,9 +305,12 @@ def _times(some: Sequence[HeldOut], name: str) -> list[float | None]:
 
 def _noise(some: Sequence[HeldOut]) -> Series:
     ordered = sorted(some, key=lambda one: one.contact_fraction)
-    noise: list[float | None] = [2 * one.area_noise for one in ordered]
-    return shaded("two standard errors", [one.contact_fraction for one in ordered],
-                  [None if value is None else -value for value in noise], noise)  # fmt: skip
+    return _two_errors([one.contact_fraction for one in ordered], [2 * one.area_noise for one in ordered])
+
+
+def _two_errors(at: Sequence[float], noise: Sequence[float | None]) -> Series:
+    """On either side of zero."""
+    return shaded("two standard errors", at, [None if value is None else -value for value in noise], noise)
 
 
 def known(value: float) -> float | None:
