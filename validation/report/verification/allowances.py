@@ -40,19 +40,6 @@ class Budget:
 
 
 @dataclass(frozen=True)
-class Unstated:
-    """Rows without an uncertainty for one reason."""
-
-    reason: str
-    rows: list[tuple[str, str]]  # id, case and quantity
-
-    @property
-    def count(self) -> int:
-        """How many."""
-        return len(self.rows)
-
-
-@dataclass(frozen=True)
 class Loose:
     """A row with a tolerance far above the error that was measured; 0 is measured where both sides were equal."""
 
@@ -88,8 +75,8 @@ def budget_of(row: Row) -> Budget:
     return Budget(numerical, data, total, decides)
 
 
-def unstated(cases: Iterable[CaseRecord]) -> list[Unstated]:
-    """All rows of which no side states an uncertainty, by the reason for it."""
+def unstated(cases: Iterable[CaseRecord]) -> dict[str, list[tuple[str, str]]]:
+    """All rows of which no side states an uncertainty, by the reason for it: id, and case with quantity."""
     found: dict[str, list[tuple[str, str]]] = {}
     for case in cases:
         for place, row in enumerate(case.rows):
@@ -98,7 +85,7 @@ def unstated(cases: Iterable[CaseRecord]) -> list[Unstated]:
                 whose = "" if counts else f", {CODES[code_of(case, row)][1]}"
                 reason = COUNTS if counts else REASONS[row.reference.kind] + whose
                 found.setdefault(reason, []).append((row_id(case, place), f"{case.id}, {row.quantity}"))
-    return [Unstated(reason, rows) for reason, rows in sorted(found.items(), key=lambda item: -len(item[1]))]
+    return dict(sorted(found.items(), key=lambda item: -len(item[1])))
 
 
 def loose(cases: Iterable[CaseRecord]) -> list[Loose]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from validation.harness.compare import error_over_tolerance
@@ -41,14 +41,6 @@ class HardCell:
     told: str
 
 
-@dataclass(frozen=True)
-class HardLine:
-    """The hard cases of a code."""
-
-    code: str
-    cells: list[HardCell]
-
-
 def place_of(figure: Figure) -> str | None:
     """Where a figure stands on the first screen; None for one that stands with its case."""
     word = figure.id.partition("-")[0]
@@ -60,7 +52,7 @@ def tables_at(cases: Iterable[CaseRecord], place: str) -> list[tuple[str, Table]
     return [(case.id, table) for case in cases for table in case.tables if table.id.partition("-")[0] == place]
 
 
-def hard_map(cases: Iterable[CaseRecord]) -> list[HardLine]:
+def hard_map(cases: Iterable[CaseRecord]) -> dict[str, list[HardCell]]:
     """Every hard case once, by code: as it ended here, or else as one of a higher level."""
     found: dict[str, dict[str, HardCell]] = {}
     for case, table in tables_at(cases, HARD):
@@ -69,12 +61,12 @@ def hard_map(cases: Iterable[CaseRecord]) -> list[HardLine]:
             known = found.setdefault(str(cell["code"]), {})
             if str(cell["case"]) not in known or cell["ending"] != "not run":
                 known[str(cell["case"])] = _cell(case, cell)
-    return [HardLine(code, list(cells.values())) for code, cells in found.items()]
+    return {code: list(cells.values()) for code, cells in found.items()}
 
 
-def counted_endings(lines: Iterable[HardLine]) -> list[tuple[str, str, int]]:
+def counted_endings(lines: Mapping[str, Iterable[HardCell]]) -> list[tuple[str, str, int]]:
     """Mark, meaning and number of each ending."""
-    given = Counter(cell.mark for line in lines for cell in line.cells)
+    given = Counter(cell.mark for cells in lines.values() for cell in cells)
     return [(mark, words, given[mark]) for mark, _, words in (*ENDINGS.values(), FAILED)]
 
 
