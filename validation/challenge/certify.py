@@ -12,8 +12,6 @@ difference to each route as fine as itself (dense algebra, the path at a tenth o
 Finite elements are coarser than the solver: their difference is shown beside their own uncertainty and adds nothing.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

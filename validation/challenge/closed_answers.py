@@ -9,8 +9,6 @@ With D the amplitude, p* = pi E* D / period, S = sin^2(pi/2 contact fraction), a
 Numbers are from the problem as it is written down.  Uncertainty: rounding.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

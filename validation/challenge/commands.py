@@ -1,7 +1,5 @@
 """The commands of the challenge: list and show problems, judge a solver or a submission, make answers and standings."""
 
-from __future__ import annotations
-
 import argparse
 import importlib.util
 import json

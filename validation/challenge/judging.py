@@ -8,8 +8,6 @@ digits finer than the key's own uncertainty are not claimed.  A quantity is righ
 value that is None is one that the solver does not offer: the others are judged, and the quantity counts as missing.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ routes beside them; answers.csv one line for each number.  The scale of a quanti
 a count is 1.
 """
 
-from __future__ import annotations
-
 import json
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence

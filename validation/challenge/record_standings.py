@@ -8,8 +8,6 @@ grids,
     x = fine + (fine - coarse) / (r - 1).
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping, Sequence

@@ -6,8 +6,6 @@ that the solver imports is not seen: judge a changed one in a new folder.  What 
 too long or too much memory is tried again.
 """
 
-from __future__ import annotations
-
 import hashlib
 import importlib.util
 import json

@@ -4,8 +4,6 @@ The solver starts with one BLAS thread, the current folder first on its path, an
 time limit, and when it has answered, it is ended with all processes that it started, in a session of their own or not.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import signal

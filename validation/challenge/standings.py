@@ -4,8 +4,6 @@ Every entrant is a route behind the public door (validation/routes/).  A solver 
 extrapolated from them (record_standings.py).
 """
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
 from importlib import resources

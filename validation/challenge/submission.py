@@ -4,8 +4,6 @@ JSON: {problem: {quantity: number or list}}, or answers.json of one problem; a q
 CSV: columns problem, quantity, index (from 0), value, in any order; others are ignored, so that answers.csv is one.
 """
 
-from __future__ import annotations
-
 import csv
 import json
 from pathlib import Path

@@ -4,8 +4,6 @@ The commands of `python -m bem` and `python -m validation` are the same here, by
 `python -m validation run`.  Exit codes: 0 done, 1 something failed (named), 2 bad input, 130 interrupted.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 from collections.abc import Callable, Sequence

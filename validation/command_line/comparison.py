@@ -9,8 +9,6 @@ Differences are told in percent of the larger number.  Counts and words differ w
 More than two reports have a history (validation/report/history.py).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields

@@ -11,8 +11,6 @@ nominal area), mesh.png and mesh.svg (the deformed layer of the last target with
 Limits: a layer, edges of the JKR closure; at most `LARGEST` unknowns.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import sys

@@ -13,8 +13,6 @@ Persson's own P is ours: its barrier moves, and no double Gaussian solves it.
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, section 5.  Stresses over E*.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

@@ -7,8 +7,6 @@ the error is sqrt((n - 1) / n sum (t_k - mean t)^2).  Loads in units of E*, leng
 Source of the jackknife: B. Efron, C. Stein, Ann. Statist. 9 (1981) 586, doi:10.1214/aos/1176345462.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property

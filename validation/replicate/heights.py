@@ -11,8 +11,6 @@ Where the long waves are taken out, more waves share the rest, and the fourth mo
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, section 4.
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

@@ -4,8 +4,6 @@ The ensemble is the paper's when 11 realisations with 1000 harmonics reached 0.0
 and so are the statements that rest on it.
 """
 
-from __future__ import annotations
-
 from validation.harness.case import Outcome
 from validation.harness.rows import Against
 from validation.harness.schema import Cells, Table

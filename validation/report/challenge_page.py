@@ -5,8 +5,6 @@ on a problem is the geometric mean over its answers, 10 to the minus mean digits
 that shows.  A submission has no seconds: it is a horizontal line.
 """
 
-from __future__ import annotations
-
 import math
 import statistics
 from collections import defaultdict

@@ -12,8 +12,6 @@ neither is a change of seconds.  A value that is not a number rises always, and 
 Rows with a band have no error to follow; their verdict is in the report itself.
 """
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Sequence

@@ -5,8 +5,6 @@ least to the largest value, logarithmic where they lie more than a factor `APART
 by which case caught it, and by how much.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass

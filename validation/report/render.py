@@ -1,7 +1,5 @@
 """report.html from a report: verdicts follow from its numbers, figures from its data, nothing from anywhere else."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import math

@@ -1,7 +1,5 @@
 """Figures of one run: curves with their estimated errors, these errors, shapes of the contact, a scan prepared."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import Any

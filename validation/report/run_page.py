@@ -3,8 +3,6 @@
 The uncertainty of the input is that of a study of the same scene, where its study.json lies beside the result.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Iterator, Mapping

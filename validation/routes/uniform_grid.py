@@ -4,8 +4,6 @@ Contacts are counted to whole points, edges lie half a spacing beside the last o
 plus profile; with its amplitudes a_m, pressures are E* q a_m / 2 and the energy per area sum E* q a_m^2 / 8.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

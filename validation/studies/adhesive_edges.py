@@ -10,8 +10,6 @@ minimises ln(A_theory / A_ensemble) over the error and `FLOOR`; the hold-outs en
 Limits: half-space, loading; three hours of one core.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any

@@ -7,8 +7,6 @@ The fit minimises ln(A_theory / A_ensemble) over the standard error of the mean 
 Limits: half-space, no adhesion; some minutes of one core.
 """
 
-from __future__ import annotations
-
 import zlib
 from collections.abc import Callable, Mapping
 from functools import partial

@@ -6,8 +6,6 @@ states at its targets must agree to the tolerance; that is self-convergence and 
 computed is a line with its message.  Finished parts are kept (harness/store.py): an interrupted study continues.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace

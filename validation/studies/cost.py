@@ -9,8 +9,6 @@ needed, single loads are solved up to 100,000 harmonics.  A run that fails is a 
 kept (harness/store.py).  Counts, memory and digits gate; seconds are those of the machine at hand.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence

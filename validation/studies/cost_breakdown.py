@@ -6,8 +6,6 @@ the peak of all arrays it makes (tracemalloc).  Exponents are fitted from FEWEST
 rules.
 """
 
-from __future__ import annotations
-
 import time
 import tracemalloc
 from collections.abc import Iterator, Sequence

@@ -10,8 +10,6 @@ judges: the rows go to stability_random.json with the findings counted by kind, 
 stand to the folder random/, so that each can be run alone.
 """
 
-from __future__ import annotations
-
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence

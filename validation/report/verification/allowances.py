@@ -8,8 +8,6 @@ u_num as the code estimates it of itself, u_D that of the reference.  Both sides
 u_input = 0.  What is shown is the rule that is applied: |E| is at most the larger of u_val and of the tolerance.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 

@@ -6,8 +6,6 @@ costs, `landing-...` under what was found; a table `price-...` lists what an eff
 the map of the hard cases.
 """
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping

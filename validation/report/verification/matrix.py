@@ -6,8 +6,6 @@ in the column that its quantity begins with (COLUMNS), under the two that it com
 because of what it says, and the rows that no column takes are counted below it.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterable

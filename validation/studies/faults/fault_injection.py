@@ -13,8 +13,6 @@ long is cut off by a signal, on POSIX systems only.  What counts is the time of 
 on what else the machine does; a case that waits is cut off by the clock.
 """
 
-from __future__ import annotations
-
 import ast
 import os
 import shutil

@@ -14,8 +14,6 @@ saw it best.  A red control, or a fault that its case does not notice, fails the
 sources is refused before anything runs.  Finished answers are kept (harness/store.py): an interrupted study continues.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

@@ -9,8 +9,6 @@ and the standard deviation of the realisations where they are random.  Sources a
 (ASME V&V 20, 2009, section 4).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -8,8 +8,6 @@ that takes far longer than predicted is stopped, a setting that the scene refuse
 DIR gets study.json (findings.py) and study.html (validation/report/study_page.py), rendered from the former alone.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import tomllib

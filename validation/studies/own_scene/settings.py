@@ -6,8 +6,6 @@ well; the model is what the equations leave out, of which only the length that a
 Every setting is the tables of a scene; one that a scene does not have is listed with the reason.
 """
 
-from __future__ import annotations
-
 import copy
 import math
 from collections.abc import Iterator, Mapping

@@ -5,8 +5,6 @@ often the path has been there.  What is left free is the mean pressure, or the s
 Exceptions of a scene become a status with the reason; a run beyond its limit of seconds ends as `stopped`.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections import Counter

@@ -1,7 +1,5 @@
 """The findings of a study of a scene as plain values for study.json, with its figure, its table and its sentence."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from typing import Any

@@ -20,8 +20,6 @@ in contact at a pressure above sigma comes from the exact shares of the solver's
 of E*, heights in rms heights.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product

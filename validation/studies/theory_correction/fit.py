@@ -6,8 +6,6 @@ Hurst exponents: each is left out in turn, which counts the error of the closure
 different H sharing their phases.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

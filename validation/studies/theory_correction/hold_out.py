@@ -8,8 +8,6 @@ Distribution: largest distance between the shares of the period at a pressure ab
 without adhesion sigma >= 0, with it sigma >= -0.3 E*.  Loads in units of E*, separations in rms heights.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -5,8 +5,6 @@ before and after, with error bars of the ensembles.  Uncertainty of a contact fr
 in its range of loads, without or with adhesion, which contains the scatter of the ensembles it was judged by.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 from typing import Any

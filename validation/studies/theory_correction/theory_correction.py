@@ -13,8 +13,6 @@ have fits of their own.  Source: persson/corrected_variance.py.  Limits: half-sp
 one core.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path

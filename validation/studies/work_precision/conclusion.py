@@ -7,8 +7,6 @@ on their lower envelopes (the least time for at most that error), joined by stra
 equal; a method that is quick at a small error is as quick where less is asked for.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

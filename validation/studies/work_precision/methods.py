@@ -4,8 +4,6 @@ All but the knob is fixed, and named in `fixed`.  A method is a record; another 
 more entry of METHODS.  Where a method cannot do a scene, the reason stands in `cannot`.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field

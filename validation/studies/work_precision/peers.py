@@ -1,7 +1,5 @@
 """The FFT solvers (extra `peers`) as methods of the study, and what is said of them beside the others."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import Any

@@ -6,8 +6,6 @@ the paper's method, of second order, the change of its extrapolation in 1/cells^
 Persson's routes the change by one level.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial

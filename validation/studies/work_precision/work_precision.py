@@ -9,8 +9,6 @@ reference are grey, failed ones stay with their message.  Counts, not seconds, a
 curve, reference and price list is kept (harness/store.py).
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
