@@ -14,7 +14,6 @@ import time
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 from pydantic import ValidationError
@@ -42,6 +41,9 @@ from validation.studies import OF_A_SCENE, SCENE, STUDIES, that_take
 from validation.studies.own_scene import BUDGET, SEEDS
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+REFUSED = (
+    CaseError, ExecutorError, ReportError, CorruptResultError, SceneError, FolderError, baseline.BaselineError
+)  # fmt: skip
 REPORT_FILE = "report.json"
 OF_STUDIES = ("scene", "seeds", "budget", "overwrite", "peers", "random", "seed", "jobs", "executor")  # of some alone
 ABSENT = {"overwrite": False, "peers": False, "seed": 0, "executor": "local"}  # None for the others
@@ -64,15 +66,7 @@ def perform(options: argparse.Namespace) -> int:
         code = int(options.command(options))
         print(end="", flush=True)  # here, where it can fail by name
         return code
-    except (
-        CaseError,
-        ExecutorError,
-        ReportError,
-        CorruptResultError,
-        SceneError,
-        FolderError,
-        baseline.BaselineError,
-    ) as error:
+    except REFUSED as error:
         print(f"error: {error}", file=sys.stderr)
         return BAD_INPUT
     except (FileExistsError, IsADirectoryError, NotADirectoryError) as error:
@@ -118,7 +112,6 @@ def _alone(command: Callable[[argparse.Namespace], int]) -> Callable[[argparse.N
 
 
 def _run(options: argparse.Namespace) -> int:
-    """Run cases and write report.json and report.html."""
     opener = opener_of(options.executor)
     every, kept_numbers, own = _cases_and_baselines(options)
     cases = select(every, options.level, options.only)
@@ -130,10 +123,12 @@ def _run(options: argparse.Namespace) -> int:
     begun = time.monotonic()
     records = run_cases(cases, folder, options.jobs, say, expected, opener, anew=bool(own))
     level = options.level if options.only is None else f"only {options.only}"
+    asked = "" if options.only is None else f" --only {options.only}"
+    asked += "" if options.cases is None else f" --cases {options.cases.resolve().name}"
     made = Report(
         schema_=SCHEMA,
         level=level,
-        command=_command(options),
+        command=f"python -m validation run --level {options.level}{asked} --out {options.out.name}",
         planned=len(cases),
         provenance=facts
         | {"seconds": round(time.monotonic() - begun, 1), "jobs": options.jobs}
@@ -163,14 +158,9 @@ def _replicate(options: argparse.Namespace) -> int:
     members = import_module("validation.replicate.members")
     size = members.QUICK if options.quick else members.PAPER
     form = " --quick" if options.quick else ""
-    made = import_module("validation.replicate").replicate(
-        options.out,
-        size,
-        options.jobs,
-        opener_of(options.executor),
-        say,
-        f"python -m validation replicate{form} --out {options.out.name}",
-    )
+    command = f"python -m validation replicate{form} --out {options.out.name}"
+    run = import_module("validation.replicate").replicate
+    made = run(options.out, size, options.jobs, opener_of(options.executor), say, command)
     return _stored(made, options.out, options)
 
 
@@ -194,12 +184,10 @@ def _report(options: argparse.Namespace) -> int:
 
 
 def _run_page(folder: Path, as_json: bool) -> int:
-    """Render the page of a run."""
     result = write_run_page(folder)
     page, said = str(folder / PAGE), outcome(result)
-    print(
-        json.dumps({"status": result.status, "outcome": said, "report": page}) if as_json else f"{said} report: {page}"
-    )
+    facts = {"status": result.status, "outcome": said, "report": page}
+    print(json.dumps(facts) if as_json else f"{said} report: {page}")
     if succeeded(result):
         return DONE
     print(f"FAILED: {said}", file=sys.stderr)
@@ -224,7 +212,6 @@ def _render(report: Report, folder: Path, as_json: bool, jobs: int) -> int:
 
 
 def _baseline_check(options: argparse.Namespace) -> int:
-    """Compare a report with the baselines."""
     cases, folder, _ = _cases_and_baselines(options)
     report = read_report(options.out)
     found = baseline.changes(report.cases, folder)
@@ -239,24 +226,20 @@ def _baseline_check(options: argparse.Namespace) -> int:
 
 
 def _baseline_update(options: argparse.Namespace) -> int:
-    """Make a case of a report the new baseline."""
     _, folder, own = _cases_and_baselines(options)
     report = read_report(options.out)
     baseline.refuse_other_sources(report.provenance, own.get(baseline.OWN_DIGEST))
     if not is_intact(report):
         raise baseline.BaselineError(f"{options.out / REPORT_FILE}: changed after it was written, run it again")
-    chosen = [record for record in report.cases if record.id == options.case]
-    if not chosen:
-        raise baseline.BaselineError(
-            f"case {options.case!r} is not in the report: {', '.join(r.id for r in report.cases)}"
-        )
-    for line in baseline.update(chosen[0], options.reason, folder, own=folder != baseline.FOLDER):
+    known = {record.id: record for record in report.cases}
+    if options.case not in known:
+        raise baseline.BaselineError(f"case {options.case!r} is not in the report: {', '.join(known)}")
+    for line in baseline.update(known[options.case], options.reason, folder, own=folder != baseline.FOLDER):
         print(line)
     return DONE
 
 
 def _study(options: argparse.Namespace) -> int:
-    """Run a study."""
     study = SCENE if options.name == OF_A_SCENE else STUDIES[options.name]
     for key in OF_STUDIES:
         given = getattr(options, key)
@@ -269,7 +252,11 @@ def _study(options: argparse.Namespace) -> int:
         raise CaseError(f"{option}: study {options.name} takes none, {that_take(key)} does")
     run = import_module(f"validation.studies.{study.module}")
     if options.name == OF_A_SCENE:
-        return _study_scene(options, run)
+        if options.scene is None:
+            raise CaseError(f"study {OF_A_SCENE}: a scene file is needed: study {OF_A_SCENE} SCENE --out DIR")
+        given = {key: value for key in ("seeds", "budget") if (value := getattr(options, key)) is not None}
+        plan = run.Options(jobs=options.jobs or 1, quick=options.quick, overwrite=options.overwrite, **given)
+        return int(run.run(options.scene, options.out, plan, say))
     if options.seed and options.random is None:
         raise CaseError(f"--seed {options.seed}: of the scenes of --random, which is not given")
     asked: dict[str, Any] = {"peers": True} if options.peers else {}
@@ -280,22 +267,6 @@ def _study(options: argparse.Namespace) -> int:
     if options.random is not None:
         asked |= {"tasks": run.random_tasks(options.random, options.seed), "file": run.RANDOM_FILE}
     return int(run.run(options.out, options.quick, say, **asked))
-
-
-def _study_scene(options: argparse.Namespace, study: ModuleType) -> int:
-    """Study a scene."""
-    if options.scene is None:
-        raise CaseError(f"study {OF_A_SCENE}: a scene file is needed: study {OF_A_SCENE} SCENE --out DIR")
-    asked = {"seeds": options.seeds, "budget": options.budget}
-    given = {key: value for key, value in asked.items() if value is not None}
-    plan = study.Options(jobs=options.jobs or 1, quick=options.quick, overwrite=options.overwrite, **given)
-    return int(study.run(options.scene, options.out, plan, say))
-
-
-def _command(options: argparse.Namespace) -> str:
-    only = "" if options.only is None else f" --only {options.only}"
-    own = "" if options.cases is None else f" --cases {options.cases.resolve().name}"
-    return f"python -m validation run --level {options.level}{only}{own} --out {options.out.name}"
 
 
 def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], run_name: str = "run") -> None:
@@ -325,9 +296,8 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     paper.add_argument("--out", type=Path, required=True, help="folder of the report; realisations there are kept")
     paper.add_argument("--jobs", type=positive, default=cores, help=f"worker processes (default: {cores})")
     paper.add_argument("--executor", default="local", help="local (default) or dask://host:port")
-    paper.add_argument(
-        "--quick", action="store_true", help="few realisations with few harmonics: shows only that it runs"
-    )
+    short = "few realisations with few harmonics: shows only that it runs"
+    paper.add_argument("--quick", action="store_true", help=short)
     paper.add_argument("--json", action="store_true", help="print the summary as JSON")
     paper.set_defaults(command=_alone(_replicate), perform=perform)
 
@@ -351,22 +321,17 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     listed = "; ".join(f"{name}: {one.what}" for name, one in ({OF_A_SCENE: SCENE} | STUDIES).items())
     study.add_argument("name", choices=(OF_A_SCENE, *STUDIES), help=listed)
     study.add_argument("scene", type=Path, nargs="?", metavar="SCENE", help=f"scene file (TOML) of study {OF_A_SCENE}")
-    of_scene = (
-        ("--seeds", _natural, "N", f"realisations besides its own (default: {SEEDS})"),
-        ("--budget", positive, "SECONDS", f"CPU seconds it may take (default: {BUDGET:g})"),
-    )
-    for option, kind, name, words in of_scene:
-        study.add_argument(option, type=kind, metavar=name, help=f"{OF_A_SCENE}: {words}")
+    seeds, budget = f"realisations besides its own (default: {SEEDS})", f"CPU seconds it may take (default: {BUDGET:g})"
+    study.add_argument("--seeds", type=_natural, metavar="N", help=f"{OF_A_SCENE}: {seeds}")
+    study.add_argument("--budget", type=positive, metavar="SECONDS", help=f"{OF_A_SCENE}: {budget}")
     study.add_argument("--overwrite", action="store_true", help=f"{OF_A_SCENE}: replace the study of another scene")
     study.add_argument("--quick", action="store_true", help="its short form")
     study.add_argument("--out", type=Path, required=True)
-    study.add_argument(
-        "--jobs", type=positive, help=f"processes of {that_take('jobs')} (default: {cores}; scene, stability: 1)"
-    )
+    jobs = f"processes of {that_take('jobs')} (default: {cores}; scene, stability: 1)"
+    study.add_argument("--jobs", type=positive, help=jobs)
     study.add_argument("--executor", default="local", help=f"for {that_take('executor')}: local or dask://host:port")
-    study.add_argument(
-        "--peers", action="store_true", help=f"{that_take('peers')} beside FFT solvers only (extra `peers`)"
-    )
+    peers = f"{that_take('peers')} beside FFT solvers only (extra `peers`)"
+    study.add_argument("--peers", action="store_true", help=peers)
     study.add_argument("--random", type=positive, metavar="N", help=f"{that_take('random')}: N random scenes instead")
     study.add_argument("--seed", type=_natural, default=0, metavar="K", help="of the random scenes (default: 0)")
     study.set_defaults(command=_alone(_study), perform=perform)

@@ -6,16 +6,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from validation.challenge.answers import csv_of, json_of
 from validation.challenge.certify import certified
 from validation.challenge.closed_answers import CLOSED
-from validation.challenge.problem import FOLDER, names, problem
+from validation.challenge.problem import FOLDER, NAMES, csv_of, json_of, problem
 from validation.challenge.record_standings import EXTRAPOLATED
 from validation.challenge.standings import recorded
 from validation.challenge.worker import called, with_arrays
 from validation.harness.route import Problem
 
-QUICK = [name for name in names() if name != "paper-profile"]  # which takes minutes
+QUICK = [name for name in NAMES if name != "paper-profile"]  # which takes minutes
 ROUNDING = 1e-13  # of amplitudes and phases that are made anew
 README = Path(__file__).parents[2] / "validation" / "challenge" / "README.md"
 
@@ -36,7 +35,7 @@ def test_answers_are_what_the_solver_gives(name):
 
 @pytest.mark.slow
 @pytest.mark.timeout(3600)
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", NAMES)
 def test_answers_are_what_all_routes_give(name):
     made = certified(name)
     same_answers(name, made)
@@ -80,7 +79,7 @@ def test_the_scan_is_a_tilted_random_walk():
     np.testing.assert_allclose(profile["phases"], np.angle(modes), rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", NAMES)
 def test_samples_and_harmonics_are_one_profile(name):
     profile = problem(name).data["profile"]
     samples = np.array(profile["samples"])
@@ -89,7 +88,7 @@ def test_samples_and_harmonics_are_one_profile(name):
     np.testing.assert_allclose(height, samples, atol=1e-12 * np.abs(samples).max())
 
 
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", NAMES)
 def test_files_say_the_same(name):
     key = problem(name).key
     assert (FOLDER / name / "answers.json").read_text() == json_of(key)
@@ -97,7 +96,7 @@ def test_files_say_the_same(name):
     assert list(key.answers) == list(problem(name).data["asked"])
 
 
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", NAMES)
 def test_every_answer_has_a_second_route(name):
     for quantity, one in problem(name).key.answers.items():
         assert one.second_routes, f"{quantity} stands alone"
@@ -117,7 +116,7 @@ def test_closed_forms_and_solver_agree(name):
 
 def test_the_standings_are_of_these_problems():
     entries = recorded()["entries"]
-    assert {entry["problem"] for entry in entries} == set(names())
+    assert {entry["problem"] for entry in entries} == set(NAMES)
     for entry in entries:
         assert [row["quantity"] for row in entry["rows"]] == list(problem(entry["problem"]).key.answers)
     ran = recorded()["run_on"]

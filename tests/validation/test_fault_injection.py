@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 from validation.harness.case import registry
-from validation.studies.faults.fault_injection import Exposure, examine
-from validation.studies.faults.fault_table import SIZE, FaultError, Studied, faults_in
+from validation.studies.faults.fault_injection import SIZE, Exposure, FaultError, Studied, examine, faults_in
 
 FAULTS = faults_in()
 

@@ -16,8 +16,7 @@ from validation.harness.schema import Band
 from validation.harness.store import Store
 from validation.studies.faults import faults
 from validation.studies.faults.fault_findings import Finding, Search, compared, excess_of
-from validation.studies.faults.fault_injection import Examined, Exposure
-from validation.studies.faults.fault_table import Fault, Studied, faults_in
+from validation.studies.faults.fault_injection import Examined, Exposure, Fault, Studied, faults_in
 from validation.studies.faults.faults import Runs, control_run, examine_faults
 
 HERE = Path(__file__).parent

@@ -12,8 +12,8 @@ from validation.references.posed_contacts import exact_sinusoid, numbers_of, sce
 from validation.routes import cohesive_grid
 from validation.routes.cohesive_grid import cohesive_range, missing
 from validation.studies.work_precision import work_precision
+from validation.studies.work_precision.methods import MethodPoint, Timed
 from validation.studies.work_precision.peers import FFT_METHODS, peer_sentences, peer_table
-from validation.studies.work_precision.points import MethodPoint, Timed
 from validation.studies.work_precision.references import source_for
 
 SINUSOID = scenes()["sinusoid"]

@@ -13,8 +13,7 @@ from report_parts import case, figure, report
 from validation.__main__ import main
 from validation.harness.baseline import BaselineError, read_baseline
 from validation.harness.schema import with_checksum
-from validation.report import render
-from validation.report.challenge import challenge_page
+from validation.report import challenge_page, render
 
 DEEP = "[" * 100_000 + "]" * 100_000
 HUGE = 10**400

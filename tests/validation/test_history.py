@@ -10,8 +10,7 @@ from report_parts import row
 
 from validation.command_line.front_door import main
 from validation.harness.schema import CaseRecord, Report, Tolerance, with_checksum
-from validation.report.history import FACTOR, history_of
-from validation.report.history_page import PAGE, render_history
+from validation.report.history import FACTOR, PAGE, history_of, render_history
 
 TIGHT = Tolerance(value=0.1, measured=0.001)
 

@@ -28,9 +28,8 @@ from validation.harness.execution import Ended
 from validation.harness.route import Answer
 from validation.harness.runner import run_cases
 from validation.harness.schema import Report, with_checksum
-from validation.report.challenge.challenge_page import render_challenge
-from validation.report.history import history_of
-from validation.report.history_page import render_history
+from validation.report.challenge_page import render_challenge
+from validation.report.history import history_of, render_history
 from validation.report.render import render
 from validation.report.run_page import render_run
 from validation.report.study_page import render_study

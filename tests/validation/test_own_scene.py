@@ -19,7 +19,7 @@ from validation.references.one_patch import OnePatch
 from validation.report.render import ReportError
 from validation.report.study_page import render_study
 from validation.studies.own_scene import own_scene
-from validation.studies.own_scene.findings import findings_of, finest_of, offs
+from validation.studies.own_scene.findings import findings_of, finest_of, node_rate, offs
 from validation.studies.own_scene.own_scene import Options, run
 from validation.studies.own_scene.settings import BASE, FINEST, NO_SCAN, Setting, settings_of
 from validation.studies.own_scene.solved_setting import Reading, Solved, ToSolve, solved
@@ -130,15 +130,15 @@ def test_nodes_converge_at_the_rate_that_is_predicted():
     """K falls like rho^-n, rho of the ellipse through the next edge, the load like rho^-2n (convergence_curves.py)."""
     tables, _ = wave_scene(0.03, (0.95,))
     answer = solved(ToSolve("as it is", tables, ".", 60.0, nodes=True))
-    (rate,) = findings_of([(Setting("base", BASE, BASE), answer)]).rates
+    (curve,) = answer.nodes
     reach = 1 + 2 * 0.05 / 0.95
     rho = reach + math.sqrt(reach**2 - 1)
-    assert 1 < rate.intensity_rate / rho < 1.05  # measured 1.017
-    assert 1 < rate.load_rate / rho**2 < 1.2  # measured 1.077: few points above rounding
+    assert 1 < node_rate(curve.per_patch, curve.intensity_errors) / rho < 1.05  # measured 1.017
+    assert 1 < node_rate(curve.per_patch, curve.load_errors) / rho**2 < 1.2  # measured 1.077: few points above rounding
 
 
 def reading(fraction, pressure, value=1.0, error=1e-9):
-    return Reading("separation", value, 1, "loading", 1, True, fraction, error, "mean_pressure", pressure, error)
+    return Reading(("separation", value, 1), "loading", 1, True, fraction, error, "mean_pressure", pressure, error)
 
 
 def answer(fraction, pressure, evaluations=100, status="converged", error=1e-9):

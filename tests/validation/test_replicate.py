@@ -18,13 +18,12 @@ from validation.harness.ensemble import Gathered
 from validation.harness.schema import CaseRecord, Figure, Panel, Reference, Report, Series
 from validation.harness.verdict import verdict_of
 from validation.references.paper_problem import MODULUS
-from validation.replicate import gather, members, realisations, scene_text, summary
+from validation.replicate import gather, members, realisations, scene_text, statements
 from validation.replicate.area import line_through
 from validation.replicate.double_gaussian_fit import WAYS, Sample, window_figure, window_table
 from validation.replicate.evidence import jackknife, joined, mean_and_error
 from validation.replicate.members import LOADS, PAPER, Size
 from validation.replicate.paper_spectra import (
-    _line,
     _power_law,
     _shift_rows,
     banded,
@@ -34,7 +33,7 @@ from validation.replicate.paper_spectra import (
 )
 from validation.replicate.pressure import decay_power, density
 from validation.replicate.statements import Alternative, disagreement, stale, statement
-from validation.report.figure_files import linked, table_of, write_figure
+from validation.report.figures import linked, table_of, write_figure
 from validation.report.render import render
 
 TINY = Size(seeds=2, harmonics=16, fewer_harmonics=12, hurst_seeds=2)
@@ -102,7 +101,7 @@ def test_power_of_the_decay_is_found(power):
 
 
 def test_drawn_power_law_is_the_fitted_one():
-    ends, values = _power_law(*_line(np.arange(1.0, 200.0) ** -2.7, (10.0, 100.0)), (10.0, 100.0))
+    ends, values = _power_law(exponent(np.arange(1.0, 200.0) ** -2.7, (10.0, 100.0)), 0.0, (10.0, 100.0))
     assert ends == [10.0, 100.0]
     assert np.log(values[1] / values[0]) / np.log(10.0) == pytest.approx(-2.7, abs=1e-10)
 
@@ -241,7 +240,7 @@ def test_every_statement_of_the_paper_is_on_the_page_with_its_verdict():
     known = disagreement("moment", [2.9, 2.1], 0.1, [3.0, 3.0], (0.6, 0.8), "few waves", where="section 4: Gaussian")
     case = CaseRecord(id="replicate-one", group="paper", level="full", question="One?", equations="a = b", sources=[],
                       rows=[claimed(-2.5), ours, known])  # fmt: skip
-    outcome = summary.compute([case])
+    outcome = statements.summary_of([case])
     assert outcome.tables[0].rows == [
         ["one", "section 5", "exponent", -2.73, -2.5, None, "+- 0.1", "deviates", "excludes -2.4, full contact", "☐"],
         ["one", "section 4: Gaussian", "moment", 3.0, 2.1, 0.1, "x 0.6 to 0.8", "changed", "few waves", "☐"],

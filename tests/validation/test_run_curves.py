@@ -9,8 +9,7 @@ from rough_scene import ROUGH
 
 import bem
 import persson
-from validation.report.curves.run_curves import curves_of, jumps, strokes_of
-from validation.report.curves.theory_curves import theories_of
+from validation.report.run_curves import curves_of, jumps, strokes_of, theories_of
 from validation.report.run_figures import distributions_of
 
 PRESSED = {

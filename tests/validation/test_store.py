@@ -12,7 +12,7 @@ from validation.harness.runner import failed_record
 from validation.harness.store import Store
 from validation.studies.cost import Cost
 from validation.studies.faults.fault_injection import Examined
-from validation.studies.work_precision.points import Timed
+from validation.studies.work_precision.methods import Timed
 
 
 @dataclass(frozen=True)

@@ -13,11 +13,10 @@ from validation.harness.provenance import provenance
 from validation.references.paper_problem import MODULUS
 from validation.report.render import render
 from validation.studies.theory_correction import theory_correction
-from validation.studies.theory_correction.correction_figures import chosen
-from validation.studies.theory_correction.correction_members import Group
-from validation.studies.theory_correction.data import STRESSES, Observed, mean_of, relative_errors
+from validation.studies.theory_correction.correction_members import STRESSES, Group, Observed, mean_of, relative_errors
 from validation.studies.theory_correction.fit import NAMES, areas_of, calibrate, correction_from
 from validation.studies.theory_correction.hold_out import CALIBRATED, PLAIN, judge, rms
+from validation.studies.theory_correction.page import chosen
 
 TRUTH = (0.7, 0.8, 2.0)
 DRY, WET = Group("hold-out", "self-affine", 0.6, 12, 0.0, 4), Group("hold-out", "self-affine", 0.6, 12, 0.04, 4)

@@ -16,8 +16,7 @@ from validation.routes.boundary_elements import PATH_DOUBT
 from validation.routes.persson_theory import by_separation
 from validation.studies.work_precision import work_precision
 from validation.studies.work_precision.conclusion import cheapest
-from validation.studies.work_precision.methods import METHODS
-from validation.studies.work_precision.points import MethodPoint, Timed
+from validation.studies.work_precision.methods import METHODS, MethodPoint, Timed
 from validation.studies.work_precision.references import SOURCES, source_for
 from validation.studies.work_precision.work_precision import Sweep, measured, point_of
 

@@ -1,12 +1,18 @@
 """The answers made anew: closed forms where there are, else the solver at its finest, beside the second routes.
 
+Second routes, each a function of a problem and of the solver's result for it:
+
+- dense algebra: Newton on the closure from each state of the solver, by the plain dense evaluation of
+  dense_equilibrium.py; the spectrum by a Gauss-Chebyshev quadrature of the pressure on edges and penetration;
+- finite elements: the quartic elements of `fem_reference`, with the uncertainty of its three meshes;
+- the path at a tenth of the increment, which answers everything that depends on it.
+
 Uncertainties: of closed forms FLOOR of the scale, rounding; of the solver the largest of its own estimate, of the
 difference to each route as fine as itself (dense algebra, the path at a tenth of the increment) and of FLOOR.
 Finite elements are coarser than the solver: their difference is shown beside their own uncertainty and adds nothing.
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -14,28 +20,25 @@ import numpy as np
 
 from bem.scene.atomic_file import write_atomically
 from bem.scene.result import Result
+from bem.scene.scene import parse_scene
 from bem.solver import solve as solve_scene
-from validation.challenge.answers import Certified, Check, Key, csv_of, json_of, scale_of
-from validation.challenge.closed_answers import CLOSED, closed_answers
-from validation.challenge.problem import PROBLEM_FILE
+from fem_reference import Resolution
+from validation.challenge.closed_answers import CLOSED
+from validation.challenge.problem import PROBLEM_FILE, Certified, Check, Key, csv_of, json_of, scale_of
 from validation.challenge.problem import problem as shipped
-from validation.challenge.second_routes import ROUTES
 from validation.challenge.worker import with_arrays
 from validation.harness.arrays import FloatArray
-from validation.harness.route import Problem
+from validation.harness.route import Answer, Problem
+from validation.references.dense_equilibrium import reference
 from validation.routes import boundary_elements
+from validation.routes.finite_elements import finest
 
 Checks = dict[str, tuple[Check, ...]]
 FLOOR = 1e-12  # of the scale; closed forms and solver differ by up to 4e-13
 SOLVER = "boundary elements at tolerance 1e-12"
-SECOND: dict[str, tuple[str, ...]] = {
-    "two-crests-thick": ("finite elements", "dense algebra"),
-    "three-crests": ("finite elements", "dense algebra"),
-    "two-crests-thin": ("finite elements", "dense algebra"),
-}
+FEW_CONTACTS = ("two-crests-thick", "three-crests", "two-crests-thin")  # which finite elements can do
 OF_PULL_OFF = {"pull_off_penetration": "penetration", "pull_off_mean_pressure": "mean_pressure"}
 AS_FINE = ("dense algebra", "path at a tenth of the increment")  # as the solver
-DEFAULT_ROUTES = AS_FINE
 
 
 def certified(name: str, second: bool = True) -> Key:
@@ -48,14 +51,17 @@ def certified(name: str, second: bool = True) -> Key:
     result = solve_scene(boundary_elements.tables(problem, 1e-12))
     ours = _arrays(boundary_elements.answers(problem, result))
     if name in CLOSED:
-        closed = closed_answers(data)
+        closed = CLOSED[name](data)
         beside: Checks = {key: (Check(SOLVER, _difference(ours[key], closed[key])),) for key in ours}
         return _key(data, closed, "closed form", dict.fromkeys(ours, ()), beside)
-    routes = SECOND.get(name, DEFAULT_ROUTES) if second else ()
-    found = {route: ROUTES[route](problem, result) for route in routes}
+    routes = ("finite elements", "dense algebra") if name in FEW_CONTACTS else AS_FINE
+    found = {route: ROUTES[route](problem, result) for route in routes if second}
     checks: Checks = {
         key: tuple(
-            Check(_named(route, answer.uncertainty, key), _difference(np.array(answer.values[key], float), ours[key]))
+            Check(
+                f"{route}, known to {np.max(answer.uncertainty[key]):.1g}" if key in answer.uncertainty else route,
+                _difference(np.array(answer.values[key], float), ours[key]),
+            )
             for route, answer in found.items()
             if key in answer.values
         )
@@ -78,11 +84,7 @@ def _arrays(values: dict[str, Any]) -> dict[str, FloatArray]:
 
 
 def _key(
-    problem: dict[str, Any],
-    values: dict[str, FloatArray],
-    made: str,
-    estimates: dict[str, Any],
-    checks: Checks,
+    problem: dict[str, Any], values: dict[str, FloatArray], made: str, estimates: dict[str, Any], checks: Checks
 ) -> Key:
     answers = {}
     for name, asked in problem["asked"].items():
@@ -109,10 +111,46 @@ def _estimates(result: Result, name: str) -> tuple[float, ...]:
     return () if any(value is None for value in found) else tuple(map(float, found))  # type: ignore[arg-type]
 
 
-def _named(route: str, spread: dict[str, Any], key: str) -> str:
-    """The route, with the uncertainty that it states of itself."""
-    return f"{route}, known to {np.max(spread[key]):.1g}" if key in spread else route
-
-
 def _difference(values: FloatArray, answers: FloatArray) -> tuple[float, ...]:
     return tuple(float(f"{one:.2g}") for one in np.abs(values - answers))
+
+
+FINEST = Resolution(4, 8, 18)
+STATE = ("contact_fraction", "mean_pressure", "separation", "elastic_energy", "stress_intensity_max")
+NODES = 400  # of the quadrature of the pressure, on every patch
+
+
+def dense(problem: Problem, result: Result) -> Answer:
+    """Scalars of every state by dense algebra; states apart have none of their own."""
+    scene = parse_scene(boundary_elements.tables(problem, 1e-12))
+    states = [reference(scene, state) if state.edges else None for state in result.targets]
+    found = {name: np.array([0.0 if state is None else state[name] for state in states]) for name in STATE}
+    found["gap_fraction"] = 1 - found["contact_fraction"]
+    apart = [state is None for state in states]
+    found["separation"][apart] = [target.separation for target in np.array(result.targets)[apart]]
+    if "displacement_amplitudes" in problem.asked:
+        found["displacement_amplitudes"] = _amplitudes(problem, result)
+    return Answer(values=problem.answered(found))
+
+
+def _amplitudes(problem: Problem, result: Result) -> FloatArray:
+    """(1/period) int pressure exp(-i q x) dx over the contacts, times twice the compliance 2 / (E* q)."""
+    asked = problem.asked["displacement_amplitudes"]
+    state = result.targets[int(asked["target"]) - 1]
+    contact = boundary_elements.contact_of(problem, state.edges, state.penetration)
+    angle = np.pi * (np.arange(NODES) + 0.5) / NODES
+    edges = np.array(state.edges)
+    middle, half = edges.mean(axis=1)[:, None], np.diff(edges, axis=1) / 2
+    x = middle + half * np.cos(angle)
+    weight = half * np.sin(angle) * np.pi / NODES
+    q = 2 * np.pi / problem.period * np.asarray(asked["orders"])
+    modes = np.exp(-1j * np.multiply.outer(q, x.ravel())) @ (contact.pressure(x) * weight).ravel() / problem.period
+    modulus = problem.youngs_modulus / (1 - problem.poisson_ratio**2)
+    return np.asarray(2 * np.abs(modes) * 2 / (modulus * q))
+
+
+ROUTES: dict[str, Callable[[Problem, Result], Answer]] = {
+    "dense algebra": dense,
+    "finite elements": lambda problem, result: finest(problem, FINEST, result.targets[-1].n_patches),
+    "path at a tenth of the increment": lambda problem, _: boundary_elements.solve(problem, 1e-12, 0.1),
+}

@@ -9,8 +9,6 @@ With D the amplitude, p* = pi E* D / period, S = sin^2(pi/2 contact fraction), a
 Numbers are from the problem as it is written down.  Uncertainty: rounding.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
@@ -23,11 +21,6 @@ from validation.references.one_patch import OnePatch
 
 Given = dict[str, Any]
 Answers = dict[str, FloatArray]
-
-
-def closed_answers(problem: Given) -> Answers:
-    """All answers to a problem of CLOSED."""
-    return CLOSED[problem["name"]](problem)
 
 
 def _wave(problem: Given) -> tuple[float, float, float, float]:

@@ -1,7 +1,5 @@
 """The commands of the challenge: list and show problems, judge a solver or a submission, make answers and standings."""
 
-from __future__ import annotations
-
 import argparse
 import importlib.util
 import json
@@ -15,9 +13,8 @@ from typing import Any
 
 from bem.command_line.folder_lock import locked
 from validation.challenge import standings
-from validation.challenge.answers import scale_of
 from validation.challenge.judging import MOST_DIGITS
-from validation.challenge.problem import FOLDER, Shipped, names, problem
+from validation.challenge.problem import FOLDER, NAMES, Shipped, problem, scale_of
 from validation.harness.entry_points import solvers
 from validation.harness.execution import Note
 from validation.harness.executors import LOCAL, opener_of
@@ -30,9 +27,8 @@ SHORT = 6  # numbers of a list that are shown
 
 
 def _list(options: argparse.Namespace) -> int:
-    """One problem a line, its name first."""
-    width = max(map(len, names()))
-    for name in names():
+    width = max(map(len, NAMES))
+    for name in NAMES:
         data = problem(name).data
         print(f"{name:{width}}  {data['difficulty']:6}  {data['title']}")
     return DONE
@@ -110,17 +106,15 @@ def _judge(options: argparse.Namespace) -> int:
 
 
 def _make(options: argparse.Namespace) -> int:
-    """The answers made anew."""
     from validation.challenge.certify import certified, write
 
-    for name in options.names or names():
+    for name in options.names or NAMES:
         write(certified(name), options.out)
         print(options.out / name, flush=True)
     return DONE
 
 
 def _standings(options: argparse.Namespace) -> int:
-    """The recorded solvers run again."""
     from validation.challenge.record_standings import record
 
     with locked(options.out):

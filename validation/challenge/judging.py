@@ -8,14 +8,12 @@ digits finer than the key's own uncertainty are not claimed.  A quantity is righ
 value that is None is one that the solver does not offer: the others are judged, and the quantity counts as missing.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from validation.challenge.answers import Certified, Key, scale_of
+from validation.challenge.problem import Certified, Key, scale_of
 from validation.harness.route import Answer
 
 MOST_DIGITS = 15.0
@@ -25,7 +23,7 @@ LOST = 0.5  # digits by which a quantity may fall behind a baseline: rounding mo
 
 @dataclass(frozen=True)
 class Digits:
-    """A quantity of a problem, judged.
+    """A quantity of a problem, judged; the numbers are those of an answer, where one came.
 
     A status is "right", "wrong", "missing", "not a number", "wrong shape", "not offered", "crashed", "out of
     memory" or "timed out".
@@ -58,22 +56,13 @@ class Judged:
         """Whether everything is right."""
         return all(row.status == RIGHT for row in self.rows)
 
-    @property
-    def error(self) -> float | None:
-        """Largest error of what was answered."""
-        return max((row.error for row in self.rows if row.error is not None), default=None)
-
 
 def judged(key: Key, returned: Answer, digits: float) -> Judged:
     """What a solver returned for a problem, against its key; `digits` are those that an answer needs to be right."""
-    answered = returned.status == "answered"
-    if answered:
+    if returned.status == "answered":
         rows = tuple(_row(name, one, returned.values.get(name), digits) for name, one in key.answers.items())
     else:
-        rows = tuple(
-            Digits(name, returned.status, returned.message, None, None, None, 0, len(one.value))
-            for name, one in key.answers.items()
-        )
+        rows = tuple(_without(name, one, returned.status, returned.message) for name, one in key.answers.items())
     ignored = tuple(sorted(name for name in returned.values if name not in key.answers))
     return Judged(key.problem, returned.status, returned.message, returned.seconds, returned.cpu_seconds, rows, ignored)
 
@@ -93,22 +82,21 @@ def lost(now: Iterable[Judged], before: Iterable[Judged]) -> Iterator[str]:
 
 
 def _row(name: str, key: Certified, given: Any, digits: float) -> Digits:
-    count = len(key.value)
-
-    def without(status: str, message: str) -> Digits:
-        return Digits(name, status, message, None, None, None, 0, count)
-
     values = given if isinstance(given, list) else [given]
     if values and all(value is None for value in values):
-        return without("missing", "")
+        return _without(name, key, "missing")
     shown = repr(given) if len(repr(given)) < 60 else repr(given)[:57] + "..."
     if any(isinstance(value, str | bool | dict) for value in values):
-        return without("not a number", shown)
-    if any(isinstance(value, list) for value in values) or len(values) != count:
-        return without("wrong shape", f"{count} numbers are needed, not {shown}")
+        return _without(name, key, "not a number", shown)
+    if any(isinstance(value, list) for value in values) or len(values) != len(key.value):
+        return _without(name, key, "wrong shape", f"{len(key.value)} numbers are needed, not {shown}")
     if not all(value is None or _finite(value) for value in values):
-        return without("not a number", shown)
+        return _without(name, key, "not a number", shown)
     return _compared(name, key, values, digits)
+
+
+def _without(name: str, key: Certified, status: str, message: str = "") -> Digits:
+    return Digits(name, status, message, None, None, None, 0, len(key.value))
 
 
 def _finite(value: float) -> bool:
@@ -130,8 +118,7 @@ def _compared(name: str, key: Certified, values: Sequence[float | None], digits:
     error, spread = max(miss for miss, _ in known) / scale, max(u for _, u in known) / scale
     ratios = [miss / u for miss, u in known if u > 0]
     reached = max(0.0, min(MOST_DIGITS, -math.log10(max(error, spread, 10.0**-MOST_DIGITS))))
-    status = RIGHT if reached >= digits else "wrong"
-    message = ""
+    status, message = RIGHT if reached >= digits else "wrong", ""
     if len(known) < len(values):
         status, message = "missing", f"{len(values) - len(known)} of {len(values)} values"
     return Digits(name, status, message, reached, error, max(ratios, default=None), len(known), len(values))

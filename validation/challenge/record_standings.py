@@ -1,9 +1,16 @@
-"""The standings run for real: every entrant through the public door on every problem, into standings.json."""
+"""The standings run for real: every entrant through the public door on every problem, into standings.json.
 
-from __future__ import annotations
+Answers on grids, each twice as fine, are extrapolated to what they tend to, with the error estimated.  Contact counted
+in whole points is wrong by a term in the spacing; cohesion of a range that must span some spacings is wrong by its
+range, which falls as the root of the spacing.  With r = 2 without adhesion and r = sqrt 2 with it, and the two finest
+grids,
+
+    x = fine + (fine - coarse) / (r - 1).
+"""
 
 import json
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from importlib import metadata
 from pathlib import Path
@@ -13,17 +20,14 @@ import numpy as np
 
 from bem.scene.atomic_file import write_atomically
 from validation.challenge import run_judge
-from validation.challenge.answers import scale_of
-from validation.challenge.extrapolation import extrapolated
 from validation.challenge.judging import judged
-from validation.challenge.problem import ChallengeError, Shipped
+from validation.challenge.problem import ChallengeError, Shipped, scale_of
 from validation.challenge.standings import ENTRANTS, RECORD, SCHEMA, SOLVERS, Entrant, recorded
 from validation.harness.execution import Listener, Note
 from validation.harness.provenance import provenance
 from validation.harness.route import Answer
 from validation.harness.store import plain
-from validation.report.challenge.challenge_figures import drawn_standings
-from validation.report.challenge.challenge_page import overall_curves
+from validation.report.challenge_page import drawn_standings, overall_curves
 from validation.report.figures import save
 
 DIGITS = 3.0
@@ -90,15 +94,10 @@ def _entries(
 
 def _entry(solver: str, setting: str, one: Shipped, found: Answer) -> dict[str, Any]:
     row = asdict(judged(one.key, found, DIGITS))
-    row["rows"] = [
-        {"quantity": r["quantity"], "status": r["status"]}
-        | {name: _rounded(r[name]) for name in ("digits", "error")}
-        | {"answered": r["answered"], "asked": r["asked"]}
-        for r in row["rows"]
-    ]
-    spent = {name: _rounded(row[name]) for name in ("seconds", "cpu_seconds")}
+    kept = ("quantity", "status", "digits", "error", "answered", "asked")
+    row["rows"] = [{name: _rounded(r[name]) for name in kept} for r in row["rows"]]
     del row["ignored"]
-    return {"solver": solver, "setting": setting} | row | spent
+    return {"solver": solver, "setting": setting} | {name: _rounded(value) for name, value in row.items()}
 
 
 def estimated(one: Shipped, quantity: str, finest: Answer, limit: Answer) -> float | None:
@@ -107,8 +106,36 @@ def estimated(one: Shipped, quantity: str, finest: Answer, limit: Answer) -> flo
     if values.shape != limits.shape or any(value is None for value in (*values, *limits)):
         return None
     miss = np.abs(values.astype(np.float64) - limits.astype(np.float64))
-    return _rounded(float(np.max(miss)) / scale_of(quantity, one.key.answers[quantity].value))
+    return float(_rounded(float(np.max(miss)) / scale_of(quantity, one.key.answers[quantity].value)))
 
 
-def _rounded(value: float | None) -> float | None:
-    return None if value is None else float(f"{value:.3g}")
+def _rounded(value: Any) -> Any:
+    """A number that is no count, to three digits; all else as it is."""
+    return float(f"{value:.3g}") if isinstance(value, float) else value
+
+
+WHOLE = ("patches",)  # counts, of which the finest grid's stands
+
+
+def extrapolated(problem: Mapping[str, Any], grids: Sequence[Answer]) -> Answer:
+    """The answers to a problem that grids, coarsest first, tend to; as the finest where it has none."""
+    fine, coarse = grids[-1], grids[-2]
+    if fine.status != "answered" or coarse.status != "answered":
+        return fine if fine.status != "answered" else coarse
+    ratio = math.sqrt(2) if "adhesion" in problem else 2.0
+    answers = {
+        name: value if name in WHOLE else _limit(value, coarse.values[name], ratio)
+        for name, value in fine.values.items()
+        if name in coarse.values
+    }
+    spent = [sum(getattr(grid, name) or 0.0 for grid in grids[-2:]) for name in ("seconds", "cpu_seconds")]
+    told = f"from the two finest grids, errors falling by {ratio:.3g}"
+    return Answer("answered", told, answers, seconds=spent[0], cpu_seconds=spent[1])
+
+
+def _limit(fine: Any, coarse: Any, ratio: float) -> Any:
+    if isinstance(fine, list):
+        if len(fine) != len(coarse):
+            return None
+        return [_limit(x, y, ratio) for x, y in zip(fine, coarse, strict=True)]
+    return None if fine is None or coarse is None else fine + (fine - coarse) / (ratio - 1)

@@ -6,8 +6,6 @@ that the solver imports is not seen: judge a changed one in a new folder.  What 
 too long or too much memory is tried again.
 """
 
-from __future__ import annotations
-
 import hashlib
 import importlib.util
 import json
@@ -19,12 +17,12 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import TypeAdapter
 
 from bem.scene.atomic_file import write_atomically
 from validation.challenge import standings
 from validation.challenge.judging import Judged, judged, lost
-from validation.challenge.problem import ChallengeError, Shipped, names, problem
+from validation.challenge.problem import NAMES, ChallengeError, Shipped, problem
 from validation.challenge.solver_process import look_up, returned
 from validation.challenge.submission import read_submission
 from validation.harness.execution import Listener, Note
@@ -32,7 +30,7 @@ from validation.harness.executors import Opener, local_processes
 from validation.harness.provenance import provenance, versions
 from validation.harness.route import Answer
 from validation.harness.store import FOLDER, Store, plain
-from validation.report.challenge.challenge_page import render_challenge
+from validation.report.challenge_page import render_challenge
 
 SCHEMA = "linecontact-challenge/1"
 JSON_FILE, PAGE = "challenge.json", "challenge.html"
@@ -74,9 +72,9 @@ def chosen(only: str | None) -> tuple[Shipped, ...]:
     """
     patterns = ["*"] if only is None else only.split(",")
     for pattern in patterns:
-        if not any(fnmatch(name, pattern) for name in names()):
-            raise ChallengeError(f"--only {pattern!r}: one of {', '.join(names())} is needed")
-    return tuple(problem(name) for name in names() if any(fnmatch(name, pattern) for pattern in patterns))
+        if not any(fnmatch(name, pattern) for name in NAMES):
+            raise ChallengeError(f"--only {pattern!r}: one of {', '.join(NAMES)} is needed")
+    return tuple(problem(name) for name in NAMES if any(fnmatch(name, pattern) for pattern in patterns))
 
 
 def solved(
@@ -136,16 +134,14 @@ def earlier(baseline: Path, problems: Sequence[Shipped]) -> tuple[Judged, ...]:
     """
     try:
         content = json.loads(baseline.read_text("utf-8"))
-        schema = content["schema"]
+        if content["schema"] != SCHEMA:
+            raise ChallengeError(f"baseline {baseline}: schema {content['schema']!r} is not {SCHEMA!r}")
+        before = TypeAdapter(tuple[Judged, ...]).validate_python(content["problems"])
     except FileNotFoundError as error:
         raise ChallengeError(f"baseline {baseline}: no such file") from error
+    except ChallengeError:
+        raise
     except (ValueError, KeyError, TypeError, RecursionError) as error:
-        raise ChallengeError(f"baseline {baseline}: challenge.json of a judgement is needed") from error
-    if schema != SCHEMA:
-        raise ChallengeError(f"baseline {baseline}: schema {schema!r} is not {SCHEMA!r}")
-    try:
-        before = TypeAdapter(tuple[Judged, ...]).validate_python(content["problems"])
-    except (KeyError, ValidationError) as error:
         raise ChallengeError(f"baseline {baseline}: challenge.json of a judgement is needed") from error
     held = ", ".join(one.problem for one in before)
     if not {one.name for one in problems} & {one.problem for one in before}:
@@ -162,13 +158,10 @@ def against(judgement: Judgement, name: str, before: Sequence[Judged]) -> Judgem
 def write(judgement: Judgement, problems: Sequence[Shipped], folder: Path) -> None:
     """Write challenge.json and challenge.html."""
     shown = ("title", "difficulty", "what_is_hard")
+    told = ("solver", "digits", "outcome", "passed", "baseline")
     content: dict[str, Any] = {
         "schema": SCHEMA,
-        "solver": judgement.solver,
-        "digits": judgement.digits,
-        "outcome": judgement.outcome,
-        "passed": judgement.passed,
-        "baseline": judgement.baseline,
+        **{name: getattr(judgement, name) for name in told},
         "lost": list(judgement.lost or ()),
         "problems": [
             asdict(row) | {name: one.data[name] for name in shown}

@@ -4,8 +4,6 @@ The solver starts with one BLAS thread, the current folder first on its path, an
 time limit, and when it has answered, it is ended with all processes that it started, in a session of their own or not.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import signal
@@ -68,7 +66,6 @@ def returned(spec: str, problem: str, limit: float, memory: float | None = None)
 
 
 def _ending(code: int) -> str:
-    """How a process ended, in words."""
     if code >= 0:
         return f"the process ended with code {code}"
     named = {one.value: one.name for one in signal.Signals}

@@ -1,10 +1,8 @@
 """Who takes part in the recorded standings, at which settings, and the record itself, standings.json.
 
 Every entrant is a route behind the public door (validation/routes/).  A solver with grids has one more line,
-extrapolated from them (extrapolation.py).
+extrapolated from them (record_standings.py).
 """
-
-from __future__ import annotations
 
 import json
 from dataclasses import dataclass

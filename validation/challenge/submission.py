@@ -4,14 +4,12 @@ JSON: {problem: {quantity: number or list}}, or answers.json of one problem; a q
 CSV: columns problem, quantity, index (from 0), value, in any order; others are ignored, so that answers.csv is one.
 """
 
-from __future__ import annotations
-
 import csv
 import json
 from pathlib import Path
 from typing import Any
 
-from validation.challenge.problem import ChallengeError, names, problem
+from validation.challenge.problem import NAMES, ChallengeError, problem
 
 NEEDED = ("problem", "quantity", "index", "value")
 Submitted = dict[str, dict[str, Any]]
@@ -38,8 +36,8 @@ def read_submission(path: Path) -> Submitted:
     except csv.Error as error:
         raise ChallengeError(f"submission {path}: {error}") from error
     for name in found:
-        if name not in names():
-            raise ChallengeError(f"submission {path}: problem {name!r}: one of {', '.join(names())} is needed")
+        if name not in NAMES:
+            raise ChallengeError(f"submission {path}: problem {name!r}: one of {', '.join(NAMES)} is needed")
     return found
 
 
@@ -64,7 +62,7 @@ def _of_csv(path: Path, text: str) -> Submitted:
     if absent:
         header = ", ".join(reader.fieldnames or ("nothing",))
         raise ChallengeError(f"submission {path}: line 1: columns {', '.join(absent)} are missing, found: {header}")
-    asked = {name: problem(name).key.answers for name in names()}
+    asked = {name: problem(name).key.answers for name in NAMES}
     found: dict[str, dict[str, dict[int, float]]] = {}
     for row in reader:
         where = f"submission {path}: line {reader.line_num}"

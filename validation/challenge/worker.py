@@ -6,8 +6,6 @@ only the solver is looked up.  BYTES is the address space that the process, and 
 nothing of the suite: a solver is measured alone.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import signal

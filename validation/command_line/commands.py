@@ -4,8 +4,6 @@ The commands of `python -m bem` and `python -m validation` are the same here, by
 `python -m validation run`.  Exit codes: 0 done, 1 something failed (named), 2 bad input, 130 interrupted.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 from collections.abc import Callable, Sequence
@@ -18,8 +16,7 @@ import bem.__main__ as scenes
 import validation.__main__ as harness
 from validation.command_line import comparison, examples, fem_answer
 from validation.harness.schema import Report
-from validation.report.history import history_of
-from validation.report.history_page import named, write_history
+from validation.report.history import history_of, named, write_history
 
 SHELLS = ("bash", "zsh", "tcsh")
 
@@ -45,16 +42,10 @@ def _parser(program: str) -> argparse.ArgumentParser:
     fem_answer.add_command(commands, harness.perform)
     harness.add_commands(commands, run_name="verify")
 
-    several = commands.add_parser(
-        "compare", help="two results, or two verification reports, by their uncertainties; more reports: their history"
-    )
-    several.add_argument(
-        "folders",
-        nargs="+",
-        type=Path,
-        metavar="FOLDER",
-        help="two or more, of runs or of reports; or one that holds folders of reports",
-    )
+    what = "two results, or two verification reports, by their uncertainties; more reports: their history"
+    several = commands.add_parser("compare", help=what)
+    given = "two or more, of runs or of reports; or one that holds folders of reports"
+    several.add_argument("folders", nargs="+", type=Path, metavar="FOLDER", help=given)
     several.add_argument("--out", type=Path, metavar="DIR", help="write the history of the reports, DIR/history.html")
     several.add_argument("--json", action="store_true", help="print as JSON")
     several.set_defaults(command=_compare, perform=harness.perform)
@@ -62,7 +53,6 @@ def _parser(program: str) -> argparse.ArgumentParser:
 
 
 def _example(options: argparse.Namespace) -> int:
-    """List the examples, or write one."""
     if options.name is None:
         print("\n".join(examples.listed()))
         return harness.DONE
@@ -85,14 +75,8 @@ def _history(reports: list[Report], options: argparse.Namespace) -> int:
     rises, newest = found.rises(-1), named(found.reports[-1], len(reports))
     page = None if options.out is None else str(write_history(found, options.out))
     if options.json:
-        facts = {
-            "reports": len(reports),
-            "numbers": len(found.lines),
-            "newest": newest,
-            "rises": rises,
-            "unjudged": found.unjudged,
-        }
-        print(json.dumps(facts | {"gone": found.gone, "page": page}))
+        facts = {"reports": len(reports), "numbers": len(found.lines), "newest": newest, "rises": rises}
+        print(json.dumps(facts | {"unjudged": found.unjudged, "gone": found.gone, "page": page}))
     else:
         ending = f"{len(rises)} rose in the newest, {newest}" if rises else f"none rose in the newest, {newest}"
         told = f"{len(reports)} reports, {len(found.lines)} errors and counts: {ending}; {found.unjudged} not judged"

@@ -9,8 +9,6 @@ Differences are told in percent of the larger number.  Counts and words differ w
 More than two reports have a history (validation/report/history.py).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
@@ -103,10 +101,10 @@ def compare(a: Path, b: Path) -> ComparedFolders:
     ReportError where they are not of one kind or have nothing in common, CorruptResultError where a result cannot be
     trusted.
     """
-    kinds = [_kind(folder) for folder in (a, b)]
-    if kinds[0] != kinds[1]:
-        raise ReportError(f"not comparable: {a} holds {kinds[0]}, {b} holds {kinds[1]}")
-    if kinds[0] == "a result":
+    kind, other = _kind(a), _kind(b)
+    if kind != other:
+        raise ReportError(f"not comparable: {a} holds {kind}, {b} holds {other}")
+    if kind == "a result":
         found = compare_results(read_result(a), read_result(b))
     else:
         found = compare_reports(read_report(a), read_report(b))
@@ -125,9 +123,8 @@ def folders_of(given: Sequence[Path]) -> list[Path]:
         found = sorted(path.parent for path in found[0].glob(f"*/{REPORT_FILE}"))
     if len(found) < 2:
         said = ", ".join(map(str, given))
-        raise ReportError(
-            f"{said}: two folders to compare are needed, or one with reports in folders; found {len(found)}"
-        )
+        needed = "two folders to compare are needed, or one with reports in folders"
+        raise ReportError(f"{said}: {needed}; found {len(found)}")
     return found
 
 
@@ -184,15 +181,15 @@ def compare_reports(a: Report, b: Report) -> ComparedFolders:
     others = [f"only in A: case {name}" for name in left if name not in right]
     others += [f"only in B: case {name}" for name in right if name not in left]
     for name in both:
-        verdicts = [case_verdicts(case) for case in (left[name], right[name])]
-        if verdicts[0] != verdicts[1]:
-            others.append(f"{name}: verdicts {_counts(verdicts[0])} and {_counts(verdicts[1])}")
-        found = [
-            {q.name: q for q in quantities_of(case) if q.kind != "diagnostic"} for case in (left[name], right[name])
-        ]
-        others += [f"{name}: {key} is in one report only" for key in found[0].keys() ^ found[1].keys()]
-        for key in (key for key in found[0] if key in found[1]):
-            mine, theirs = found[0][key], found[1][key]
+        cases = left[name], right[name]
+        before, after = map(case_verdicts, cases)
+        if before != after:
+            others.append(f"{name}: verdicts {_counts(before)} and {_counts(after)}")
+        found, met = ({q.name: q for q in quantities_of(case) if q.kind != "diagnostic"} for case in cases)
+        others += [f"{name}: {key} is in one report only" for key in found.keys() ^ met.keys()]
+        for key, mine in found.items():
+            if (theirs := met.get(key)) is None:
+                continue
             allowed = max(mine.atol + mine.rtol * abs(mine.value), ROUNDING * max(abs(mine.value), abs(theirs.value)))
             numbers.append(Apart(f"{name}: {key}", "case", mine.value, theirs.value, allowed, 1.0))
     return ComparedFolders(tuple(numbers), tuple(others))

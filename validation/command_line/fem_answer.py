@@ -11,8 +11,6 @@ nominal area), mesh.png and mesh.svg (the deformed layer of the last target with
 Limits: a layer, edges of the JKR closure; at most `LARGEST` unknowns.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import sys
@@ -45,15 +43,10 @@ NUMBERS = ("penetration", "total_displacement", "mean_pressure", "contact_fracti
 ENERGIES = ("elastic_energy", "adhesion_energy", "total_energy")
 
 
-class TooLargeError(ValueError):
-    """A scene with more unknowns than are affordable."""
-
-
 def add_command(commands: Any, perform: Any) -> None:
     """Add `fem` to the commands of a program."""
-    fem = commands.add_parser(
-        "fem", help="solve a scene of a layer by finite elements; writes numbers, mesh and fields"
-    )
+    what = "solve a scene of a layer by finite elements; writes numbers, mesh and fields"
+    fem = commands.add_parser("fem", help=what)
     fem.add_argument("scene", type=Path, help="scene file (TOML)")
     fem.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the answer, new or empty")
     fem.add_argument("--elements", choices=list(ELEMENTS), default="P4/P3", help="P4/P3 by default")
@@ -92,7 +85,7 @@ def _affordable(arguments: dict[str, Any], resolution: Resolution, patches: int)
     problem = problem_of(**{key: value for key, value in arguments.items() if key not in ("control", "value")})
     unknowns = base_unknowns(problem.depth, resolution, problem.highest_order) + patches * PER_PATCH[resolution.order]
     if unknowns > LARGEST:
-        raise TooLargeError(
+        raise ValueError(
             f"scene: about {unknowns:.2g} unknowns of order {resolution.order} (harmonics up to "
             f"{problem.highest_order}, {problem.depth:.3g} periods thick, {patches} patches); at most {LARGEST:.2g}"
         )
@@ -135,8 +128,9 @@ def with_entered(result: Result) -> FloatArray:
 def _state(result: Result, seconds: float) -> dict[str, Any]:
     """A state under the names of the boundary elements' result."""
     period = result.problem.period
-    uncertain = {name: float(np.max(result.uncertainty[name])) for name in (*NUMBERS, *ENERGIES)}
-    uncertain |= {name: uncertain[name] / period for name in ENERGIES}
+    uncertain = {name: float(np.max(result.uncertainty[name])) for name in NUMBERS}
+    uncertain |= {name: float(np.max(result.uncertainty[name])) / period for name in ENERGIES}
+    uncertain["separation"] = uncertain["penetration"]
     intensity = np.asarray(result.stress_intensity)
     return {
         "status": result.status,
@@ -149,15 +143,10 @@ def _state(result: Result, seconds: float) -> dict[str, Any]:
         "edges": result.edges.tolist(),
         "stress_intensity_max": float(np.max(intensity)) if intensity.size else None,
         "stable": result.stable,
-        "error_estimate": {name: _finite(value) for name, value in uncertain.items()}
-        | {"separation": _finite(uncertain["penetration"])},
+        "error_estimate": {name: value if np.isfinite(value) else None for name, value in uncertain.items()},
         "unknowns": result.unknowns,
         "cpu_seconds": seconds,
     }
-
-
-def _finite(value: float) -> float | None:
-    return value if np.isfinite(value) else None
 
 
 def _write(scene: Scene, states: list[dict[str, Any]], folder: Path) -> None:

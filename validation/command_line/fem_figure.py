@@ -5,8 +5,6 @@ the face, where contacts are felt, is shown. Colours end where a twentieth of th
 at adhesive edges. Lengths in micrometres, stress in Pa.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure

@@ -3,8 +3,6 @@
 They do without the harness, whose loading takes longer than a small scene.
 """
 
-from __future__ import annotations
-
 import gc
 import sys
 from collections.abc import Sequence

@@ -8,8 +8,6 @@ other than the paper's are `not run`.
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -34,13 +32,13 @@ from validation.replicate import (
     paper_spectra,
     pressure,
     realisations,
-    summary,
+    statements,
 )
 from validation.replicate.evidence import Evidence, Realisation
 from validation.replicate.members import LOADS, PAPER, Size, all_members, high_load, loading
 from validation.replicate.members import hurst as hurst_members
 from validation.replicate.members import shapes as shapes_member
-from validation.report.figure_files import linked, write_figure
+from validation.report.figures import linked, write_figure
 
 GROUP = "the paper replicated"
 FIGURES = "figures"  # folder of their files, beside the report
@@ -175,7 +173,7 @@ def _summary(topics: list[CaseRecord]) -> Case:
                 question="What does the paper state, what do we find, and do they agree?",
                 equations="accepted: the tolerance, or twice the uncertainties, and at most half the way to the "
                 "alternative that the row excludes",
-                sources=("carbone2009",), compute=partial(summary.compute, topics))  # fmt: skip
+                sources=("carbone2009",), compute=partial(statements.summary_of, topics))  # fmt: skip
 
 
 def _answered(compute: Callable[[Evidence], Outcome], evidence: Evidence) -> Outcome:

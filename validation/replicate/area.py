@@ -11,8 +11,6 @@ and the theory's points are ours: the paper prints none.
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, section 5.
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

@@ -13,8 +13,6 @@ Persson's own P is ours: its barrier moves, and no double Gaussian solves it.
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, section 5.  Stresses over E*.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -131,17 +129,8 @@ def window_table(samples: Sequence[Sample], theories: Sequence[FloatArray]) -> T
         def line(what: str, start: float, fit: DoubleGaussian, one: Sample = sample) -> Cells:
             variance = 2 * fit.diffusivity * one.load**2 / one.spread**2
             stress = fit.detachment_stress
-            return [
-                one.load,
-                what,
-                start,
-                fit.amplitude,
-                stress,
-                stress / one.detachment_stress,
-                variance,
-                fit.load / one.load,
-                fit.residual,
-            ]
+            return [one.load, what, start, fit.amplitude, stress, stress / one.detachment_stress, variance,
+                    fit.load / one.load, fit.residual]  # fmt: skip
 
         lines += [
             line(name, start, sample.over(start, None, free, logarithmic))

@@ -7,8 +7,6 @@ the error is sqrt((n - 1) / n sum (t_k - mean t)^2).  Loads in units of E*, leng
 Source of the jackknife: B. Efron, C. Stein, Ann. Statist. 9 (1981) 586, doi:10.1214/aos/1176345462.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -41,9 +39,7 @@ class Realisation:
     def surface(self) -> Profile:
         """The profile, SI units."""
         table = self.result.scene["profile"]
-        return Profile.self_affine(
-            table["period"], table["hurst"], table["rms_height"], table["harmonics"], table["seed"]
-        )
+        return Profile.self_affine(*(table[name] for name in ("period", "hurst", "rms_height", "harmonics", "seed")))
 
     @property
     def touching(self) -> list[State]:
@@ -58,11 +54,6 @@ class Realisation:
     def final_load(self) -> float:
         """Highest load reached."""
         return max((state.mean_pressure for state in self.result.states), default=0.0) / MODULUS
-
-    @property
-    def all_certified(self) -> bool:
-        """Whether the audit of every state holds."""
-        return all(state.certificate.ok for state in self.result.states)
 
     def value_at(self, load: float, of: Callable[[State], float]) -> float:
         """A number of the state at this load; on the straight line across the jump when the load jumps over it."""

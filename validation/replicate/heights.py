@@ -11,8 +11,6 @@ Where the long waves are taken out, more waves share the rest, and the fourth mo
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, section 4.
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np
@@ -45,7 +43,8 @@ def compute(evidence: Evidence) -> Outcome:
     density = np.array([np.histogram(h, BOUNDS, density=True)[0] for h in heights])
     (skewness, excess), (skewness_error, excess_error) = (map(float, both) for both in mean_and_error(moments))
     first = [order for order in FIRST_KEPT if order < evidence.size.harmonics / 2]
-    power = {order: _power_from(evidence, order) for order in first}
+    shared = evidence.loading[0].surface
+    power = {order: np.asarray(shared.amplitudes[shared.orders >= order] ** 2) for order in first}
     fourth = {order: _fourth_moment(evidence, order) for order in first}
     says = partial(statement, where="section 4: heights of the generated profiles are Gaussian",
                    shortfall=evidence.shortfall)  # fmt: skip
@@ -87,11 +86,6 @@ def compute(evidence: Evidence) -> Outcome:
 def _excess(power: FloatArray) -> float:
     """Excess kurtosis of independent phases."""
     return float(-1.5 * np.sum(power**2) / np.sum(power) ** 2)
-
-
-def _power_from(evidence: Evidence, first: int) -> FloatArray:
-    surface = evidence.loading[0].surface
-    return np.asarray(surface.amplitudes[surface.orders >= first] ** 2)
 
 
 def _fourth_moment(evidence: Evidence, first: int) -> tuple[float, float]:

@@ -10,8 +10,6 @@ steeper.
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, section 5.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

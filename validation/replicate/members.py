@@ -10,8 +10,6 @@ Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.
 scenes with fewer realisations and harmonics: it shows that everything runs, and replicates nothing.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from bem.geometry.profile import Profile

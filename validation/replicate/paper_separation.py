@@ -10,8 +10,6 @@ Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.
 J. Phys.: Condens. Matter 20 (2008) 215214, doi:10.1088/0953-8984/20/21/215214.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

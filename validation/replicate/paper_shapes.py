@@ -8,8 +8,6 @@ The mean gap is the separation, exactly, which checks the shapes.
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, section 5.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from validation.harness.arrays import FloatArray

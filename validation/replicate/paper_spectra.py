@@ -11,8 +11,6 @@ Theory: C_u = C A(q)/A0, exponent -(2 + H) where adhesion is negligible; 1 - 2 H
 every q, C_sigma ~ q^2 C.  Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -76,7 +74,9 @@ def exponent(power: FloatArray, window: Window) -> float:
     >>> round(exponent(np.arange(1.0, 200.0) ** -2.7, (10, 100)), 12)
     -2.7
     """
-    return _line(power, window)[0]
+    order = np.arange(1, power.size + 1)
+    inside = (order >= window[0]) & (order <= window[1])
+    return float(np.polyfit(np.log(order[inside]), np.log(power[inside]), 1)[0])
 
 
 def exponent_of(power: FloatArray, windows: Sequence[Window]) -> Exponent:
@@ -276,14 +276,6 @@ def _curves(power: FloatArray, theory: FloatArray, name: str, hue: int) -> list[
         *scattered(bands, bands[0][0], [value for _, value in bands], name=f"{name}, ", hue=hue)[:2],
         trace(f"{name}, Persson with adhesion", order, theory, hue=hue),
     ]
-
-
-def _line(power: FloatArray, window: Window) -> tuple[float, float]:
-    """Slope and level of ln C = level + slope ln(q/q0) by least squares over the orders of a window."""
-    order = np.arange(1, power.size + 1)
-    inside = (order >= window[0]) & (order <= window[1])
-    slope, level = np.polyfit(np.log(order[inside]), np.log(power[inside]), 1)
-    return float(slope), float(level)
 
 
 def _fits(power: FloatArray, windows: Sequence[Window]) -> Iterator[tuple[float, float, Window]]:

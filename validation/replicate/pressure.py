@@ -10,8 +10,6 @@ The fit of the double Gaussian, and why its sigma_a is what it is: double_gaussi
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, section 5.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

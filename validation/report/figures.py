@@ -1,12 +1,16 @@
-"""Figures as inline SVG, drawn from the numbers of the report alone: solution above, signed error below.
+"""Figures drawn from the numbers of the report alone, solution above, signed error below: as inline SVG, and as files.
 
 Text stays text, ids are unique on the page, and equal numbers give equal SVG.  What is written into a page is the tree
 of the SVG, every text and value of it escaped; a text that cannot be drawn as mathematics is drawn as it is written.
+Files are SVG and PDF as they are in the report, and the numbers behind them as CSV, one line for each point: panel
+(`solution` or `error`), series, x, y, and upper for bands.
 """
 
 from __future__ import annotations
 
+import csv
 import io
+from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,6 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Canvas
 
+KINDS = ("svg", "pdf", "csv")  # of files
 COLOURS = ("#0b5fa5", "#c8511b", "#2b7a4b", "#7a3e9d", "#8a6d00", "#444444")  # distinguished by colour-blind readers
 MARKERS = ("o", "s", "^", "D", "v", "x")
 MOST_INSIDE = 7  # series in a legend within the axes; more are listed below them
@@ -161,9 +166,8 @@ def described(figure: Figure) -> str:
     >>> described(Figure(id="one", caption="One point.", solution=panel))
     'load against x: a & b.'
     """
-    panels = [figure.solution] if figure.error is None else [figure.solution, figure.error]
-    words = [f"{panel.ylabel} against {panel.xlabel}: {', '.join(s.label for s in panel.series)}." for panel in panels]
-    return " ".join(words)
+    panels = filter(None, (figure.solution, figure.error))
+    return " ".join(f"{one.ylabel} against {one.xlabel}: {', '.join(s.label for s in one.series)}." for one in panels)
 
 
 def _draw(axes: Axes, panel: Panel, most_inside: int = MOST_INSIDE) -> None:
@@ -186,9 +190,8 @@ def _draw(axes: Axes, panel: Panel, most_inside: int = MOST_INSIDE) -> None:
 
 def _scale(asked: str, values: list[float | None]) -> str:
     """The scale asked for, but a linear one where nothing is positive that a logarithmic one could show."""
-    return (
-        "linear" if asked == "log" and not any(value is not None and 0 < value < np.inf for value in values) else asked
-    )
+    positive = any(value is not None and 0 < value < np.inf for value in values)
+    return asked if positive or asked != "log" else "linear"
 
 
 def _draw_series(axes: Axes, series: Series, colour: str, marker: str) -> None:
@@ -207,3 +210,51 @@ def _draw_series(axes: Axes, series: Series, colour: str, marker: str) -> None:
         axes.plot(x, y, marker, color=colour, markersize=3.6, linestyle="none", label=series.label)
     else:
         axes.plot(x, y, "--" if series.style == "dashed" else "-", color=colour, linewidth=1.4, label=series.label)
+
+
+def linked(figure: Figure, folder: str) -> Figure:
+    """The figure with the paths of its files, relative to the report.
+
+    Examples
+    --------
+    >>> from validation.harness.schema import Panel, Series
+    >>> panel = Panel(xlabel="x", ylabel="y", series=[Series(label="one", x=[0.0], y=[1.0])])
+    >>> linked(Figure(id="area", caption="One point.", solution=panel), "figures").files
+    ['figures/area.svg', 'figures/area.pdf', 'figures/area.csv']
+    """
+    return figure.model_copy(update={"files": [f"{folder}/{figure.id}.{kind}" for kind in KINDS]})
+
+
+def write_figure(figure: Figure, folder: Path) -> None:
+    """Write ID.svg, ID.pdf and ID.csv; equal numbers give equal files."""
+    write_files(canvas_of(figure), folder / figure.id, table_of(figure))
+
+
+def write_files(canvas: Canvas, path: Path, table: str) -> None:
+    """Write what is drawn as SVG and PDF, and the numbers behind it as CSV, at a path without an ending."""
+    for kind in KINDS[:2]:
+        save(canvas, path.with_name(f"{path.name}.{kind}"))
+    write_atomically(path.with_name(f"{path.name}.csv"), table)
+
+
+def table_of(figure: Figure) -> str:
+    """The numbers of a figure as CSV."""
+    return csv_text(["panel", "series", "x", "y", "upper"], _lines(figure))
+
+
+def csv_text(head: Sequence[str], lines: Iterable[Sequence[str | float | None]]) -> str:
+    """Lines under their head as CSV."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(head)
+    writer.writerows(lines)
+    return stream.getvalue()
+
+
+def _lines(figure: Figure) -> Iterable[list[str | float | None]]:
+    for name, panel in (("solution", figure.solution), ("error", figure.error)):
+        for series in panel.series if panel is not None else ():
+            upper = series.upper or [None] * len(series.x)
+            for x, y, high in zip(series.x, series.y, upper, strict=True):
+                if x is not None:
+                    yield [name, series.label, x, y, high]

@@ -3,8 +3,6 @@
 The page brings its own rules for paper (`@media print` of style.css); the browser makes bookmarks of its headings.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

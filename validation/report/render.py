@@ -1,7 +1,5 @@
 """report.html from a report: verdicts follow from its numbers, figures from its data, nothing from anywhere else."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import math
@@ -24,29 +22,8 @@ from validation.harness.execution import answers_in_order
 from validation.harness.schema import CaseRecord, Figure, Report, Row, is_intact
 from validation.harness.verdict import GATING, VERDICTS, case_verdicts, counted, counts, fails, verdict_of
 from validation.report.figures import svg_of
-from validation.report.verification.all_results import first_sentence, scatter
+from validation.report.verification import first_screen, matrix
 from validation.report.verification.allowances import LOOSE, budget_of, loose, unstated
-from validation.report.verification.first_screen import (
-    HARD,
-    PLACES,
-    PRICE,
-    counted_endings,
-    hard_map,
-    place_of,
-    tables_at,
-)
-from validation.report.verification.matrix import (
-    COLUMNS,
-    KINDS,
-    SIGNS,
-    TALLIED,
-    Kind,
-    kind_of,
-    matrix_of,
-    row_id,
-    tally,
-)
-from validation.report.verification.row_views import named, worst_place
 from validation.report.verification.typesetting import printable, subscripts, typeset, unset, with_links
 
 PAGE = "report.html"
@@ -70,31 +47,7 @@ class ReportError(ValueError):
     """A report that cannot be read or rendered."""
 
 
-@dataclass(frozen=True)
-class RowView:
-    """A row as the tables show it; what begins with `sort_` is the number behind a text, "" where there is none.
-
-    `name` is its quantity without what the error is scaled with, which stands in `norm`.
-    """
-
-    row: Row
-    target: str
-    kind: Kind
-    name: str
-    norm: str
-    expected: Markup
-    computed: Markup
-    error: float
-    numerical: float | None
-    data: float | None
-    validation: float | None
-    decides: str
-    allowed: str
-    ratio: float | None
-    verdict: str
-    sort_expected: float | str
-    sort_computed: float | str
-    sort_allowed: float
+Line = dict[str, Any]  # of the tables
 
 
 @dataclass(frozen=True)
@@ -106,14 +59,6 @@ class DrawnFigure:
     caption: str
     svg: Markup
     files: list[str]
-
-
-@dataclass(frozen=True)
-class Worst:
-    """The largest error over tolerance, and the case it belongs to."""
-
-    ratio: float
-    case: str
 
 
 def write_html(report: Report, folder: Path, jobs: int = 1) -> None:
@@ -131,14 +76,14 @@ def render(report: Report, jobs: int = 1) -> str:
         raise ReportError(f"the provenance of the report has no {' and no '.join(absent)}")
     lines = {case.id: [_line(case, place, row) for place, row in enumerate(case.rows)] for case in report.cases}
     groups = list(dict.fromkeys(case.group for case in report.cases))
-    hard = hard_map(report.cases)
-    drawn = _drawn(report.cases, jobs)
+    hard = first_screen.hard_map(report.cases)
+    drawn, overview = _drawn(report.cases, jobs), first_screen.scatter(report)
     return filled(
         "page.jinja",
         report=report,
-        sentence=first_sentence(report),
+        sentence=first_screen.first_sentence(report),
         passed=not fails(report) and is_intact(report),
-        all_results=_overview(report),
+        all_results=overview and DrawnFigure("", overview.id, overview.caption, svg_of(overview, "all-results"), []),
         lines=lines,
         verdicts=[(name, count, MARKS[name], name in GATING) for name, count in counts(report.cases).items()],
         marks=MARKS,
@@ -148,19 +93,25 @@ def render(report: Report, jobs: int = 1) -> str:
         known=_known(report, lines),
         groups=[(group, [case for case in report.cases if case.group == group]) for group in groups],
         scenes={case.id: hashlib.sha256(case.scene.encode()).hexdigest() for case in report.cases},
-        placed={place: [one for given in drawn.values() for one, at in given if at == place] for place in PLACES},
+        placed={
+            place: [one for given in drawn.values() for one, at in given if at == place]
+            for place in first_screen.PLACES
+        },
         drawn_of={case: [one for one, at in given if at is None] for case, given in drawn.items()},
-        tables={place: tables_at(report.cases, place) for place in (PRICE, HARD)},
+        tables={
+            place: first_screen.tables_at(report.cases, place) for place in (first_screen.PRICE, first_screen.HARD)
+        },
         hard=hard,
-        hard_counts=counted_endings(hard),
-        matrix=matrix_of(report.cases),
-        columns=list(COLUMNS),
-        signs=list(SIGNS.items()),
-        tally=tally(report.cases),
-        tallied=TALLIED,
-        kinds=KINDS,
+        hard_counts=first_screen.counted_endings(hard),
+        matrix=matrix.matrix_of(report.cases),
+        columns=list(matrix.COLUMNS),
+        signs=list(matrix.SIGNS.items()),
+        tally=matrix.tally(report.cases),
+        tallied=matrix.TALLIED,
+        kinds=matrix.KINDS,
         summary={
-            kind: [(c, line) for c, given in lines.items() for line in given if line.kind == kind] for kind in KINDS
+            kind: [(c, line) for c, given in lines.items() for line in given if line["kind"] == kind]
+            for kind in matrix.KINDS
         },
         without_rows=[case for case in report.cases if not case.rows],
         unstated=unstated(report.cases),
@@ -234,21 +185,21 @@ def failures(report: Report) -> list[tuple[str, str]]:
     return found
 
 
-def _worst_ratio(lines: dict[str, list[RowView]]) -> Worst | None:
-    """The largest error over tolerance of all rows that have one; None when none has."""
-    known = [(line.ratio, case) for case, given in lines.items() for line in given if line.ratio is not None]
-    ratios = [Worst(ratio, case) for ratio, case in known if not math.isnan(ratio)]
-    return max(ratios, key=lambda worst: worst.ratio, default=None)
+def _worst_ratio(lines: Mapping[str, list[Line]]) -> dict[str, Any] | None:
+    """The largest error over tolerance of all rows that have one, with its case; None when none has."""
+    known = [{"ratio": line["ratio"], "case": case} for case, given in lines.items() for line in given]
+    ratios = [one for one in known if one["ratio"] is not None and not math.isnan(one["ratio"])]
+    return max(ratios, key=lambda one: float(one["ratio"]), default=None)
 
 
-def _known(report: Report, lines: dict[str, list[RowView]]) -> list[tuple[str, RowView, bool]]:
+def _known(report: Report, lines: Mapping[str, list[Line]]) -> list[tuple[str, Line, bool]]:
     """Rows with a band: the case, the line, and whether its review is overdue at the date of the report."""
     today = str(report.provenance.get("date", ""))[:10]
     return [
-        (case, line, _is_before(line.row.band.review, today))
+        (case, line, _is_before(line["row"].band.review, today))
         for case, given in lines.items()
         for line in given
-        if line.row.band is not None
+        if line["row"].band is not None
     ]
 
 
@@ -259,30 +210,31 @@ def _is_before(review: str, today: str) -> bool:
         return False
 
 
-def _line(case: CaseRecord, place: int, row: Row) -> RowView:
+def _line(case: CaseRecord, place: int, row: Row) -> Line:
+    """A row as the tables show it; what begins with `sort_` is the number behind a text, "" where there is none.
+
+    `name` is its quantity without what the error is scaled with, which stands in `norm`.
+    """
     allowed = f"{row.band.low:g} to {row.band.high:g}" if row.band else number(combined_tolerance(row))
-    worst = worst_place(row)
-    name, over = named(row.quantity, row.unit)
-    budget = budget_of(row)
+    worst = matrix.worst_place(row)
+    name, over = matrix.named(row.quantity, row.unit)
     scale = "" if row.scale == 1 else f"{number(row.scale)} {row.unit}".strip()
-    return RowView(
+    spread = Markup(" <small>± {:.2g}</small>").format(row.uncertainty)
+    return dict(
+        **vars(budget_of(row)),
         row=row,
-        target=row_id(case, place),
-        kind=kind_of(row),
+        target=matrix.row_id(case, place),
+        kind=matrix.kind_of(row),
         name=name,
         norm=f"{row.norm}, over {' = '.join(filter(None, (over, scale)))}" if over or scale else row.norm,
         expected=_value(row.expected, worst),
-        computed=_value(row.computed, worst) + _spread(row.uncertainty),
+        computed=_value(row.computed, worst) + (spread if row.uncertainty > 0 else ""),
         error=error_of(row),
-        numerical=budget.numerical,
-        data=budget.data,
-        validation=budget.validation,
-        decides=budget.decides,
         allowed=allowed,
         ratio=None if row.band else error_over_tolerance(row),
         verdict=verdict_of(row),
-        sort_expected=_sorted_as(row.expected[worst]),
-        sort_computed=_sorted_as(row.computed[worst]),
+        sort_expected="" if row.expected[worst] is None else row.expected[worst],
+        sort_computed="" if row.computed[worst] is None else row.computed[worst],
         sort_allowed=row.band.high if row.band else combined_tolerance(row),
     )
 
@@ -293,18 +245,9 @@ def _value(values: list[float | None], worst: int) -> Markup:
     return text if len(values) == 1 else text + Markup(" <small>worst of {}</small>").format(len(values))
 
 
-def _spread(uncertainty: float) -> Markup:
-    """The uncertainty of what was computed, where it has one."""
-    return Markup(" <small>± {:.2g}</small>").format(uncertainty) if uncertainty > 0 else Markup("")
-
-
 def _short(commit: str) -> str:
     """A commit by its first twelve digits; what follows them in words is kept."""
     return re.sub(r"^([0-9a-f]{12})[0-9a-f]{28}", r"\1", str(commit))
-
-
-def _sorted_as(value: float | None) -> float | str:
-    return "" if value is None else value
 
 
 def _drawn(cases: Sequence[CaseRecord], jobs: int) -> dict[str, list[tuple[DrawnFigure, str | None]]]:
@@ -316,19 +259,13 @@ def _drawn(cases: Sequence[CaseRecord], jobs: int) -> dict[str, list[tuple[Drawn
     for (case, figure), one in zip(asked, found, strict=True):
         if isinstance(one, Exception):
             raise one
-        given[case].append((one, place_of(figure)))
+        given[case].append((one, first_screen.place_of(figure)))
     return given
 
 
 def _in_svg(asked: tuple[str, Figure]) -> DrawnFigure:
     case, figure = asked
     return DrawnFigure(case, figure.id, figure.caption, svg_of(figure, f"{case}-{figure.id}"), figure.files)
-
-
-def _overview(report: Report) -> DrawnFigure | None:
-    """The figure of all results."""
-    figure = scatter(report)
-    return None if figure is None else DrawnFigure("", figure.id, figure.caption, svg_of(figure, "all-results"), [])
 
 
 def _worst(case: CaseRecord) -> str:

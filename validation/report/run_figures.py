@@ -1,7 +1,5 @@
 """Figures of one run: curves with their estimated errors, these errors, shapes of the contact, a scan prepared."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import Any
@@ -13,7 +11,7 @@ from bem.command_line.answer_table import axis_unit, readable
 from bem.scene.result import Result, State
 from validation.harness.figure_data import axes, drawn, semilogx, semilogy, trace
 from validation.harness.schema import Figure, Panel, Series
-from validation.report.curves.run_curves import curves_of
+from validation.report.run_curves import curves_of, finite
 from validation.report.run_words import quantity
 from validation.report.scan_figure import preparation_figure, spectrum_figure
 
@@ -61,11 +59,10 @@ def _asked(wanted: Any, value: float) -> bool:
 def _errors(result: Result) -> Panel:
     """Estimated errors over the states: of the contact fraction, and of the pressure over its largest value."""
     scale = max((abs(state.mean_pressure) for state in result.states if not math.isnan(state.mean_pressure)), default=0)
+    estimates = [state.error_estimate for state in result.states]
     found = {
-        "contact fraction": [_finite(state.error_estimate.contact_fraction) for state in result.states],
-        "mean pressure over the largest": [
-            _finite(state.error_estimate.mean_pressure) / (scale or 1.0) for state in result.states
-        ],
+        "contact fraction": [finite(one.contact_fraction) for one in estimates],
+        "mean pressure over the largest": [finite(one.mean_pressure) / (scale or 1.0) for one in estimates],
     }
     last = len(result.states)
     asked = float(result.scene["accuracy"]["tolerance"])
@@ -95,9 +92,8 @@ def distributions_of(result: Result) -> Iterator[Figure]:
     fields, states = result.fields, list(stored_states(result).items())[:MOST_SHAPES]
     widths = [(name, state) for name, state in states if fields.get(f"patch_width_{name}", np.empty(0)).size]
     if widths:
-        factor, unit = axis_unit(
-            max(float(fields[f"{of}_width_{n}"][-1]) for n, _ in widths for of in ("patch", "gap")), "m"
-        )
+        widest = max(float(fields[f"{of}_width_{name}"][-1]) for name, _ in widths for of in ("patch", "gap"))
+        factor, unit = axis_unit(widest, "m")
         series = [
             trace(f"{said} at {_where(state, name)}", factor * fields[f"{of}_width_{name}"],
                   fields[f"{of}_share_{name}"], style, hue=k)
@@ -137,8 +133,3 @@ def _heights(lines: dict[str, tuple[str, Array]], fields: dict[str, Array]) -> P
 def _line(label: str, x: Array, y: Array) -> Series:
     """A curve, broken where there is no number."""
     return trace(label, x.tolist(), [value if math.isfinite(value) else None for value in y.tolist()])
-
-
-def _finite(error: float | None) -> float:
-    """An estimated error; none where there is no finite one."""
-    return 0.0 if error is None or not math.isfinite(error) else error

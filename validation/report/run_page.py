@@ -3,8 +3,6 @@
 The uncertainty of the input is that of a study of the same scene, where its study.json lies beside the result.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Iterator, Mapping
@@ -31,15 +29,9 @@ FRACTION = "contact_fraction"
 FEW_EVENTS = 20  # more are folded
 SAME = 1e-6  # relative distance of the numbers of a run and of its study
 MOST_ROWS = 500  # of a table; all are in result.json
-MEASURES = (
-    "closure",
-    "contact_residual",
-    "min_gap",
-    "mean_gap_error",
-    "min_eigenvalue",
-    "truncation",
-    "hessian_asymmetry",
-)
+MEASURES = ("closure", "contact_residual", "min_gap", "mean_gap_error", "min_eigenvalue", "truncation",
+            "hessian_asymmetry")  # fmt: skip
+NOTHING: tuple[str, float | str] = ("–", "")  # in a cell, and to be sorted by
 WORST_BELOW = ("min_gap", "min_eigenvalue")  # of which the least is the worst
 UNITS = {"min_gap": "m", "mean_gap_error": "m", "rms_height": "m", "pressure_scale": "Pa"}  # of what is no ratio
 
@@ -81,16 +73,15 @@ def render_run(result: Result, inputs: Inputs | None = None) -> str:
     left_open = max((value for known in (inputs or {}).values() for value in known.values()), default=math.nan)
     found = replace(result, states=tuple(state for state in result.states if state.found))
     shapes = len(shape_states(found))
+    banner = ("doubtful", "!") if left_open > DOUBTFUL else ("agrees", "✓")
+    if not succeeded(result):
+        banner = "deviates", "✗"
     return filled(
         "run_page.jinja",
         title=result.scene["title"] or "A run",
         result=result,
         outcome=outcome(result),
-        banner=("agrees", "✓")
-        if succeeded(result) and not left_open > DOUBTFUL
-        else ("doubtful", "!")
-        if succeeded(result)
-        else ("deviates", "✗"),
+        banner=banner,
         left_open="" if math.isnan(left_open) else share(left_open),
         heads=heads(result),
         answer=list(rows(result, inputs))[:MOST_ROWS],
@@ -124,29 +115,23 @@ def _target(state: State) -> list[tuple[str, float | str]]:
     cells: list[tuple[str, float | str]] = [(state.branch, state.branch)]
     for name in ("separation", "mean_pressure", "contact_fraction"):
         value = getattr(state, name)
-        cells.append(
-            ("–", "") if math.isnan(value) and not state.found else (_known(value, getattr(estimate, name)), value)
-        )
-    cells.append((str(state.n_patches), state.n_patches) if state.found else ("–", ""))
+        unknown = math.isnan(value) and not state.found
+        cells.append(NOTHING if unknown else (_known(value, getattr(estimate, name)), value))
+    cells.append((str(state.n_patches), state.n_patches) if state.found else NOTHING)
     judged = "certified" if state.certificate.ok else "refused" if state.found else "–"
     return [*cells, (state.status.replace("_", " "), state.status), (judged, judged)]
 
 
 def _events(result: Result) -> Iterator[list[tuple[str, float | str]]]:
-    """Cells of the events."""
     highest = result.states[0].penetration + result.states[0].separation if result.states else 0.0
     for event in result.events:
-        error = event.error_estimate
-        energy = event.energy_released
+        error, place, energy = event.error_estimate, event.position, event.energy_released
         yield [
             (event.kind.replace("_", " "), event.kind),
             (_known(highest - event.penetration, error.penetration), highest - event.penetration),
             (_known(event.mean_pressure, error.mean_pressure), event.mean_pressure),
-            (
-                "–" if event.position is None else f"{event.position:.6g}",
-                "" if event.position is None else event.position,
-            ),
-            ("–", "") if energy is None else (_known(energy, error.energy_released), energy),
+            NOTHING if place is None else (f"{place:.6g}", place),
+            NOTHING if energy is None else (_known(energy, error.energy_released), energy),
         ]
 
 

@@ -1,7 +1,5 @@
 """A resolved scene, and what came of it, in sentences: quantities with units that suit their size."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any

@@ -6,8 +6,6 @@ scan, scan_density over scan_wavelength, with its noise floor and the profile's 
 the wavelengths at which it is cut and should be (bem/scans/noise_floor.py).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 

@@ -4,8 +4,6 @@ Style, colours and markers are those of the report; every point of a work-precis
 failed one stays as a cross at the edge of the axes with its message in the legend.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,7 +1,5 @@
 """study.html of the study of a scene: what its accuracy costs and what is left open, from its study.json alone."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -3,8 +3,6 @@
 As mathematical text, each of them is parsed anew, which takes a quarter of the time of a figure.
 """
 
-from __future__ import annotations
-
 import re
 
 from matplotlib.axis import Axis

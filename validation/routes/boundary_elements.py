@@ -1,7 +1,5 @@
 """The boundary element solver of this project: everything that is asked, at a tolerance."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

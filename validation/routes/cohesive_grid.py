@@ -13,8 +13,6 @@ spacings fit into it, edges are held by the lattice.  Hence the one knob, n, wit
 constraint of the mean gap exerts.  SI units.
 """
 
-from __future__ import annotations
-
 import io
 from contextlib import redirect_stdout
 from importlib import import_module

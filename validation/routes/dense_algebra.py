@@ -4,8 +4,6 @@ Its knob is the number of nodes on every patch.  It shows what the discretisatio
 its answer, steps are limited to a third of the edge scale.  The equations are those of references/dense_equilibrium.py.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

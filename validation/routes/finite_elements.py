@@ -4,8 +4,6 @@
 `finest` takes three meshes, and with them the uncertainty that the reference states of itself.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -4,8 +4,6 @@ It needs adhesion, and goes up a path of penetrations in steps, or directly from
 nothing is said of unloading in the paper.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -4,8 +4,6 @@ It knows the load, not the path: loading alone, rough profiles on a half-space, 
 the load is found at which the theory has it.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 from typing import Any

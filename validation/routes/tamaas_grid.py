@@ -6,8 +6,6 @@ varies along the profile is not offered.  Where it stops converging, as at pull-
 left out.
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import Any
 

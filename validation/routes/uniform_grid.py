@@ -4,8 +4,6 @@ Contacts are counted to whole points, edges lie half a spacing beside the last o
 plus profile; with its amplitudes a_m, pressures are E* q a_m / 2 and the energy per area sum E* q a_m^2 / 8.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
@@ -62,12 +60,13 @@ class Grid:
 def answers(grid: Grid, states: list[OnGrid]) -> dict[str, list[Any]]:
     """What is asked of the states at the targets, None where the states end; what a path tells is left out."""
     fractions = [float(np.mean(state.contact)) for state in states]
+    spectra = [_amplitudes(grid, state) for state in states]
     found: dict[str, Any] = {
         "contact_fraction": fractions,
         "gap_fraction": [1 - fraction for fraction in fractions],
         "mean_pressure": [state.mean_pressure for state in states],
         "separation": [np.mean(state.gap) for state in states],
-        "elastic_energy": [_energy(grid, state) for state in states],
+        "elastic_energy": [float(np.sum(grid.modulus * q * np.abs(modes) ** 2) / 8) for modes, q in spectra],
         "patches": [int(np.sum(state.contact & ~np.roll(state.contact, 1))) for state in states],
     }
     found = {name: grid.problem.padded(values) for name, values in found.items()}
@@ -81,11 +80,6 @@ def _amplitudes(grid: Grid, state: OnGrid) -> tuple[Any, Any]:
     """Complex amplitudes of the displaced surface, and wavenumbers."""
     modes = np.fft.rfft(state.gap + grid.profile()[0]) * 2 / grid.points
     return modes, 2 * np.pi / grid.period * np.arange(modes.size)
-
-
-def _energy(grid: Grid, state: OnGrid) -> float:
-    modes, q = _amplitudes(grid, state)
-    return float(np.sum(grid.modulus * q * np.abs(modes) ** 2) / 8)
 
 
 def _field(grid: Grid, state: OnGrid, name: str, what: Place) -> Any:

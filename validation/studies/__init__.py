@@ -4,8 +4,6 @@ Each is a module of this package or of a folder of it, with `run(folder, quick, 
 that takes are the options of the command which the study has.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 JOBS = frozenset({"jobs", "executor"})  # for ensembles, on the processes of any executor

@@ -10,21 +10,20 @@ minimises ln(A_theory / A_ensemble) over the error and `FLOOR`; the hold-outs en
 Limits: half-space, loading; three hours of one core.
 """
 
-from __future__ import annotations
-
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from bem.scene.result import Result
 from persson.adhesive_edges import EdgeLaw, data
 from persson.contact_slope import contact_fractions
 from persson.domain import groups_of, outside
 from persson.spectrum import DiscreteSpectrum
 from validation.harness.arrays import FloatArray
 from validation.harness.ensemble import Member, results_of
-from validation.harness.execution import Note
+from validation.harness.execution import Listener
 from validation.harness.executors import Opener, local_processes
 from validation.harness.provenance import provenance
 from validation.harness.store import write_json
@@ -59,12 +58,8 @@ def summary_of(dry: FloatArray, wet: FloatArray) -> dict[str, list[float | None]
     The errors are relative: of the ratio of the means, and of the mean with adhesion.  A load at which a realisation
     has no state, being in complete contact, has None.
     """
-    left_out = [
-        np.stack(
-            [np.log(np.delete(wet, i, 0).mean(0) / np.delete(dry, i, 0).mean(0)), np.log(np.delete(wet, i, 0).mean(0))]
-        )
-        for i in range(len(wet))
-    ]
+    means = [(np.delete(wet, i, 0).mean(0), np.delete(dry, i, 0).mean(0)) for i in range(len(wet))]
+    left_out = [np.stack([np.log(with_it / without), np.log(with_it)]) for with_it, without in means]
     spread = np.sqrt((len(wet) - 1) * np.var(left_out, axis=0))
     rows = {"dry": dry.mean(0), "wet": wet.mean(0), "ratio_error": spread[0], "wet_error": spread[1]}
     return {name: [round(float(v), 5) if np.isfinite(v) else None for v in row] for name, row in rows.items()}
@@ -136,9 +131,7 @@ def fitted(part: Mapping[str, Any]) -> dict[str, float]:
     return fitted_from(data()["coefficients"], residual, diff_step=1e-2, xtol=1e-4, ftol=1e-6)
 
 
-def run(
-    folder: Path, quick: bool, report: Callable[[Note], None], jobs: int = 1, opener: Opener = local_processes
-) -> int:
+def run(folder: Path, quick: bool, report: Listener, jobs: int = 1, opener: Opener = local_processes) -> int:
     """Run the study; 1 when a realisation failed.
 
     The folder gets members and adhesive-edges.json; a second run continues where the first ended. Quick: two
@@ -165,21 +158,15 @@ def run(
         "provenance": provenance(),
     }
     write_json(folder / FILE, content)
-    print(
-        text_table(["coefficient", "found", "in the package"], [[n, v, packaged[n]] for n, v in coefficients.items()])
-    )
+    rows = [[name, value, packaged[name]] for name, value in coefficients.items()]
+    print(text_table(["coefficient", "found", "in the package"], rows))
     for name, (miss, noise) in errors.items():
         print(f"{name} of the areas: rms {rms(miss):.4f}, noise {rms(noise):.4f}, {len(miss)} loads")
     return 0
 
 
 def ensembles_of(
-    plan: Mapping[str, Any],
-    folder: Path,
-    quick: bool,
-    report: Callable[[Note], None],
-    jobs: int,
-    opener: Opener,
+    plan: Mapping[str, Any], folder: Path, quick: bool, report: Listener, jobs: int, opener: Opener
 ) -> dict[str, Any] | None:
     """A part of the data file with areas of its own; None when a realisation failed."""
     loads, root = np.array(plan["loads_over_E*h'"]), plan["seed_root"]
@@ -197,21 +184,20 @@ def ensembles_of(
     results = results_of(members, folder, report, jobs, opener)
     if results is None:
         return None
-    found = []
-    for group in groups:
-        areas = {
-            theta: np.array([_areas(result, loads) for result in results[name_of(group), theta]]) for theta in thetas
-        }
-        each = [summary_of(areas[0.0], areas[theta]) for theta in plan["thetas"]]
-        found.append({**group, "areas": each})
+    areas = {key: np.array([_areas(result, loads) for result in found]) for key, found in results.items()}
+    found = [
+        {**group, "areas": [summary_of(areas[name, 0.0], areas[name, theta]) for theta in plan["thetas"]]}
+        for group in groups
+        for name in [name_of(group)]
+    ]
     return {**plan, "groups": found}
 
 
-def _areas(result: Any, loads: FloatArray) -> list[float]:
+def _areas(result: Result, loads: FloatArray) -> FloatArray:
     """A/A0 at each load; nan where there is no state."""
-    there = {}
+    found = np.full(loads.size, np.nan)
     for state in result.targets:
-        nearest = int(np.argmin(np.abs(loads * RMS_SLOPE - state.mean_pressure / MODULUS)))
-        if abs(loads[nearest] * RMS_SLOPE - state.mean_pressure / MODULUS) < SAME_LOAD:
-            there[nearest] = state.contact_fraction
-    return [there.get(place, np.nan) for place in range(loads.size)]
+        apart = np.abs(loads * RMS_SLOPE - state.mean_pressure / MODULUS)
+        if apart.min() < SAME_LOAD:
+            found[np.argmin(apart)] = state.contact_fraction
+    return found

@@ -7,8 +7,6 @@ The fit minimises ln(A_theory / A_ensemble) over the standard error of the mean 
 Limits: half-space, no adhesion; some minutes of one core.
 """
 
-from __future__ import annotations
-
 import zlib
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -114,8 +112,7 @@ def run(folder: Path, quick: bool, report: Listener, jobs: int = 1, opener: Open
             return 1
         found[part] = {}
         for group in groups:
-            states = [result.targets for result in results[name_of(group)]]
-            areas = np.array([[state.contact_fraction for state in targets] for targets in states])
+            areas = np.array([[s.contact_fraction for s in result.targets] for result in results[name_of(group)]])
             error = areas.std(axis=0, ddof=1) / np.sqrt(len(areas)) / areas.mean(axis=0)
             found[part][name_of(group)] = group, areas.mean(axis=0), error
     coefficients = fitted(found["fit"], np.array(data()["fit"]["loads_over_E*h'"]))

@@ -6,8 +6,6 @@ states at its targets must agree to the tolerance; that is self-convergence and 
 computed is a line with its message.  Finished parts are kept (harness/store.py): an interrupted study continues.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -86,7 +84,6 @@ def run(
     The folder gets convergence.json and the figures. Quick: fewer sizes, fewer realisations. Parts and increments,
     where they are given, are others than those of the study.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     facts, store = provenance(), store_in(folder, report)
     curves: list[Curve] = []
     failures: list[str] = []
@@ -197,16 +194,15 @@ def _running_mean(areas: Sequence[float]) -> Plot:
     count = list(range(2, len(areas) + 1))
     mean = [float(np.mean(areas[:n])) for n in count]
     half = [2 * float(np.std(areas[:n], ddof=1)) / math.sqrt(n) for n in count]
+    shifts = {"mean of the first n": 0, "plus two standard errors": 1, "less two standard errors": -1}
     lines = [
-        Line("mean of the first n", count, mean, joined=False),
-        Line("plus two standard errors", count, [m + h for m, h in zip(mean, half, strict=True)], joined=False),
-        Line("less two standard errors", count, [m - h for m, h in zip(mean, half, strict=True)], joined=False),
+        Line(label, count, [m + sign * h for m, h in zip(mean, half, strict=True)], joined=False)
+        for label, sign in shifts.items()
     ]
     return Plot("Mean contact fraction", "realisations n", "contact fraction", lines, xscale="linear", yscale="linear")
 
 
 def _content(curves: Sequence[Curve]) -> Iterator[dict[str, Any]]:
-    """The curves as convergence.json holds them."""
     for curve in curves:
         entry = asdict(replace(curve, samples=())) | {"met": _met(curve)}
         try:

@@ -9,8 +9,6 @@ needed, single loads are solved up to 100,000 harmonics.  A run that fails is a 
 kept (harness/store.py).  Counts, memory and digits gate; seconds are those of the machine at hand.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -43,15 +41,8 @@ HIGHEST_LOAD, FRACTION = 0.025, 0.2  # of E*; contact fraction up to which sizes
 FEWEST_FITTED, EXPONENT = 250, 1.2  # what the time may grow like, from this number of harmonics
 INCREMENT = 0.05  # rms heights, the default of a scene
 SECONDS, MEGABYTES, CLOSURE, DRIFT = 60.0, 2048.0, 1e-8, 1e-6  # asked of one realisation
-FITTED = (
-    "wall_seconds",
-    "cpu_seconds",
-    "cpu_seconds_to_a_fifth",
-    "peak_megabytes",
-    "unknowns",
-    "evaluations",
-    "patches",
-)
+FITTED = ("wall_seconds", "cpu_seconds", "cpu_seconds_to_a_fifth", "peak_megabytes", "unknowns", "evaluations",
+          "patches")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -136,7 +127,6 @@ def run(
     Quick: only the benchmark. Other realisations than those of the study may be given, and other measurements of a
     realisation and of a path taken apart, importable by name; None leaves the latter out.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     chosen = realisations_of(quick) if realisations is None else list(realisations)
     facts, store, measure = provenance(), store_in(folder, report), measure or measured
     found: list[Cost] = []
@@ -204,7 +194,6 @@ def measured(one: PaperRun) -> Cost:
 
 
 def _posed(one: PaperRun) -> Scene:
-    """The scene of a realisation."""
     profile = {"seed": one.seed, "harmonics": one.harmonics}
     paper = adapters.scene("paper_profile")
     modulus = paper.solid.youngs_modulus / (1 - paper.solid.poisson_ratio**2)
@@ -235,9 +224,8 @@ def drifts_of(runs: Sequence[Cost]) -> list[Drift]:
         same = [one for one in runs if (one.seed, one.harmonics) == (run.seed, run.harmonics)]
         finest = min(same, key=lambda one: one.increment)
         if finest.increment < run.increment:
-            asked = run.loads_asked_for
-            area = _change(run.contact_fractions, finest.contact_fractions, asked)
-            found.append(Drift(run.seed, area, _change(run.separations, finest.separations, asked)))
+            pairs = ((getattr(run, name), getattr(finest, name)) for name in ("contact_fractions", "separations"))
+            found.append(Drift(run.seed, *(_change(*pair, run.loads_asked_for) for pair in pairs)))
     return found
 
 
@@ -274,7 +262,7 @@ def judged(found: Sequence[Cost], drifts: Sequence[Drift]) -> list[tuple[str, st
     area = _worst(drift.contact_fraction for drift in drifts)
     gap = _worst(drift.separation for drift in drifts)
     bare = [f"{one.harmonics}, {one.load:g} E*: {one.status}" for one in dry if one.status != "converged"]
-    return [
+    met = [
         ("every load reached", "; ".join(unfinished) or f"{len(runs)} runs", not unfinished, True),
         ("no failed state", f"{failed}", failed == 0, True),
         ("every certificate ok", f"{not_ok} are not", not_ok == 0, True),
@@ -283,30 +271,22 @@ def judged(found: Sequence[Cost], drifts: Sequence[Drift]) -> list[tuple[str, st
         (f"separation at a quarter of the increment within {DRIFT:g}", f"{gap:.1e}", gap <= DRIFT, True),
         (f"below {MEGABYTES:g} MB", f"{largest:.0f} MB", largest < MEGABYTES, True),
         (f"at most {SECONDS:g} s of one core (not gating)", f"{slowest:.1f} s", slowest <= SECONDS, False),
-        *_growth([run for run in runs if run.harmonics >= FEWEST_FITTED]),
-        *([("every load without adhesion certified", "; ".join(bare) or f"{len(dry)} loads", not bare, True)] if dry
-          else []),
-    ]  # fmt: skip
-
-
-def _growth(runs: Sequence[Cost]) -> list[tuple[str, str, bool, bool]]:
-    """The exponent of the time to a contact fraction of a fifth, where more than one number of harmonics ran."""
-    exponent = exponents_of(runs).get("cpu_seconds_to_a_fifth")
-    if exponent is None:
-        return []
-    name = f"CPU seconds to a contact fraction of {FRACTION:g} grow no faster than harmonics^{EXPONENT:g} (not gating)"
-    return [(name, f"exponent {exponent:.2f}", exponent <= EXPONENT, False)]
+    ]
+    exponent = exponents_of([run for run in runs if run.harmonics >= FEWEST_FITTED]).get("cpu_seconds_to_a_fifth")
+    if exponent is not None:
+        name = f"CPU seconds to a contact fraction of {FRACTION:g} grow no faster than harmonics^{EXPONENT:g}"
+        met.append((f"{name} (not gating)", f"exponent {exponent:.2f}", exponent <= EXPONENT, False))
+    if dry:
+        met.append(("every load without adhesion certified", "; ".join(bare) or f"{len(dry)} loads", not bare, True))
+    return met
 
 
 def _write(
     folder: Path, facts: dict[str, Any], found: Sequence[Cost], planned: int, apart: Sequence[Breakdown]
 ) -> None:
-    """cost.json with the runs so far."""
     runs, dry = _on_paths(found)
     drifts = drifts_of(runs)
-    bare = [
-        {**vars(one), "contact_fraction": _only(one.contact_fractions), "closure": one.worst_closure} for one in dry
-    ]
+    bare = [vars(one) | {"contact_fraction": _only(one.contact_fractions), "closure": one.worst_closure} for one in dry]
     content = {
         "schema": SCHEMA,
         "provenance": facts,

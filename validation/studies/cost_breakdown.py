@@ -6,8 +6,6 @@ the peak of all arrays it makes (tracemalloc).  Exponents are fitted from FEWEST
 rules.
 """
 
-from __future__ import annotations
-
 import time
 import tracemalloc
 from collections.abc import Iterator, Sequence
@@ -70,7 +68,7 @@ def dissected(harmonics: int) -> Breakdown:
 
 def stage_exponents(found: Sequence[Breakdown]) -> dict[str, float]:
     """Exponents p of seconds ~ harmonics^p of every stage that matters at the most harmonics."""
-    known = sorted((run for run in found if run.status == "converged"), key=lambda run: run.harmonics)
+    known = _converged(found)
     if len(known) < 2:
         return {}
     sizes = [run.harmonics for run in known]
@@ -106,9 +104,7 @@ def sentences(found: Sequence[Breakdown]) -> list[str]:
         reported.append(f"{run.harmonics} harmonics, {run.seconds:.1f} s: {shares}")
     for stage, order in stage_exponents(found).items():
         reported.append(f"seconds of {stage} grow as harmonics^{order:.2f}")
-    known = [run for run in found if run.status == "converged"]
-    if known:
-        largest = max(known, key=lambda run: run.harmonics)
+    for largest in _converged(found)[-1:]:
         for name, order in patch_exponents(largest).items():
             reported.append(f"{name} of one evaluation grow as patches^{order:.2f} ({largest.harmonics} harmonics)")
     return reported
@@ -116,7 +112,7 @@ def sentences(found: Sequence[Breakdown]) -> list[str]:
 
 def figures_of(found: Sequence[Breakdown]) -> Iterator[tuple[str, Plot]]:
     """Stages against harmonics, and one evaluation against patches."""
-    known = sorted((run for run in found if run.status == "converged"), key=lambda run: run.harmonics)
+    known = _converged(found)
     if len(known) > 1:
         largest = sorted(known[-1].stages, key=lambda stage: -known[-1].stages[stage])[:6]
         sizes = [float(run.harmonics) for run in known]
@@ -124,15 +120,16 @@ def figures_of(found: Sequence[Breakdown]) -> Iterator[tuple[str, Plot]]:
         yield "cost-stages", Plot("Stages of a path of the paper's profile", "harmonics", "CPU time / s", lines)
     if known and known[-1].evaluated:
         lines = [
-            Line(
-                f"{run.harmonics} harmonics",
-                [float(one.patches) for one in run.evaluated],
-                [one.seconds for one in run.evaluated],
-                notes=[str(one.unknowns) for one in run.evaluated],
-            )
+            Line(f"{run.harmonics} harmonics", [float(one.patches) for one in run.evaluated],
+                 [one.seconds for one in run.evaluated], notes=[str(one.unknowns) for one in run.evaluated])
             for run in known
-        ]
+        ]  # fmt: skip
         yield "cost-patches", Plot("One evaluation (points: unknowns)", "patches", "CPU time / s", lines)
+
+
+def _converged(found: Sequence[Breakdown]) -> list[Breakdown]:
+    """Those that are whole, by harmonics."""
+    return sorted((run for run in found if run.status == "converged"), key=lambda run: run.harmonics)
 
 
 def _chosen(states: Sequence[State]) -> list[State]:

@@ -6,8 +6,6 @@ minutes, measured.  They are stored one by one, on any executor (ensemble.py), a
 first ended.  maps.json, copied to validation/corpus, is what the case `hysteresis-maps` shows.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """What studies print: tables for a terminal, and memory measured."""
 
-from __future__ import annotations
-
 import math
 import sys
 from collections.abc import Sequence

@@ -10,8 +10,6 @@ judges: the rows go to stability_random.json with the findings counted by kind, 
 stand to the folder random/, so that each can be run alone.
 """
 
-from __future__ import annotations
-
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -131,7 +129,6 @@ def _row(measure: Measure, task: Trial) -> TrialRow:
 
 
 def _write(path: Path, facts: dict[str, Any], rows: Sequence[TrialRow], planned: int) -> None:
-    """The file of the study with the rows so far."""
     content = {
         "schema": SCHEMA,
         "provenance": facts,

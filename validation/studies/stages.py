@@ -6,8 +6,6 @@ those of stages that run inside it, so that the stages and the rest add up to th
 The overhead is two readings of the clock a call: a run that is to be timed runs without.
 """
 
-from __future__ import annotations
-
 import sys
 import time
 from collections import Counter, defaultdict

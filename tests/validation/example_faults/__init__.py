@@ -8,7 +8,7 @@ import example_cases
 from example_faults.sources import FUNCTIONS, Thing, right
 from validation.harness.case import Outcome
 from validation.harness.schema import Reference, Row, Tolerance
-from validation.studies.faults.fault_table import Fault, Studied
+from validation.studies.faults.fault_injection import Fault, Studied
 
 
 def compared(expected, *computed, tolerance=1e-3):

@@ -8,8 +8,6 @@ u_num as the code estimates it of itself, u_D that of the reference.  Both sides
 u_input = 0.  What is shown is the rule that is applied: |E| is at most the larger of u_val and of the tolerance.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -37,19 +35,6 @@ class Budget:
     data: float | None
     validation: float | None
     decides: str
-
-
-@dataclass(frozen=True)
-class Unstated:
-    """Rows without an uncertainty for one reason."""
-
-    reason: str
-    rows: list[tuple[str, str]]  # id, case and quantity
-
-    @property
-    def count(self) -> int:
-        """How many."""
-        return len(self.rows)
 
 
 @dataclass(frozen=True)
@@ -88,8 +73,8 @@ def budget_of(row: Row) -> Budget:
     return Budget(numerical, data, total, decides)
 
 
-def unstated(cases: Iterable[CaseRecord]) -> list[Unstated]:
-    """All rows of which no side states an uncertainty, by the reason for it."""
+def unstated(cases: Iterable[CaseRecord]) -> dict[str, list[tuple[str, str]]]:
+    """All rows of which no side states an uncertainty, by the reason for it: id, and case with quantity."""
     found: dict[str, list[tuple[str, str]]] = {}
     for case in cases:
         for place, row in enumerate(case.rows):
@@ -98,7 +83,7 @@ def unstated(cases: Iterable[CaseRecord]) -> list[Unstated]:
                 whose = "" if counts else f", {CODES[code_of(case, row)][1]}"
                 reason = COUNTS if counts else REASONS[row.reference.kind] + whose
                 found.setdefault(reason, []).append((row_id(case, place), f"{case.id}, {row.quantity}"))
-    return [Unstated(reason, rows) for reason, rows in sorted(found.items(), key=lambda item: -len(item[1]))]
+    return dict(sorted(found.items(), key=lambda item: -len(item[1])))
 
 
 def loose(cases: Iterable[CaseRecord]) -> list[Loose]:

@@ -1,16 +1,21 @@
-"""What opens a report: figures and tables that cases put there, by the first word of their id, and the hard cases.
+"""What opens a report: a sentence, one figure of all results, what cases put there, and the hard cases.
 
-A figure `centre-...` stands beside the matrix, `cost-...` under what accuracy costs, `landing-...` under what was
-found; a table `price-...` lists what an effect costs, the rows of `hard-...` are the map of the hard cases.
+The sentence says how many comparisons hold, the figure shows all of them at one look.  Figures and tables of cases
+stand there by the first word of their id: a figure `centre-...` beside the matrix, `cost-...` under what accuracy
+costs, `landing-...` under what was found; a table `price-...` lists what an effect costs, the rows of `hard-...` are
+the map of the hard cases.
 """
 
-from __future__ import annotations
-
+import math
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
-from validation.harness.schema import CaseRecord, Figure, Table
+from validation.harness.compare import error_over_tolerance
+from validation.harness.figure_data import loglog, marks, trace
+from validation.harness.schema import CaseRecord, Figure, Report, Row, Table, is_intact
+from validation.harness.verdict import GATING, counted, counts, fails, verdict_of
+from validation.report.verification.matrix import KINDS, kind_of, worst_place
 
 PLACES = ("centre", "cost", "landing")
 HARD, PRICE = "hard", "price"
@@ -34,14 +39,6 @@ class HardCell:
     told: str
 
 
-@dataclass(frozen=True)
-class HardLine:
-    """The hard cases of a code."""
-
-    code: str
-    cells: list[HardCell]
-
-
 def place_of(figure: Figure) -> str | None:
     """Where a figure stands on the first screen; None for one that stands with its case."""
     word = figure.id.partition("-")[0]
@@ -53,7 +50,7 @@ def tables_at(cases: Iterable[CaseRecord], place: str) -> list[tuple[str, Table]
     return [(case.id, table) for case in cases for table in case.tables if table.id.partition("-")[0] == place]
 
 
-def hard_map(cases: Iterable[CaseRecord]) -> list[HardLine]:
+def hard_map(cases: Iterable[CaseRecord]) -> dict[str, list[HardCell]]:
     """Every hard case once, by code: as it ended here, or else as one of a higher level."""
     found: dict[str, dict[str, HardCell]] = {}
     for case, table in tables_at(cases, HARD):
@@ -62,12 +59,12 @@ def hard_map(cases: Iterable[CaseRecord]) -> list[HardLine]:
             known = found.setdefault(str(cell["code"]), {})
             if str(cell["case"]) not in known or cell["ending"] != "not run":
                 known[str(cell["case"])] = _cell(case, cell)
-    return [HardLine(code, list(cells.values())) for code, cells in found.items()]
+    return {code: list(cells.values()) for code, cells in found.items()}
 
 
-def counted_endings(lines: Iterable[HardLine]) -> list[tuple[str, str, int]]:
+def counted_endings(lines: Mapping[str, Iterable[HardCell]]) -> list[tuple[str, str, int]]:
     """Mark, meaning and number of each ending."""
-    given = Counter(cell.mark for line in lines for cell in line.cells)
+    given = Counter(cell.mark for cells in lines.values() for cell in cells)
     return [(mark, words, given[mark]) for mark, _, words in (*ENDINGS.values(), FAILED)]
 
 
@@ -75,3 +72,93 @@ def _cell(case: str, cell: dict[str, _Cell]) -> HardCell:
     mark, verdict, words = ENDINGS.get((str(cell["ending"]), str(cell["correct"])), FAILED)
     told = f"{words}: expected {cell['expected']}, observed {cell['observed'] or 'nothing'}"
     return HardCell(str(cell["case"]).replace("_", " "), case, mark, verdict, told)
+
+
+def first_sentence(report: Report) -> str:
+    """Passed or failed, of how many comparisons, what deviates as is known, and what took longest.
+
+    Examples
+    --------
+    >>> first_sentence(Report(level="quick", command="run", planned=1, provenance={}, cases=[]))
+    'Failed: 0 of 0 comparisons with something else agree; 0 of 1 planned case reported; changed after it was written.'
+    """
+    given = counts(report.cases)
+    rows = [row for case in report.cases for row in case.rows if row.band is None and row.status != "not run"]
+    judged = {kind: [row for row in rows if kind_of(row) == kind] for kind in KINDS}
+    others = [*judged["self-comparison"], *judged["limit"]]
+    held = {kind: sum(verdict_of(row) == "agrees" for row in rows) for kind, rows in judged.items()}
+    failed = fails(report) or not is_intact(report)
+    compared = len(judged["comparison"])
+    agree = "agrees" if compared == 1 else "agree"
+    words = [f"{'Failed' if failed else 'Passed'}: {held['comparison']} of {counted(compared, 'comparison')} with "
+             f"something else {agree}"]  # fmt: skip
+    if others:
+        within = held["self-comparison"] + held["limit"]
+        words.append(f"{within} of {len(others)} self-comparisons, counts and limits hold")
+    many = {"deviates": "deviate", "error": "errors"}
+    failing = {name: count for name, count in given.items() if count and name in GATING and name != "changed"}
+    words += [counted(count, name, many.get(name, name)) for name, count in failing.items()]
+    if given["expected deviation"]:
+        words.append(counted(given["expected deviation"], "known deviation"))
+    if given["changed"]:
+        words.append(f"{counted(given['changed'], 'known deviation')} outside the recorded band")
+    if given["not run"]:
+        words.append(f"{given['not run']} not run")
+    if len(report.cases) != report.planned:
+        words.append(f"{len(report.cases)} of {counted(report.planned, 'planned case')} reported")
+    if not is_intact(report):
+        words.append("changed after it was written")
+    slowest = max(report.cases, key=lambda case: case.seconds, default=None)
+    if slowest is not None and slowest.seconds:
+        words.append(f"slowest: {slowest.id}, {slowest.seconds:.3g} s")
+    return "; ".join(words) + "."
+
+
+def scatter(report: Report) -> Figure | None:
+    """Expected against computed of every comparison with something else, below it error over allowed; None without any.
+
+    Each comparison is drawn where its two sides differ most, in SI units whatever they are of.
+    """
+    places: dict[str, list[tuple[float, float, float]]] = {"agrees": [], "known deviation": [], "fails": []}
+    total = 0
+    for row, x, y in _pairs(report):
+        total += 1
+        verdict = verdict_of(row)
+        kind = {"agrees": "agrees", "expected deviation": "known deviation"}.get(verdict, "fails")
+        if x * y > 0 and math.isfinite(x) and math.isfinite(y):
+            places[kind].append((abs(x), abs(y), error_over_tolerance(row)))
+    shown = {name: points for name, points in places.items() if points}
+    ends = [x for points in shown.values() for x, _, _ in points]
+    if not ends:
+        return None
+    across = (min(ends), max(ends))
+    above = loglog("expected (magnitude, SI units)", "computed",
+                   trace("computed = expected", across, across, "dashed", hue=5),
+                   *(marks(name, [x for x, _, _ in points], [y for _, y, _ in points], hue=HUES[name])
+                     for name, points in shown.items()))  # fmt: skip
+    judged = {name: [(x, ratio) for x, _, ratio in points if 0 < ratio < math.inf] for name, points in shown.items()}
+    count = sum(map(len, shown.values()))
+    exact = sum(ratio == 0 for points in shown.values() for _, _, ratio in points)
+    below = loglog("expected (magnitude, SI units)", "error / allowed",
+                   trace("allowed", across, (1.0, 1.0), "dashed", hue=5),
+                   *(marks(name, [x for x, _ in points], [ratio for _, ratio in points], hue=HUES[name])
+                     for name, points in judged.items() if points))  # fmt: skip
+    caption = (
+        f"All results at one look: {count} of {total} comparisons, each where its two sides differ most. "
+        f"Not on logarithmic axes: {total - count}, where zero is expected or computed. Below, how much of the "
+        f"tolerance each one uses; {exact} agree to the last bit, known deviations have a band instead."
+    )
+    return Figure(id="all-results", caption=caption, solution=above, error=below)
+
+
+HUES = {"agrees": 0, "known deviation": 3, "fails": 1}
+
+
+def _pairs(report: Report) -> Iterator[tuple[Row, float, float]]:
+    """Every row that was compared, with the expected and the computed value at its worst place."""
+    for case in report.cases:
+        for row in case.rows:
+            k = worst_place(row)
+            expected, computed = row.expected[k], row.computed[k]
+            if kind_of(row) == "comparison" and row.status == "run" and expected is not None and computed is not None:
+                yield row, expected, computed

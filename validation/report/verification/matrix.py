@@ -6,10 +6,9 @@ in the column that its quantity begins with (COLUMNS), under the two that it com
 because of what it says, and the rows that no column takes are counted below it.
 """
 
-from __future__ import annotations
-
+import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -111,8 +110,7 @@ def code_of(case: CaseRecord, row: Row) -> Code:
 
 def tally(cases: Iterable[CaseRecord]) -> list[tuple[str, list[int]]]:
     """Rows by whose answer they judge, and by what they compare it with: the names of `TALLIED`, code by code."""
-    heads = list(dict.fromkeys([name for _, name in REFERENCES.values()] + [KINDS["limit"]]))
-    found = {code: dict.fromkeys(heads, 0) for code in CODES}
+    found = {code: dict.fromkeys(TALLIED, 0) for code in CODES}
     for case in cases:
         for row in case.rows:
             head = KINDS["limit"] if kind_of(row) == "limit" else REFERENCES[row.reference.kind][1]
@@ -149,7 +147,10 @@ def matrix_of(cases: Iterable[CaseRecord]) -> Matrix:
     """The matrix of all comparisons with something else that ran."""
     lines: dict[str, tuple[str, list[dict[str, list[tuple[Row, str]]]]]] = {}
     outside = []
-    for case, place, row in _comparisons(cases):
+    every = ((case, place, row) for case in cases for place, row in enumerate(case.rows))
+    for case, place, row in every:
+        if kind_of(row) != "comparison" or row.status != "run":
+            continue
         column = None if code_of(case, row) == "suite" else column_of(row.quantity)
         target = row_id(case, place)
         if column is None:
@@ -172,13 +173,6 @@ def problem_of(case: CaseRecord, row: Row) -> str:
     return ", ".join(filter(None, (name, _placed(row.quantity)[1])))
 
 
-def _comparisons(cases: Iterable[CaseRecord]) -> Iterator[tuple[CaseRecord, int, Row]]:
-    for case in cases:
-        for place, row in enumerate(case.rows):
-            if kind_of(row) == "comparison" and row.status == "run":
-                yield case, place, row
-
-
 def _entry(pair: str, rows: list[tuple[Row, str]]) -> Entry:
     """The worst of rows that compare the same pair: what fails first, then what is farthest in its own allowance."""
 
@@ -196,3 +190,28 @@ def _entry(pair: str, rows: list[tuple[Row, str]]) -> Entry:
         shown, told = f"{error:.0e}", f"difference {error:.2g}, no uncertainty stated"
     more = f"; worst of {counted(len(rows), 'row')}" if len(rows) > 1 else ""
     return Entry(pair, shown, verdict_of(row), f"{row.quantity}: {told}, over {row.scale:.3g} {row.unit}{more}", target)
+
+
+def worst_place(row: Row) -> int:
+    """Index of the value that the error is of: the farthest off, or the ratio farthest from the middle of its band."""
+    middle = None if row.band is None else (row.band.low + row.band.high) / 2
+
+    def miss(a: float | None, b: float | None) -> float:
+        if a is None or b is None or math.isnan(a - b) or (middle is not None and b == 0):
+            return math.inf
+        return abs(a - b) if middle is None else abs(a / b - middle)
+
+    misses = [miss(a, b) for a, b in zip(row.computed, row.expected, strict=True)]
+    return misses.index(max(misses))
+
+
+def named(quantity: str, unit: str) -> tuple[str, str]:
+    """The name of a quantity with a unit, and what its error is scaled with: "load over p*" holds a load in Pa.
+
+    Examples
+    --------
+    >>> named("load over p*, two grids", "Pa"), named("load over p*", ""), named("load, over all shifts", "Pa")
+    (('load, two grids', 'p*'), ('load over p*', ''), ('load, over all shifts', ''))
+    """
+    found = re.fullmatch(r"(.*?),? over (?!all\b)([^,]*)(,.*)?", quantity) if unit else None
+    return (quantity, "") if found is None else (found[1] + (found[3] or ""), found[2])

@@ -6,8 +6,6 @@ escaped: a link or a style in it, or a command that is not known, makes the equa
 one is shown as it is written.  `unset` names it before the work; what is found on the page afterwards loses no verdict.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from html import unescape
@@ -112,7 +110,6 @@ def _mathml(latex: str) -> Markup:
 
 
 def _written(element: Element) -> Markup:
-    """An element of MathML as markup."""
     if not ELEMENTS.fullmatch(element.tag):
         raise TypesettingError(f"<{element.tag}> is no symbol")
     beyond = [name for name in element.keys() if not ATTRIBUTES.fullmatch(name)]  # noqa: SIM118 (no mapping)

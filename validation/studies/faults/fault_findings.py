@@ -1,20 +1,22 @@
-"""What is known of a fault: the rows that saw it and by how much, what was refused, how small it may be.
+"""What is known of a fault, and its report: rows that saw it and by how much, what was refused, how small it may be.
 
 Caught is what a row sees whose verdict turns from passing to `deviates` or `changed`.  By how much: error over what is
 allowed, of a band the distance from its middle over half its width.  Noticed is also what makes a case or a row fail by
 name (crash, no number, not converged): the verification run fails all the same.  A case cut off proves nothing.
+Reported are a table, faults.json, and the lines of the figure of faults against cases.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, field
+from typing import Any
 
 from validation.harness.compare import error_of, error_over_tolerance
 from validation.harness.schema import CaseRecord, Row
-from validation.harness.verdict import GATING, verdict_of
-from validation.studies.faults.fault_injection import Examined, TooSlowError
-from validation.studies.faults.fault_table import Fault
+from validation.harness.verdict import GATING, case_verdicts, verdict_of
+from validation.studies.faults.fault_injection import Examined, Fault, TooSlowError
 
 LAST_DECADE = 16
 KEEN = 3  # cases that are asked about smaller sizes: those that saw the fault best
@@ -153,3 +155,65 @@ def _rows_by_name(record: CaseRecord) -> dict[tuple[str, int], Row]:
     for row in record.rows:
         found[(row.quantity, sum(name == row.quantity for name, _ in found))] = row
     return found
+
+
+SCHEMA = "linecontact-faults/2"
+
+
+def failures_of(findings: Iterable[Finding]) -> list[str]:
+    """What the study asks for and did not get, one line each."""
+    lines = []
+    for finding in findings:
+        others = {*finding.failed, *finding.excesses}
+        if finding.fault.case not in others:
+            reported = f"noticed by {', '.join(sorted(others))}" if others else "nothing notices it"
+            lines.append(f"{finding.fault.id}: {finding.fault.case}, which must notice it, does not; {reported}")
+    return lines
+
+
+def table_of(findings: Iterable[Finding]) -> str:
+    """The table on stdout."""
+    lines = [f"{'fault':34} {'caught by':>9} {'error/allowed':>13} {'smallest':>9} {'keenest case'}"]
+    for finding in findings:
+        best = max(finding.sights, key=lambda sight: sight.excess, default=None)
+        unseen = f"by name: {', '.join(sorted(finding.failed))}" if finding.failed else "NOTHING"
+        keenest = unseen if best is None else f"{best.case}: {best.quantity}"
+        smallest = "-" if finding.smallest is None else f"{finding.smallest:.0e}"
+        apart = f"  [apart: {', '.join(sorted(finding.apart))}]" if finding.apart else ""
+        lines.append(
+            f"{finding.fault.id:34} {len(finding.excesses):>3} of {len(finding.asked):<2} {finding.excess:>13.3g} "
+            f"{smallest:>9} {keenest}{apart}"
+        )
+    return "\n".join(lines)
+
+
+def content_of(
+    facts: dict[str, Any], control: Examined, findings: Iterable[Finding], planned: int, failures: list[str]
+) -> dict[str, Any]:
+    """Contents of faults.json: provenance, control, findings, faults that were to be examined, what was not met."""
+    return {
+        "schema": SCHEMA,
+        "provenance": facts,
+        "planned": planned,
+        "failures": failures,
+        "control": [
+            {"case": record.id, "seconds": record.seconds, "verdicts": list(case_verdicts(record))}
+            for record in control.records
+        ],
+        "faults": [
+            asdict(finding.fault)
+            | {
+                "caught": finding.caught,
+                "noticed": finding.noticed,
+                "calls": finding.calls,
+                "size_shown": finding.size,
+                "asked": finding.asked,
+                "caught_by": [asdict(sight) for sight in sorted(finding.sights, key=lambda sight: -sight.excess)],
+                "crashes_and_refusals": finding.failed,
+                "apart": finding.apart,
+                "smallest_size_caught": finding.smallest,
+                "largest_size_missed": finding.unseen,
+            }
+            for finding in findings
+        ],
+    }

@@ -14,8 +14,6 @@ saw it best.  A red control, or a fault that its case does not notice, fails the
 sources is refused before anything runs.  Finished answers are kept (harness/store.py): an interrupted study continues.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -29,11 +27,17 @@ from validation.harness.execution import Listener, Note
 from validation.harness.provenance import provenance
 from validation.harness.store import Store, store_in, write_json
 from validation.harness.verdict import case_verdicts
-from validation.report.fault_matrix import write_matrix
-from validation.studies.faults.fault_findings import Finding, Search, bad, compared
-from validation.studies.faults.fault_injection import Examined, Exposure, examine
-from validation.studies.faults.fault_report import content_of, failures_of, lines_of, table_of
-from validation.studies.faults.fault_table import Fault, FaultError, Studied, faults_in
+from validation.report.map_figures import FaultLine, write_matrix
+from validation.studies.faults.fault_findings import (
+    Finding,
+    Search,
+    bad,
+    compared,
+    content_of,
+    failures_of,
+    table_of,
+)
+from validation.studies.faults.fault_injection import Examined, Exposure, Fault, FaultError, Studied, examine, faults_in
 
 FILE, FIGURE = "faults.json", "faults.svg"
 QUICK_SECONDS, FULL_SECONDS = 1.0, 30.0  # longest case that takes part, unless it must notice a fault
@@ -76,7 +80,6 @@ def run(folder: Path, quick: bool, report: Listener, studied: Studied | None = N
     default the tables of this folder; FaultError where a fault does not fit the sources, or names a case that is not
     there.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     studied = studied or Studied(faults_in())
     studied.functions()
     faults = [fault for fault in studied.faults if fault.quick or not quick]
@@ -88,7 +91,8 @@ def run(folder: Path, quick: bool, report: Listener, studied: Studied | None = N
     failures = [f"control run is not green: {line}" for line in red] + failures_of(findings)
     write_json(folder / FILE, content_of(facts, control, findings, len(faults), failures))
     if findings:
-        write_matrix(folder / FIGURE, [record.id for record in control.records], lines_of(findings))
+        lines = [FaultLine(one.fault.id, one.excesses, {*one.failed, *one.apart}, one.asked) for one in findings]
+        write_matrix(folder / FIGURE, [record.id for record in control.records], lines)
     if not quick:
         shrink(runs, findings, control)
         write_json(folder / FILE, content_of(facts, control, findings, len(faults), failures))
@@ -97,10 +101,8 @@ def run(folder: Path, quick: bool, report: Listener, studied: Studied | None = N
         print(f"NOT MET: {line}")
     caught = sum(finding.caught for finding in findings)
     by_name = sum(finding.noticed for finding in findings) - caught
-    reported = (
-        f"{caught} of {len(faults)} faults caught by {len(control.records)} cases, {by_name} more noticed by name"
-    )
-    print(f"{reported}; {folder / FILE}")
+    cases = f"{len(control.records)} cases"
+    print(f"{caught} of {len(faults)} faults caught by {cases}, {by_name} more noticed by name; {folder / FILE}")
     return 1 if failures or len(findings) != len(faults) else 0
 
 
@@ -117,9 +119,8 @@ def control_run(runs: Runs, faults: Iterable[Fault], quick: bool) -> Examined:
     known = baseline.expected_seconds(names, baseline.FOLDER)
     limit = QUICK_SECONDS if quick else FULL_SECONDS
     chosen = [name for name in names if known.get(name, 0.0) <= limit or name in asked]
-    tasks = [Exposure(None, 0.0, ((name, 10 * FULL_SECONDS),)) for name in chosen]
-    if quick:  # short ones: one process for all
-        tasks = [Exposure(None, 0.0, tuple((name, 10 * FULL_SECONDS) for name in chosen))]
+    together = [chosen] if quick else [[name] for name in chosen]  # short ones: one process for all
+    tasks = [Exposure(None, 0.0, tuple((name, 10 * FULL_SECONDS) for name in some)) for some in together]
     answers = runs.answers(tasks)
     records = {record.id: record for answer in answers for record in answer.records}
     calls = {name: counted for answer in answers for name, counted in answer.calls.items()}

@@ -9,17 +9,15 @@ and the standard deviation of the realisations where they are random.  Sources a
 (ASME V&V 20, 2009, section 4).
 """
 
-from __future__ import annotations
-
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from validation.corpus.rates import RateError, geometric
 from validation.studies.own_scene.settings import BASE, FINEST, Kind, Setting
-from validation.studies.own_scene.solved_setting import Reading, Solved
+from validation.studies.own_scene.solved_setting import Key, Solved
 from validation.studies.work_precision.conclusion import MethodCurve, Spot, cheapest
 
 DIGITS = (2, 3, 4, 6, 9)
@@ -27,7 +25,6 @@ LEAST_SHARE = 0.1  # of the largest number of its kind on the path: smaller ones
 RANDOM = "seed"  # the source whose settings are realisations
 FRACTION = "contact fraction"
 
-Key = tuple[str, float, int]  # what is held, its value, how often the path has been there
 Answered = Sequence[tuple[Setting, Solved]]
 
 
@@ -94,18 +91,6 @@ class Advice:
 
 
 @dataclass(frozen=True)
-class NodeRate:
-    """Errors of one state against nodes per patch, and the factor by which a node lowers them; nan: no rate."""
-
-    key: Key
-    per_patch: tuple[float, ...]
-    load_errors: tuple[float, ...]
-    intensity_errors: tuple[float, ...]
-    load_rate: float
-    intensity_rate: float
-
-
-@dataclass(frozen=True)
 class Findings:
     """All of it."""
 
@@ -115,7 +100,6 @@ class Findings:
     others: tuple[Compared, ...]
     uncertainties: tuple[Uncertainty, ...]
     advice: tuple[Advice, ...]
-    rates: tuple[NodeRate, ...]
 
 
 def findings_of(answered: Answered) -> Findings:
@@ -123,16 +107,9 @@ def findings_of(answered: Answered) -> Findings:
     base = next(solved for setting, solved in answered if setting.kind == "base")
     finest, reference = finest_of(answered)
     floor = max(_estimates(reference, base).values(), default=0.0)
-    numerical = tuple(
-        compared(setting, solved, reference, base)
-        for setting, solved in answered
-        if setting.kind in ("base", "numerical") and solved.good
-    )
-    others = tuple(
-        compared(setting, solved, base, base)
-        for setting, solved in answered
-        if setting.kind in ("input", "model") and solved.good
-    )
+    good = [(setting, solved, setting.kind in ("base", "numerical")) for setting, solved in answered if solved.good]
+    numerical = tuple(compared(setting, solved, reference, base) for setting, solved, ours in good if ours)
+    others = tuple(compared(setting, solved, base, base) for setting, solved, ours in good if not ours)
     uncertain = (*_numerical(base, reference), *_from_sources(answered, base))
     return Findings(
         finest.name if finest.source == FINEST else f"{finest.source} {finest.name}",
@@ -141,7 +118,6 @@ def findings_of(answered: Answered) -> Findings:
         others,
         uncertain,
         tuple(_advice(numerical, finest, floor, uncertain)),
-        tuple(_rates(base)),
     )
 
 
@@ -157,16 +133,11 @@ def finest_of(answered: Answered) -> tuple[Setting, Solved]:
     return min(numerical, key=rank)
 
 
-def key_of(reading: Reading) -> Key:
-    """By what a target is known."""
-    return reading.held, reading.value, reading.visit
-
-
 def offs(one: Solved, other: Solved, base: Solved) -> Iterator[Off]:
     """Relative changes of all numbers between two settings, the targets being those of `other`."""
-    found, scales = {key_of(reading): reading for reading in one.readings}, _scales(base)
+    found, scales = {reading.key: reading for reading in one.readings}, _scales(base)
     for there in other.readings:
-        key, here = key_of(there), found.get(key_of(there))
+        key, here = there.key, found.get(there.key)
         if here is None:
             yield Off(key, FRACTION, math.inf, 0.0)
             continue
@@ -191,7 +162,7 @@ def _scales(base: Solved) -> dict[tuple[Key, str], float]:
     numbers: dict[tuple[Key, str], float] = {}
     for reading in base.readings:
         for quantity, value in ((FRACTION, reading.contact_fraction), (reading.free, reading.free_value)):
-            numbers[key_of(reading), quantity] = 0.0 if math.isnan(value) else abs(value)
+            numbers[reading.key, quantity] = 0.0 if math.isnan(value) else abs(value)
     most = {name: max(value for (_, other), value in numbers.items() if other == name) for _, name in numbers}
     return {place: max(value, LEAST_SHARE * most[place[1]]) or 1.0 for place, value in numbers.items()}
 
@@ -257,7 +228,7 @@ def _advice(
 
     That a path in leaps has come to the right branch here says nothing of a change of the scene.
     """
-    by_name = {f"{one.setting.source} {one.setting.name}": one for one in numerical}
+    by_name = {one.setting.title: one for one in numerical}
     marks = [
         Spot(
             name,
@@ -274,29 +245,14 @@ def _advice(
         if mark is None:
             yield Advice(digits, None, 0, math.nan, math.nan, open_source, share)
             continue
-        chosen = by_name[mark.setting]
-        name = chosen.setting.name if chosen.setting.kind == "base" else mark.setting
-        yield Advice(digits, name, chosen.solved.evaluations, chosen.solved.seconds, mark.error, open_source, share)
+        chosen = by_name[mark.setting].solved
+        yield Advice(digits, mark.setting, chosen.evaluations, chosen.seconds, mark.error, open_source, share)
 
 
-def _rates(base: Solved) -> Iterator[NodeRate]:
-    """Convergence in the nodes, state by state."""
-    states: dict[Key, list[int]] = {}
-    for k, point in enumerate(base.nodes):
-        states.setdefault((point.held, point.value, point.visit), []).append(k)
-    for key, places in states.items():
-        points = [base.nodes[k] for k in places]
-        per_patch = tuple(point.per_patch for point in points)
-        load = tuple(point.load_error for point in points)
-        intensity = tuple(point.intensity_error for point in points)
-        yield NodeRate(key, per_patch, load, intensity, _rate(per_patch, load), _rate(per_patch, intensity))
-
-
-def _rate(sizes: Sequence[float], errors: Sequence[float]) -> float:
+def node_rate(sizes: Sequence[float], errors: Sequence[float]) -> float:
     """The factor by which a node more on every patch lowers the error; nan where too few points fall."""
-    by_size: Mapping[float, float] = dict(zip(sizes, errors, strict=True))
-    known = [(size, error) for size, error in sorted(by_size.items()) if error > 0]
+    known = {size: error for size, error in sorted(dict(zip(sizes, errors, strict=True)).items()) if error > 0}
     try:
-        return geometric([size for size, _ in known], [error for _, error in known]).value
+        return geometric(list(known), list(known.values())).value
     except RateError:
         return math.nan

@@ -8,8 +8,6 @@ that takes far longer than predicted is stopped, a setting that the scene refuse
 DIR gets study.json (findings.py) and study.html (validation/report/study_page.py), rendered from the former alone.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import tomllib
@@ -141,7 +139,7 @@ def _answered(settings: Sequence[Setting], desk: Desk) -> list[tuple[Setting, So
     for setting, cost in expected.items():
         if spent + cost > budget:
             found[setting] = Solved("left out", f"{cost:.3g} s predicted, beyond the budget of {budget:g} s")
-            desk.report(Note(f"{_name(setting)}: left out, {found[setting].failure}"))
+            desk.report(Note(f"{setting.title}: left out, {found[setting].failure}"))
         else:
             spent += cost
             chosen[setting] = cost
@@ -161,7 +159,7 @@ def _predicted(setting: Setting, base: Path) -> float | Solved:
 
 def _solve_all(expected: Mapping[Setting, float], least_limit: float, desk: Desk) -> dict[Setting, Solved]:
     """Solve settings that have no answer yet; each may take SLACK times its seconds, or `least_limit`."""
-    settings = {_name(setting): setting for setting in expected}
+    settings = {setting.title: setting for setting in expected}
     tasks = [
         ToSolve(name, one.tables, str(desk.base), max(SLACK * expected[one], least_limit), one.kind == "base")
         for name, one in settings.items()
@@ -182,7 +180,3 @@ def _solve_all(expected: Mapping[Setting, float], least_limit: float, desk: Desk
         said = f"[{len(found)}/{len(tasks)}] {task.name}: {answer.status}"
         desk.report(Note(f"{said}, {answer.seconds:.3g} s{ahead}"))
     return found
-
-
-def _name(setting: Setting) -> str:
-    return setting.name if setting.kind == "base" else f"{setting.source} {setting.name}"

@@ -6,8 +6,6 @@ well; the model is what the equations leave out, of which only the length that a
 Every setting is the tables of a scene; one that a scene does not have is listed with the reason.
 """
 
-from __future__ import annotations
-
 import copy
 import math
 from collections.abc import Iterator, Mapping
@@ -49,18 +47,17 @@ class Setting:
     tables: Tables = field(default_factory=dict, compare=False)
     why_not: str = ""  # why it has none
 
+    @property
+    def title(self) -> str:
+        """Source and name, said once."""
+        return self.name if self.kind == "base" else f"{self.source} {self.name}"
+
 
 def settings_of(scene: Scene, tables: Tables, places: tuple[Path, Path], seeds: int, quick: bool) -> list[Setting]:
     """All settings of a scene, of which the tables of its file are given: as it is, the finest, then by source.
 
-    Parameters
-    ----------
-    places : two Paths
-        The folder in which file names of the scene begin, and one for the parts of a scan.
-    seeds : int
-        Realisations besides the scene's own.
-    quick : bool
-        Two settings of each numerical source instead of five.
+    The places are the folder in which file names of the scene begin, and one for the parts of a scan; `seeds` counts
+    realisations besides the scene's own. Quick: two settings of each numerical source instead of five.
     """
     accuracy = {
         "tolerance": min(FINEST_TOLERANCE, scene.accuracy.tolerance),
@@ -68,49 +65,50 @@ def settings_of(scene: Scene, tables: Tables, places: tuple[Path, Path], seeds: 
     }
     found = [
         Setting("base", BASE, BASE, copy.deepcopy(tables)),
-        Setting("numerical", FINEST, _accuracy_name(accuracy), changed(tables, {"accuracy": accuracy})),
+        Setting(
+            "numerical",
+            FINEST,
+            ", ".join(f"{key} {value:g}" for key, value in accuracy.items()),
+            changed(tables, {"accuracy": accuracy}),
+        ),
     ]
     base = places[0]
-    sources: tuple[tuple[Kind, Changes], ...] = (
-        ("numerical", _tolerances(scene, quick)),
-        ("numerical", _increments(scene, quick)),
-        ("input", _cuts(scene)),
-        ("input", _detrends(scene, tables, base)),
-        ("input", _windows(scene, tables, base)),
-        ("input", _periods(scene, places)),
-        ("input", _seeds(scene, seeds)),
-        ("model", _lengths(scene)),
+    no_scan = NO_SCAN if scene.scan is None else ""
+    no_path = "without adhesion no path is followed: each target is solved by itself" if scene.adhesion is None else ""
+    not_random = "the profile is not a random one" if scene.profile.seed is None else ""
+    sources: tuple[tuple[Kind, str, str, Changes], ...] = (
+        ("numerical", "tolerance", "", _tolerances(scene, quick)),
+        ("numerical", "max_increment", no_path, _increments(scene, quick)),
+        ("input", "cut", "", _cuts(scene)),
+        ("input", "detrending", no_scan, _detrends(scene, tables, base)),
+        ("input", "window", no_scan, _windows(scene, tables, base)),
+        ("input", "period", no_scan, _periods(scene, places)),
+        ("input", "seed", not_random, _seeds(scene, seeds)),
+        ("model", "slope term", "no adhesion" if scene.adhesion is None else "", _lengths(scene)),
     )
-    for kind, source in sources:
-        for origin, name, change in source:
+    for kind, source, why_none, changes in sources:
+        for name, change in (("", why_none),) if why_none else changes:
             if isinstance(change, str):
-                found.append(Setting(kind, origin, name, why_not=change))
+                found.append(Setting(kind, source, name, why_not=change))
             else:
-                found.append(Setting(kind, origin, name, changed(tables, change)))
+                found.append(Setting(kind, source, name, changed(tables, change)))
     return found
 
 
 Change = Mapping[str, Mapping[str, Any]]
-Changes = Iterator[tuple[str, str, Change | str]]
-
-
-def _accuracy_name(accuracy: Mapping[str, float]) -> str:
-    return ", ".join(f"{key} {value:g}" for key, value in accuracy.items())
+Changes = Iterator[tuple[str, Change | str]]  # of a source: names, with what changes or why nothing can
 
 
 def _tolerances(scene: Scene, quick: bool) -> Changes:
     for value in TOLERANCES[1:4:2] if quick else TOLERANCES:
         if value != scene.accuracy.tolerance:
-            yield "tolerance", f"{value:g}", {"accuracy": {"tolerance": value}}
+            yield f"{value:g}", {"accuracy": {"tolerance": value}}
 
 
 def _increments(scene: Scene, quick: bool) -> Changes:
-    if scene.adhesion is None:
-        yield "max_increment", "", "without adhesion no path is followed: each target is solved by itself"
-        return
     for factor in INCREMENTS[1::3] if quick else INCREMENTS:
         value = factor * scene.accuracy.max_increment
-        yield "max_increment", f"{value:g}", {"accuracy": {"max_increment": value}}
+        yield f"{value:g}", {"accuracy": {"max_increment": value}}
 
 
 def _cuts(scene: Scene) -> Changes:
@@ -118,11 +116,11 @@ def _cuts(scene: Scene) -> Changes:
     if profile.orders is not None and profile.amplitudes is not None and profile.phases is not None:
         low = [k for k, order in enumerate(profile.orders) if order <= max(profile.orders) / 2]
         if not low:
-            yield "cut", "", "the profile has no order below half of its highest"
+            yield "", "the profile has no order below half of its highest"
             return
         lists = {"orders": profile.orders, "amplitudes": profile.amplitudes, "phases": profile.phases}
         kept = {key: [values[k] for k in low] for key, values in lists.items()}
-        yield "cut", f"orders up to {max(kept['orders'])}", {"profile": kept}
+        yield f"orders up to {max(kept['orders'])}", {"profile": kept}
         return
     count = int(profile.harmonics or 0)
     most = math.inf if scene.scan is None else scene.scan.max_harmonics
@@ -130,18 +128,15 @@ def _cuts(scene: Scene) -> Changes:
         asked = round(min(factor * count, most) if factor > 1 else factor * count)
         name = f"{asked} harmonics"
         if asked == count:
-            yield "cut", name, "the scan holds no more"
+            yield name, "the scan holds no more"
         elif asked < LEAST_HARMONICS:
-            yield "cut", name, f"fewer than {LEAST_HARMONICS}"
+            yield name, f"fewer than {LEAST_HARMONICS}"
         else:
-            yield "cut", name, {"profile": {"harmonics": asked}}
+            yield name, {"profile": {"harmonics": asked}}
 
 
 def _detrends(scene: Scene, tables: Tables, base: Path) -> Changes:
     """Other trends to subtract, but those that leave one which is no roughness: the scan has ruled them out."""
-    if scene.scan is None:
-        yield "detrending", "", NO_SCAN
-        return
     level = _left_by_detrending(scene)
     for method in DETRENDS:
         if method == scene.profile.detrend:
@@ -149,13 +144,9 @@ def _detrends(scene: Scene, tables: Tables, base: Path) -> Changes:
         change = {"profile": {"detrend": method}}
         leaning = _left_by_detrending(parse_scene(changed(tables, change), base))
         if leaning > TILTED * level:
-            yield (
-                "detrending",
-                method,
-                f"the scan rules it out: it leaves {leaning:.2g} m rms, of which {level:.2g} m is rough",
-            )
+            yield method, f"the scan rules it out: it leaves {leaning:.2g} m rms, of which {level:.2g} m is rough"
         else:
-            yield "detrending", method, change
+            yield method, change
 
 
 def _left_by_detrending(scene: Scene) -> float:
@@ -169,9 +160,6 @@ def _windows(scene: Scene, tables: Tables, base: Path) -> Changes:
 
     As it is, a scan is not periodic where its ends do not meet.
     """
-    if scene.scan is None:
-        yield "window", "", NO_SCAN
-        return
     count, own = int(scene.profile.harmonics or 0), scene.profile.periodic
     for method in PERIODICS:
         if method != own:
@@ -180,16 +168,13 @@ def _windows(scene: Scene, tables: Tables, base: Path) -> Changes:
             change = {"profile": {"periodic": method, "harmonics": harmonics, "period": None}}
             scan = parse_scene(changed(tables, change), base).scan if method == "as_is" else None
             if scan is not None and scan.end_jump > LARGEST_JUMP:
-                yield "window", method, f"the scan rules it out: its ends are {scan.end_jump:.2g} rms steps apart"
+                yield method, f"the scan rules it out: its ends are {scan.end_jump:.2g} rms steps apart"
             else:
-                yield "window", method, change
+                yield method, change
 
 
 def _periods(scene: Scene, places: tuple[Path, Path]) -> Changes:
     """Halves of a scan in place of the whole, with the same shortest wavelength."""
-    if scene.scan is None:
-        yield "period", "", NO_SCAN
-        return
     base, parts = places
     raw = read_scan(base / str(scene.profile.file), scene.profile.model_dump(exclude_none=True))
     middle = raw.h.size // 2
@@ -198,7 +183,7 @@ def _periods(scene: Scene, places: tuple[Path, Path]) -> Changes:
         _write_part(path, raw, part)
         keys: dict[str, Any] = {**dict.fromkeys((*SCAN_KEYS, "period")), "file": str(path.resolve()), "decimal": "."}
         keys |= {"unit_x": "m", "unit_h": "m", "harmonics": max(1, int(scene.profile.harmonics or 2) // 2)}
-        yield "period", name, {"profile": keys}
+        yield name, {"profile": keys}
 
 
 def _write_part(path: Path, raw: RawScan, part: slice) -> None:
@@ -209,17 +194,11 @@ def _write_part(path: Path, raw: RawScan, part: slice) -> None:
 
 
 def _seeds(scene: Scene, count: int) -> Changes:
-    if scene.profile.seed is None:
-        yield "seed", "", "the profile is not a random one"
-        return
-    for k in range(1, count + 1):
-        yield "seed", f"{scene.profile.seed + k}", {"profile": {"seed": scene.profile.seed + k}}
+    own = int(scene.profile.seed or 0)
+    for seed in range(own + 1, own + 1 + count):
+        yield f"{seed}", {"profile": {"seed": seed}}
 
 
 def _lengths(scene: Scene) -> Changes:
-    if scene.adhesion is None:
-        yield "slope term", "", "no adhesion"
-        return
-    other = not scene.adhesion.slope_term
-    name = f"adhesion on the {'true' if other else 'projected'} length"
-    yield "slope term", name, {"adhesion": {"slope_term": other}}
+    other = scene.adhesion is not None and not scene.adhesion.slope_term
+    yield f"adhesion on the {'true' if other else 'projected'} length", {"adhesion": {"slope_term": other}}

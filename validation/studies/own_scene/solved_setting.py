@@ -5,8 +5,6 @@ often the path has been there.  What is left free is the mean pressure, or the s
 Exceptions of a scene become a status with the reason; a run beyond its limit of seconds ends as `stopped`.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections import Counter
@@ -32,6 +30,9 @@ NODE_TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12)
 REFERENCE_NODES = 1e-14
 
 
+Key = tuple[str, float, int]  # what is held, its value, how often the path has been there, from 1
+
+
 class TooLongError(RuntimeError):
     """A run has taken more seconds than it may."""
 
@@ -49,36 +50,28 @@ class ToSolve:
 
 @dataclass(frozen=True)
 class Reading:
-    """A state at a target; errors are those that the solver estimates, nan where it does not.
+    """A state at a target; errors are those that the solver estimates, nan where it does not."""
 
-    `held` and `free` are what is held and what is left free, `value` that of the former, `visit` counts from 1.
-    """
-
-    held: str
-    value: float
-    visit: int
+    key: Key
     branch: str
     patches: int
     certified: bool
     contact_fraction: float
     fraction_error: float
-    free: str
+    free: str  # what is left free
     free_value: float
     free_error: float
 
 
 @dataclass(frozen=True)
-class NodePoint:
-    """The edges of a state evaluated with given nodes: unknowns per patch, errors of load and of K, CPU seconds."""
+class NodeCurve:
+    """The edges of a state evaluated at each of NODE_TOLERANCES: unknowns per patch, errors, CPU seconds."""
 
-    held: str
-    value: float
-    visit: int
-    tolerance: float
-    per_patch: float
-    load_error: float
-    intensity_error: float
-    seconds: float
+    key: Key
+    per_patch: tuple[float, ...]
+    load_errors: tuple[float, ...]
+    intensity_errors: tuple[float, ...]
+    seconds: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -94,7 +87,7 @@ class Solved:
     rms_slope: float = math.nan
     pressure_scale: float = math.nan
     readings: tuple[Reading, ...] = ()
-    nodes: tuple[NodePoint, ...] = ()
+    nodes: tuple[NodeCurve, ...] = ()
     path_doubt: float = 0.0  # tolerance of a path that goes by leaps: what another branch may make
 
     @property
@@ -134,7 +127,7 @@ def solved(task: ToSolve) -> Solved:
         pressure_scale=result.groups["pressure_scale"],
         path_doubt=scene.accuracy.tolerance if scene.leaps else 0.0,
         readings=tuple(reading for reading, _ in readings(scene, result)),
-        nodes=tuple(_node_points(scene, result)) if task.nodes else (),
+        nodes=tuple(_node_curves(scene, result)) if task.nodes else (),
     )
 
 
@@ -157,29 +150,14 @@ def readings(scene: Scene, result: Result) -> Iterator[tuple[Reading, State]]:
             held, value = "mean_pressure", min(asked, key=lambda pressure: abs(pressure - state.mean_pressure))
         visits[held, value] += 1
         free = "separation" if held == "mean_pressure" else "mean_pressure"
-        yield (
-            Reading(
-                held,
-                value,
-                visits[held, value],
-                state.branch,
-                state.n_patches,
-                state.certificate.ok,
-                state.contact_fraction,
-                _known(state.error_estimate.contact_fraction),
-                free,
-                getattr(state, free),
-                _known(getattr(state.error_estimate, free)),
-            ),
-            state,
-        )
+        estimates = (getattr(state.error_estimate, name) for name in ("contact_fraction", free))
+        fraction_error, free_error = (math.nan if error is None else error for error in estimates)
+        reading = Reading((held, value, visits[held, value]), state.branch, state.n_patches, state.certificate.ok,
+                          state.contact_fraction, fraction_error, free, getattr(state, free), free_error)  # fmt: skip
+        yield reading, state
 
 
-def _known(error: float | None) -> float:
-    return math.nan if error is None else error
-
-
-def _node_points(scene: Scene, result: Result) -> Iterator[NodePoint]:
+def _node_curves(scene: Scene, result: Result) -> Iterator[NodeCurve]:
     """Edges of some states evaluated with fewer and more nodes; states that these cannot carry are left out."""
     with_edges = [(reading, state) for reading, state in readings(scene, result) if state.edges]
     step = max(1, -(-len(with_edges) // MOST_NODES))
@@ -192,9 +170,13 @@ def _node_points(scene: Scene, result: Result) -> Iterator[NodePoint]:
         load = max(abs(pressure), 1e-3 * scale)
         # without adhesion K is zero: errors are then those of a load of this size on one edge
         tip = float(np.max(np.abs(intensity))) if scene.adhesion else load * math.sqrt(float(scene.profile.period or 1))
-        for tolerance, (per_patch, other, coarse, seconds) in zip(NODE_TOLERANCES, others, strict=True):
-            errors = abs(other - pressure) / load, float(np.max(np.abs(coarse - intensity))) / tip
-            yield NodePoint(reading.held, reading.value, reading.visit, tolerance, per_patch, *errors, seconds)
+        yield NodeCurve(
+            reading.key,
+            tuple(one[0] for one in others),
+            tuple(abs(other - pressure) / load for _, other, _, _ in others),
+            tuple(float(np.max(np.abs(coarse - intensity))) / tip for _, _, coarse, _ in others),
+            tuple(one[3] for one in others),
+        )
 
 
 def _evaluated(scene: Scene, state: State, tolerance: float) -> tuple[float, float, FloatArray, float] | None:

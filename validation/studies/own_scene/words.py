@@ -1,7 +1,5 @@
 """The findings of a study of a scene as plain values for study.json, with its figure, its table and its sentence."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -10,16 +8,9 @@ from validation.harness.figure_data import bars, drawn, loglog, marks
 from validation.harness.schema import Figure
 from validation.report.run_words import CONTROLS, quantity
 from validation.report.study_page import share
-from validation.studies.own_scene.findings import (
-    Compared,
-    Findings,
-    Key,
-    NodeRate,
-    combined,
-    largest,
-)
+from validation.studies.own_scene.findings import Compared, Findings, combined, largest, node_rate
 from validation.studies.own_scene.settings import Setting
-from validation.studies.own_scene.solved_setting import Solved
+from validation.studies.own_scene.solved_setting import Key, NodeCurve, Solved
 from validation.studies.shown import text_table
 
 SOURCES = {
@@ -99,14 +90,13 @@ def content_of(found: Findings, answered: Sequence[tuple[Setting, Solved, float]
         "targets": list(_targets(found, base)),
         "sources": list(_sources(found)),
         "settings": [_setting(*one, compared.get(one[0])) for one in answered],
-        "nodes": [_node(rate) for rate in found.rates],
+        "nodes": [_node(curve) for curve in base.nodes],
         "seconds": sum(solved.seconds for _, solved, _ in answered),
         "figure": _figure(found, base).model_dump(mode="json"),
     }
 
 
 def _at(key: Key) -> str:
-    """A target in words."""
     held, value, visit = key
     unit = CONTROLS[held][1]
     again = "" if visit == 1 else f" (visit {visit})"
@@ -116,18 +106,17 @@ def _at(key: Key) -> str:
 def _targets(found: Findings, base: Solved) -> Iterator[dict[str, Any]]:
     """The budget of each number at each target."""
     for reading in base.readings:
-        key = (reading.held, reading.value, reading.visit)
         unit = CONTROLS[reading.free][1]
         numbers = (
             ("contact fraction", reading.contact_fraction, reading.fraction_error, ""),
             (reading.free.replace("_", " "), reading.free_value, reading.free_error, unit),
         )
         for name, value, estimate, of_unit in numbers:
-            of = [one for one in found.uncertainties if one.key == key and one.quantity == name]
+            of = [one for one in found.uncertainties if one.key == reading.key and one.quantity == name]
             if math.isnan(value) or not of:
                 continue
             yield {
-                "target": _at(key).removeprefix("at a "),
+                "target": _at(reading.key).removeprefix("at a "),
                 "branch": reading.branch,
                 "quantity": name,
                 "unit": of_unit,
@@ -170,15 +159,19 @@ def _setting(setting: Setting, solved: Solved, predicted: float, off: Compared |
         "evaluations": solved.evaluations,
         "unknowns": solved.unknowns,
         "contact_fraction": None if off is None else off.fraction,
-        "free": None if off is None else off.free,
-        "covered": None if off is None else off.covered,
-        "judged": None if off is None else off.judged,
+        **{name: getattr(off, name, None) for name in ("free", "covered", "judged")},
     }
 
 
-def _node(rate: NodeRate) -> dict[str, Any]:
-    return {"target": _at(rate.key).removeprefix("at a ")} | {
-        name: value for name, value in vars(rate).items() if name != "key"
+def _node(curve: NodeCurve) -> dict[str, Any]:
+    """Errors of one state against nodes per patch, and their rates; nan: none."""
+    return {
+        "target": _at(curve.key).removeprefix("at a "),
+        "per_patch": curve.per_patch,
+        "load_errors": curve.load_errors,
+        "intensity_errors": curve.intensity_errors,
+        "load_rate": node_rate(curve.per_patch, curve.load_errors),
+        "intensity_rate": node_rate(curve.per_patch, curve.intensity_errors),
     }
 
 
@@ -191,12 +184,9 @@ def _figure(found: Findings, base: Solved) -> Figure:
             seconds = [one.solved.seconds for one in points]
             series.append(marks(source, seconds, [_drawn(one.error, found.floor) for one in points], hue=hue))
     if base.nodes:
-        worst: dict[float, tuple[float, float]] = {}
-        for point in base.nodes:
-            error = max(point.load_error, point.intensity_error)
-            known = worst.get(point.tolerance, (0.0, 0.0))
-            worst[point.tolerance] = (known[0] + point.seconds, max(known[1], error))
-        spent, errors = zip(*worst.values(), strict=True)
+        spent = map(sum, zip(*(curve.seconds for curve in base.nodes), strict=True))
+        every = (one for curve in base.nodes for one in (curve.load_errors, curve.intensity_errors))
+        errors = map(max, zip(*every, strict=True))
         series.append(marks("nodes, of its states alone", spent, [_drawn(error, 0.0) for error in errors], hue=3))
     for k, (source, shares) in enumerate(_bars(found)):
         place = [base.seconds * SIDE_BY_SIDE ** (k + 1)]

@@ -6,8 +6,6 @@ Hurst exponents: each is left out in turn, which counts the error of the closure
 different H sharing their phases.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -18,10 +16,9 @@ from scipy.optimize import least_squares
 from persson.corrected import contact_fractions
 from persson.corrected_variance import Correction, area_at, diffused
 from persson.diffusion import SAFE
-from persson.magnification import MagnificationMesh, magnification_mesh
+from persson.magnification import magnification_mesh
 from validation.harness.arrays import FloatArray
-from validation.studies.theory_correction.correction_members import Group
-from validation.studies.theory_correction.data import Observed, relative_errors
+from validation.studies.theory_correction.correction_members import Group, Observed, relative_errors
 
 NAMES = ("c_0", "b_0", "k")
 START = (0.8, 1.0, 1.5)
@@ -61,17 +58,8 @@ def areas_of(group: Group, correction: Correction) -> FloatArray:
 def calibrate(ensembles: Sequence[Observed]) -> Calibration:
     """Coefficients from the groups of the fit.
 
-    Parameters
-    ----------
-    ensembles : sequence of Observed
-        Groups of the hold-out are refused.
-
-    Raises
-    ------
-    ValueError
-        A group of the hold-out or with adhesion, fewer than two Hurst exponents.
-    ArithmeticError
-        The least squares do not converge.
+    ValueError for a group of the hold-out or with adhesion, and for fewer than two Hurst exponents, ArithmeticError
+    where the least squares do not converge.
     """
     held = [one.group.name for one in ensembles if one.group.part != "fit" or one.group.theta > 0]
     if held:
@@ -84,9 +72,9 @@ def calibrate(ensembles: Sequence[Observed]) -> Calibration:
     without = np.array([fitted([o for o in ensembles if o.group.hurst != h], errors, best) for h in hursts])
     count = len(hursts)
     spread = np.sqrt((count - 1) / count * np.sum((without - without.mean(axis=0)) ** 2, axis=0))
-    misses = np.concatenate([_misses(one, best) for one in ensembles])
-    areas = [areas_of(one.group, correction_from(best)) for one in ensembles]
-    weighted = np.concatenate([_weighted(one, errors, area) for one, area in zip(ensembles, areas, strict=True)])
+    pairs = [(one, areas_of(one.group, correction_from(best))) for one in ensembles]
+    weighted = np.concatenate([_weighted(one, errors, area) for one, area in pairs])
+    misses = np.concatenate([np.log(area / one.area)[np.isfinite(one.area)] for one, area in pairs])
     return Calibration(
         dict(zip(NAMES, map(float, best), strict=True)),
         dict(zip(NAMES, map(float, spread), strict=True)),
@@ -96,25 +84,16 @@ def calibrate(ensembles: Sequence[Observed]) -> Calibration:
 
 
 def fitted(ensembles: Sequence[Observed], errors: Mapping[str, FloatArray], start: ArrayLike) -> FloatArray:
-    """The three coefficients, (3,).
-
-    Parameters
-    ----------
-    ensembles : sequence of Observed
-    errors : mapping of str to (n_loads,) array
-        Relative standard errors by name of group.
-    start : (3,) array
-    """
-    meshed = [(one, _mesh(one.group)) for one in ensembles]
+    """The three coefficients, (3,), from a start, with relative standard errors (n_loads,) by name of group."""
+    meshed = []
+    for group in (one.group for one in ensembles):
+        mesh = magnification_mesh(group.lines, 4 * (min(group.loads) / SAFE) ** 2 * 0.99, 1 + GROWTH)
+        meshed.append((np.array(group.loads), mesh))
 
     def residual(trial: FloatArray) -> FloatArray:
         correction = correction_from(trial)
-        return np.concatenate(
-            [
-                _weighted(one, errors, area_at(_loads(one), diffused(correction, mesh, _loads(one))[:, -1]))
-                for one, mesh in meshed
-            ]
-        )
+        areas = (area_at(loads, diffused(correction, mesh, loads)[:, -1]) for loads, mesh in meshed)
+        return np.concatenate([_weighted(one, errors, area) for one, area in zip(ensembles, areas, strict=True)])
 
     found = least_squares(residual, start, bounds=(LOWEST, HIGHEST), diff_step=STEP, xtol=1e-5, ftol=1e-7)
     if not found.success:
@@ -122,19 +101,6 @@ def fitted(ensembles: Sequence[Observed], errors: Mapping[str, FloatArray], star
     return np.asarray(found.x)
 
 
-def _loads(one: Observed) -> FloatArray:
-    return np.array(one.group.loads)
-
-
-def _mesh(group: Group) -> MagnificationMesh:
-    return magnification_mesh(group.lines, 4 * (min(group.loads) / SAFE) ** 2 * 0.99, 1 + GROWTH)
-
-
 def _weighted(one: Observed, errors: Mapping[str, FloatArray], area: FloatArray) -> FloatArray:
     there = np.isfinite(one.area)
     return np.asarray((np.log(area / one.area) / np.hypot(errors[one.group.name], FLOOR))[there])
-
-
-def _misses(one: Observed, values: FloatArray) -> FloatArray:
-    ratio = np.log(areas_of(one.group, correction_from(values)) / one.area)
-    return np.asarray(ratio[np.isfinite(one.area)])

@@ -8,8 +8,6 @@ Distribution: largest distance between the shares of the period at a pressure ab
 without adhesion sigma >= 0, with it sigma >= -0.3 E*.  Loads in units of E*, separations in rms heights.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -19,10 +17,9 @@ import numpy as np
 import persson
 from persson.corrected_variance import LITERATURE, Correction
 from validation.harness.arrays import FloatArray
-from validation.harness.execution import Note
+from validation.harness.execution import Listener, Note
 from validation.references.paper_problem import MODULUS, POISSON_RATIO, YOUNGS_MODULUS
-from validation.studies.theory_correction.correction_members import Group
-from validation.studies.theory_correction.data import STRESSES, Observed
+from validation.studies.theory_correction.correction_members import STRESSES, Group, Observed
 
 PLAIN, CALIBRATED = "plain", "calibrated"
 WITH_ADHESION = ("yang_persson_2008", "wang_muser_2017", "xu_2024")  # a drift in every iteration costs minutes
@@ -32,21 +29,7 @@ FINE_STRESSES = np.linspace(-0.5, 1.5, 4001)  # of E*
 
 @dataclass(frozen=True)
 class HeldOut:
-    """One load of one group; errors are theory / boundary elements - 1, by name of the theory.
-
-    Parameters
-    ----------
-    area_noise : float
-        Relative standard error of the mean area.
-    separation : float
-        Mean s / h_rms.
-    separation_noise : float
-        Standard error of it.
-    area, separations, distribution : dict of str to float
-        Error of the area; s / h_rms; distance of the distributions.
-    distribution_noise : float
-        Largest standard error of the mean share, over the area.
-    """
+    """One load of one group; errors are theory / boundary elements - 1, by name of the theory."""
 
     group: str
     kind: str
@@ -56,13 +39,13 @@ class HeldOut:
     load: float
     realisations: int
     contact_fraction: float
-    area_noise: float
-    separation: float
-    separation_noise: float
-    area: dict[str, float]
-    separations: dict[str, float]
-    distribution: dict[str, float]
-    distribution_noise: float
+    area_noise: float  # relative standard error of the mean area
+    separation: float  # mean s / h_rms
+    separation_noise: float  # standard error of it
+    area: dict[str, float]  # error of it
+    separations: dict[str, float]  # s / h_rms
+    distribution: dict[str, float]  # distance of the distributions
+    distribution_noise: float  # largest standard error of the mean share, over the area
     remark: str = ""
 
     @property
@@ -88,20 +71,11 @@ class Said:
 
 
 def judge(
-    one: Observed, noise: FloatArray, correction: Correction, report: Callable[[Note], None], plain_only: bool = False
+    one: Observed, noise: FloatArray, correction: Correction, report: Listener, plain_only: bool = False
 ) -> list[HeldOut]:
-    """All loads of a group at which there is a realisation.
+    """All loads of a group at which there is a realisation, by the calibrated correction and those of the literature.
 
-    Parameters
-    ----------
-    one : Observed
-    noise : (n_loads,) array
-        Relative standard errors of the mean area.
-    correction : Correction
-        The calibrated one.
-    report : callable
-    plain_only : bool
-        Leave out the corrections of the literature.
+    `noise` are the relative standard errors of the mean area, (n_loads,); `plain_only` leaves out the literature.
     """
     group = one.group
     kept = (-1.0 if group.theta > 0 else 0.0) <= STRESSES

@@ -1,11 +1,9 @@
 """The page for engineers: how much area, how certain, where not; and what was compared on the hold-out, as a case.
 
-The numbers of the page are those of the calibration and of the hold-out alone.  Uncertainty of a contact fraction: the
-rms error over the hold-out in its range of loads, without or with adhesion, which contains the scatter of the ensembles
-it was judged by.
+The numbers of the page are those of the calibration and of the hold-out alone; its figures show area and separation
+before and after, with error bars of the ensembles.  Uncertainty of a contact fraction: the rms error over the hold-out
+in its range of loads, without or with adhesion, which contains the scatter of the ensembles it was judged by.
 """
-
-from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
@@ -17,10 +15,10 @@ from persson import adhesive_edges
 from persson.contact_slope import contact_fractions, data
 from persson.domain import in_words
 from validation.harness.case import Case, Outcome
-from validation.harness.schema import Cells, Reference, Row, Table, Tolerance
+from validation.harness.figure_data import drawn, loglog, marks, semilogx, shaded, trace
+from validation.harness.schema import Cells, Figure, Reference, Row, Series, Table, Tolerance
 from validation.references.paper_problem import RMS_SLOPE
 from validation.studies.adhesive_edges import areas_of
-from validation.studies.theory_correction.correction_figures import chosen, figures_of, known
 from validation.studies.theory_correction.correction_members import Group
 from validation.studies.theory_correction.hold_out import CALIBRATED, PLAIN, HeldOut, rms, rms_of, theories_of
 
@@ -59,18 +57,9 @@ GUARD = (
 
 
 def outcome(calibration: Mapping[str, Any], judged: Sequence[HeldOut], planned: int, short: bool) -> Outcome:
-    """Rows, figures and tables of the page.
+    """Rows, figures and tables of the page, from the content of the data file and the hold-out with its planned loads.
 
-    Parameters
-    ----------
-    calibration : mapping
-        Content of the data file.
-    judged : sequence of HeldOut
-        The hold-out.
-    planned : int
-        Loads planned on the hold-out.
-    short : bool
-        The quick form, which shows that everything runs and judges nothing.
+    `short` is the quick form, which shows that everything runs and judges nothing.
     """
     made = (_areas_without_adhesion(), _uncertainties_without_adhesion(), _areas(), _uncertainties_with_adhesion())
     of_judged = (_uncertainties(judged), _aims(judged), _coefficients(calibration), _by_kind(judged), _all(judged))
@@ -260,3 +249,68 @@ def _all(judged: Sequence[HeldOut]) -> Table:
                one.distribution[PLAIN], one.distribution[CALIBRATED], known(one.distribution_noise), one.remark]
               for one in judged]
     )  # fmt: skip
+
+
+def chosen(judged: Sequence[HeldOut], adhesive: bool, low: float = 0.0, high: float = 1.0) -> list[HeldOut]:
+    """Those without or with adhesion at loads in [low, high)."""
+    return [one for one in judged if one.adhesive == adhesive and low <= one.load < high]
+
+
+def figures_of(judged: Sequence[HeldOut]) -> list[Figure]:
+    """Two figures without adhesion, and two with it where it was judged."""
+    figures = []
+    for adhesive in (False, True):
+        some = chosen(judged, adhesive)
+        if not some:
+            continue
+        words = "with" if adhesive else "without"
+        at = [one.contact_fraction for one in some]
+        figures.append(
+            drawn(f"landing-correction-{words}-adhesion",
+                  f"Hold-out {words} adhesion: contact fraction by the plain and the corrected theory against "
+                  "that of the ensembles; below the relative errors with two standard errors of the ensembles.",
+                  loglog("contact fraction of the ensembles", "of the theory",
+                         marks("calibrated", at, _times(some, CALIBRATED)),
+                         marks("plain theory", at, _times(some, PLAIN)),
+                         trace("equal", [min(at), max(at)], [min(at), max(at)])),
+                  semilogx("contact fraction of the ensembles", "relative error",
+                           marks("calibrated", at, [one.area[CALIBRATED] for one in some]),
+                           marks("plain theory", at, [one.area[PLAIN] for one in some]), _noise(some))),
+        )  # fmt: skip
+        figures.append(_separation_figure(some, words))
+    return figures
+
+
+def _separation_figure(some: Sequence[HeldOut], words: str) -> Figure:
+    ordered = sorted(some, key=lambda one: one.separation)
+    at = [one.separation for one in ordered]
+    noise = [known(2 * one.separation_noise / one.separation) for one in ordered]
+    return drawn(f"correction-separation-{words}-adhesion",
+                 f"Hold-out {words} adhesion: relative error of the separation, before and after, with two standard "
+                 "errors of the ensembles.",
+                 semilogx("separation of the ensembles / h_rms", "relative error",
+                          *(
+                              marks(name, at,
+                                    [known(one.separations.get(name, np.nan) / one.separation - 1) for one in ordered])
+                              for name in (CALIBRATED, PLAIN)
+                          ),
+                          _two_errors(at, noise)))  # fmt: skip
+
+
+def _times(some: Sequence[HeldOut], name: str) -> list[float | None]:
+    return [one.contact_fraction * (1 + one.area[name]) for one in some]
+
+
+def _noise(some: Sequence[HeldOut]) -> Series:
+    ordered = sorted(some, key=lambda one: one.contact_fraction)
+    return _two_errors([one.contact_fraction for one in ordered], [2 * one.area_noise for one in ordered])
+
+
+def _two_errors(at: Sequence[float], noise: Sequence[float | None]) -> Series:
+    """On either side of zero."""
+    return shaded("two standard errors", at, [None if value is None else -value for value in noise], noise)
+
+
+def known(value: float) -> float | None:
+    """A finite number as it is, any other as None."""
+    return float(value) if np.isfinite(value) else None

@@ -13,9 +13,7 @@ have fits of their own.  Source: persson/corrected_variance.py.  Limits: half-sp
 one core.
 """
 
-from __future__ import annotations
-
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -23,8 +21,8 @@ from typing import Any
 from bem.scene.atomic_file import write_atomically
 from persson.corrected_data import SCHEMA as CALIBRATION_SCHEMA
 from persson.corrected_data import calibration
-from validation.harness.ensemble import run_ensemble
-from validation.harness.execution import Note
+from validation.harness.ensemble import results_of
+from validation.harness.execution import Listener, Note
 from validation.harness.executors import Opener, local_processes
 from validation.harness.provenance import provenance
 from validation.harness.runner import record_of
@@ -34,12 +32,18 @@ from validation.harness.store import write_json
 from validation.references.paper_problem import RMS_SLOPE
 from validation.report.render import failures, write_html
 from validation.studies.shown import text_table
-from validation.studies.theory_correction.correction_figures import chosen
-from validation.studies.theory_correction.correction_members import FIT_ROOT, HOLD_OUT_ROOT, Group, groups
-from validation.studies.theory_correction.data import Observed, observed, relative_errors
+from validation.studies.theory_correction.correction_members import (
+    FIT_ROOT,
+    HOLD_OUT_ROOT,
+    Group,
+    Observed,
+    groups,
+    observed,
+    relative_errors,
+)
 from validation.studies.theory_correction.fit import Calibration, calibrate, correction_from
 from validation.studies.theory_correction.hold_out import CALIBRATED, PLAIN, HeldOut, judge, rms, rms_of, theories_of
-from validation.studies.theory_correction.page import JUDGED, case_of, outcome
+from validation.studies.theory_correction.page import JUDGED, case_of, chosen, outcome
 
 SCHEMA = "linecontact-theory-correction-study/1"
 FILE, CALIBRATION = "theory-correction.json", "calibration.json"
@@ -55,13 +59,7 @@ DOMAIN = {  # the hold-out, and where on it the errors were large (persson/domai
 }
 
 
-def run(
-    folder: Path,
-    quick: bool,
-    report: Callable[[Note], None],
-    jobs: int = 1,
-    opener: Opener = local_processes,
-) -> int:
+def run(folder: Path, quick: bool, report: Listener, jobs: int = 1, opener: Opener = local_processes) -> int:
     """Run the study; 1 when a realisation failed or is not certified, or a row of the report fails.
 
     The folder gets members/, calibration.json, theory-correction.json, report.json and report.html. Quick: a few small
@@ -70,19 +68,16 @@ def run(
     facts = provenance()
     chosen_groups = groups(quick)
     cheap_first = sorted(chosen_groups, key=lambda group: group.harmonics * (4 if group.theta > 0 else 1))
-    members = [member for group in cheap_first for member in group.members()]
-    done = run_ensemble(members, folder / "members", jobs, report, opener)
-    failed = [f"{name}: {why}" for name, why in done.failed.items()]
-    if failed:
-        for line in failed:
-            report(Note(f"FAILED {line}"))
+    members = {group.name: group.members() for group in cheap_first}
+    results = results_of(members, folder / "members", report, jobs, opener)
+    if results is None:
         return 1
-    ensembles = [observed(group, folder / "members") for group in chosen_groups]
+    ensembles = [observed(group, results[group.name]) for group in chosen_groups]
     return conclude(folder, ensembles, facts, report, short=quick)
 
 
 def conclude(
-    folder: Path, ensembles: Sequence[Observed], facts: Mapping[str, Any], report: Callable[[Note], None], short: bool
+    folder: Path, ensembles: Sequence[Observed], facts: Mapping[str, Any], report: Listener, short: bool
 ) -> int:
     """Calibrate, judge and write, from ensembles that are there."""
     fit = [one for one in ensembles if one.group.part == "fit"]
@@ -104,7 +99,9 @@ def conclude(
     for line in wrong:
         report(Note(f"FAILED {line}"))
     print(text_table(["adhesion", "theory", "area", "separation", "distribution"], summary(judged)))
-    print(text_table(["coefficient", "found", "error", "in the package"], _compared(found)))
+    packaged = calibration()["coefficients"]
+    coefficients = [[name, value, found.errors[name], packaged[name]] for name, value in found.values.items()]
+    print(text_table(["coefficient", "found", "error", "in the package"], coefficients))
     print(f"{len(judged)} of {planned} loads judged, {len(wrong)} failures; {folder / 'report.html'}")
     return 1 if wrong else 0
 
@@ -152,11 +149,7 @@ def calibration_content(
 
 
 def report_of(
-    content: Mapping[str, Any],
-    judged: Sequence[HeldOut],
-    planned: int,
-    facts: Mapping[str, Any],
-    short: bool,
+    content: Mapping[str, Any], judged: Sequence[HeldOut], planned: int, facts: Mapping[str, Any], short: bool
 ) -> Report:
     """The report of one case: the page."""
     made = outcome(content, judged, planned, short)
@@ -175,15 +168,5 @@ def report_of(
 
 
 def _described(group: Group) -> dict[str, Any]:
-    return {
-        "spectrum": group.kind,
-        "hurst": group.hurst,
-        "harmonics": group.harmonics,
-        "theta": group.theta,
-        "realisations": group.realisations,
-    }
-
-
-def _compared(found: Calibration) -> list[list[Any]]:
-    packaged = calibration()["coefficients"]
-    return [[name, found.values[name], found.errors[name], packaged[name]] for name in found.values]
+    names = ("hurst", "harmonics", "theta", "realisations")
+    return {"spectrum": group.kind} | {name: getattr(group, name) for name in names}

@@ -7,8 +7,6 @@ on their lower envelopes (the least time for at most that error), joined by stra
 equal; a method that is quick at a small error is as quick where less is asked for.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -21,12 +19,11 @@ SAMPLES = 400  # of the error between the ends that two curves share
 
 @dataclass(frozen=True)
 class Spot:
-    """A point of a curve: setting, error, seconds, and whether its error is one that the reference resolves."""
+    """A point of a curve."""
 
     setting: str
     error: float
     seconds: float
-    resolved: bool = True
 
 
 @dataclass(frozen=True)
@@ -111,16 +108,7 @@ def _digits(scene: str, curves: Sequence[MethodCurve]) -> Iterator[str]:
             for curve, other in known
             if curve is not best
         ]
-        never = [
-            f"{curve.method} not at all"
-            + (
-                f" (its reference, {curve.reference}, resolves {_whole_digits(curve.floor)})"
-                if curve.floor > 10.0**-digits
-                else ""
-            )
-            for curve, other in found
-            if other is None
-        ]
+        never = [f"{curve.method} not at all{_unresolved(curve, digits)}" for curve, other in found if other is None]
         rest = ", ".join([*others, *never])
         yield (
             f"{scene}: {digits} digits cost least with {best.method} at {mark.setting} ({mark.seconds:.2g} s, "
@@ -171,5 +159,8 @@ def _seconds(envelope: Sequence[tuple[float, float]], error: float) -> float:
     return math.inf
 
 
-def _whole_digits(floor: float) -> str:
-    return f"{max(0, math.floor(-math.log10(floor)))} digits"
+def _unresolved(curve: MethodCurve, digits: int) -> str:
+    """How many digits the reference of a curve resolves, where they are fewer than are asked for."""
+    if curve.floor <= 10.0**-digits:
+        return ""
+    return f" (its reference, {curve.reference}, resolves {max(0, math.floor(-math.log10(curve.floor)))} digits)"

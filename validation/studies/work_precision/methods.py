@@ -1,12 +1,11 @@
-"""The methods compared, each a route with its one knob: all else is fixed, and named in `fixed`.
+"""The methods compared, each a route with its one knob, and the points of its curve: settings with their errors.
 
-A method is a record; another one (a uniform-grid solver, say) is one more entry of METHODS.  Where a method cannot do a
-scene, the reason stands in `cannot`.
+All but the knob is fixed, and named in `fixed`.  A method is a record; another one (a uniform-grid solver, say) is one
+more entry of METHODS.  Where a method cannot do a scene, the reason stands in `cannot`.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
+import math
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
@@ -17,7 +16,10 @@ from validation.harness.route import Answer, Problem, Route
 from validation.references.paper_method import follow
 from validation.references.posed_contacts import THEORY_LOAD, surface_of
 from validation.routes import boundary_elements, dense_algebra, finite_elements, paper_method
+from validation.routes.boundary_elements import PATH_DOUBT
 from validation.routes.persson_theory import by_route, by_separation
+
+SHOWN = ("contact_fraction", "mean_pressure")  # the error of a point is the larger of these
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,56 @@ class Method(Route):
         """Settings on a scene, in full or in the quick form."""
         every = self.other_settings.get(scene, self.settings)
         return every[: len(every) - self.slow] if quick else every
+
+
+@dataclass(frozen=True)
+class Timed:
+    """A setting, measured; `status` is a message where it failed."""
+
+    setting: str
+    status: str = "done"
+    found: Answer | None = None
+    wall_seconds: float = math.nan
+    spread: float = math.nan
+    cpu_seconds: float = math.nan
+    repeats: int = 0
+    peak_megabytes: float = math.nan
+
+
+@dataclass(frozen=True)
+class MethodPoint:
+    """A setting of a method on a scene, with its errors."""
+
+    scene: str
+    method: str
+    timed: Timed
+    errors: dict[str, float] = field(default_factory=dict)
+    floor: float = math.nan
+    reference: str = ""
+
+    @property
+    def error(self) -> float:
+        """The larger of the errors of SHOWN; nan where the setting failed."""
+        return max((self.errors[name] for name in SHOWN if name in self.errors), default=math.nan)
+
+    @property
+    def doubt(self) -> float:
+        """What the path leaves uncertain, whatever the error happens to be."""
+        return self.timed.found.details.get(PATH_DOUBT, 0.0) if self.timed.found else 0.0
+
+    @property
+    def grey(self) -> bool:
+        """Below what the reference resolves."""
+        return self.error < self.floor
+
+
+def by_method(points: Iterable[MethodPoint], scene: str) -> dict[str, list[MethodPoint]]:
+    """The points of a scene that have an error, by the names of their methods."""
+    found: dict[str, list[MethodPoint]] = {}
+    for point in points:
+        if point.scene == scene and not math.isnan(point.error):
+            found.setdefault(point.method, []).append(point)
+    return found
 
 
 def solve_paper(problem: Problem, cells: int) -> Answer:

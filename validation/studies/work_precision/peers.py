@@ -1,23 +1,15 @@
 """The FFT solvers (extra `peers`) as methods of the study, and what is said of them beside the others."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import Any
 
-from validation.harness.case import CaseError
 from validation.harness.route import Answer, Problem
 from validation.routes import cohesive_grid
-from validation.studies.work_precision.methods import Method
-from validation.studies.work_precision.points import MethodPoint, by_method
+from validation.studies.work_precision.methods import Method, MethodPoint, by_method
 
 RANGE = "cohesive range / m"
 POINTS = tuple(2**k for k in range(10, 17))
-
-
-class PeersError(CaseError):
-    """The peers are asked for and not installed."""
 
 
 STEPS = 20  # of the path from first touch
@@ -49,18 +41,11 @@ FFT_METHODS: tuple[Method, ...] = (_method(8, 2**15, 2**16), _method(16, 2**16, 
 def peer_table(points: Sequence[MethodPoint]) -> list[list[Any]]:
     """Rows of scene, method, points, cohesive range, errors of area and mean pressure, seconds."""
     return [
-        [
-            point.scene,
-            point.method,
-            point.timed.found.unknowns,
-            1e6 * point.timed.found.details[RANGE],
-            point.errors["contact_fraction"],
-            point.errors["mean_pressure"],
-            point.timed.cpu_seconds,
-        ]
+        [point.scene, point.method, found.unknowns, 1e6 * found.details[RANGE], point.errors["contact_fraction"],
+         point.errors["mean_pressure"], point.timed.cpu_seconds]
         for point in points
-        if point.timed.found is not None and point.errors and RANGE in point.timed.found.details
-    ]
+        if (found := point.timed.found) is not None and point.errors and RANGE in found.details
+    ]  # fmt: skip
 
 
 PEER_COLUMNS = ("scene", "peer", "points", "rho/um", "error of area", "of mean pressure", "cpu/s")
@@ -101,10 +86,8 @@ def _dependence(peers: Sequence[MethodPoint]) -> Iterator[str]:
     """How much the area changes with the cohesive range on the finest grid that two ranges share, and in all."""
     areas: dict[int, dict[str, float]] = {}
     for point in peers:
-        if point.timed.found is not None:
-            areas.setdefault(point.timed.found.unknowns, {})[point.method] = point.timed.found.values[
-                "contact_fraction"
-            ][0]
+        if (found := point.timed.found) is not None:
+            areas.setdefault(found.unknowns, {})[point.method] = found.values["contact_fraction"][0]
     shared = [count for count, by_method in areas.items() if len(by_method) == len(FFT_METHODS)]
     if not shared:
         return

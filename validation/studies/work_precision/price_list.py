@@ -15,8 +15,6 @@ a warm-up, against the scene without the effect.  Digits: the same effect on one
 The scenes of the effects stand in corpus/effects.py.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

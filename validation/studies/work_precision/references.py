@@ -6,8 +6,6 @@ the paper's method, of second order, the change of its extrapolation in 1/cells^
 Persson's routes the change by one level.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -69,16 +67,11 @@ def finite_elements(posed: Posed) -> Yardstick:
     return Yardstick("fem", "FEM", source, numbers_of(found.values), numbers_of(found.uncertainty))
 
 
-def solver(posed: Posed) -> Yardstick:
-    """The production solver at 1e-12; uncertainty: the change from 1e-10, at least rounding."""
-    fine, coarse = (numbers_of(boundary_elements.solve(posed, tolerance).values) for tolerance in (1e-12, 1e-10))
-    return Yardstick("bem", "independent code", "bem at tolerance 1e-12", fine, _changes(posed, fine, coarse))
-
-
-def far_finer(posed: Posed) -> Yardstick:
-    """The production solver at 1e-12 and a quarter of the increment; uncertainty: the change from 1e-10."""
-    fine, coarse = (numbers_of(boundary_elements.solve(posed, *at).values) for at in ((1e-12, 0.25), (1e-10, 1.0)))
-    return Yardstick("bem", "self", "bem at 1e-12, a quarter of the increment", fine, _changes(posed, fine, coarse))
+def solver(kind: ReferenceKind, source: str, increment: float, posed: Posed) -> Yardstick:
+    """The production solver at 1e-12 and a part of the increment; uncertainty: the change from 1e-10 and all of it."""
+    at = (1e-12, increment), (1e-10, 1.0)
+    fine, coarse = (numbers_of(boundary_elements.solve(posed, *settings).values) for settings in at)
+    return Yardstick("bem", kind, source, fine, _changes(posed, fine, coarse))
 
 
 def paper_extrapolated(posed: Posed) -> Yardstick:
@@ -107,8 +100,10 @@ def persson_route(route: Route, name: str, posed: Posed) -> Yardstick:
 
 JOHNSON = Source("Johnson 1995", "exact", johnson)
 FINITE_ELEMENTS = Source("finite elements", "fem", finite_elements)
-SOLVER = Source("solver", "bem", solver)
-FAR_FINER = Source("far finer run", "bem", far_finer, of_itself=True)
+SOLVER = Source("solver", "bem", partial(solver, "independent code", "bem at tolerance 1e-12", 1.0))
+FAR_FINER = Source(
+    "far finer run", "bem", partial(solver, "self", "bem at 1e-12, a quarter of the increment", 0.25), of_itself=True
+)
 PAPER = Source("paper's method, extrapolated", "paper's method", paper_extrapolated)
 VOLTERRA = Source("Volterra route", "persson, volterra", partial(persson_route, "volterra", "Volterra route"))
 FINITE_VOLUMES = Source(
@@ -123,9 +118,9 @@ SOURCES: dict[str, tuple[Source, ...]] = {
 }
 
 
-def source_for(scene: str, method: Method, sources: dict[str, tuple[Source, ...]] | None = None) -> Source:
+def source_for(scene: str, method: Method, sources: dict[str, tuple[Source, ...]] = SOURCES) -> Source:
     """The first reference of a scene that may measure a method: of another code, or made to; ValueError without one."""
-    for source in (SOURCES if sources is None else sources)[scene]:
+    for source in sources[scene]:
         if source.code != method.code or source.of_itself:
             return source
     raise ValueError(f"{scene}: no reference of another code than {method.code}")

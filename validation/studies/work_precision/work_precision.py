@@ -9,11 +9,10 @@ reference are grey, failed ones stay with their message.  Counts, not seconds, a
 curve, reference and price list is kept (harness/store.py).
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -21,6 +20,7 @@ from typing import Any
 from validation.corpus.accuracy_costs import FILE as STORED
 from validation.corpus.accuracy_costs import AccuracyCosts, CostPoint
 from validation.corpus.effects import loaded_for_nothing
+from validation.harness.case import CaseError
 from validation.harness.execution import Listener
 from validation.harness.provenance import provenance
 from validation.harness.store import Store, store_in, write_json
@@ -29,9 +29,8 @@ from validation.report.study_figures import Line, Plot, write_svg
 from validation.routes import cohesive_grid
 from validation.studies.shown import peak_megabytes, text_table
 from validation.studies.work_precision.conclusion import MethodCurve, Spot, sentences
-from validation.studies.work_precision.methods import METHODS, Method
-from validation.studies.work_precision.peers import FFT_METHODS, PEER_COLUMNS, PeersError, peer_sentences, peer_table
-from validation.studies.work_precision.points import SHOWN, MethodPoint, Timed, by_method
+from validation.studies.work_precision.methods import METHODS, SHOWN, Method, MethodPoint, Timed, by_method
+from validation.studies.work_precision.peers import FFT_METHODS, PEER_COLUMNS, peer_sentences, peer_table
 from validation.studies.work_precision.price_list import Price, digits_of, priced
 from validation.studies.work_precision.price_list import sentences as price_sentences
 from validation.studies.work_precision.references import SOURCES, Source, Yardstick, source_for
@@ -58,22 +57,14 @@ class Sweep:
 def measured(task: Sweep) -> list[Timed]:
     """All settings of a task, after a warm-up with the first."""
     answers: list[Timed] = []
-    try:
+    with suppress(Exception):  # which the first setting is going to have too
         task.method.solve(task.posed, task.settings[0])
-    except Exception as error:
-        answers.append(Timed("warm-up", f"{type(error).__name__}: {error}"))
     for setting in task.settings:
         try:
             answers.append(_timed(task, setting))
         except Exception as error:  # stays as a marker with its message
             answers.append(Timed(str(setting), f"{type(error).__name__}: {error}"))
-    return [answer for answer in answers if answer.setting != "warm-up"]
-
-
-def computed_reference(item: tuple[Source, Posed]) -> Yardstick:
-    """A reference, in a process of its own."""
-    source, posed = item
-    return source.compute(posed)
+    return answers
 
 
 @dataclass
@@ -133,15 +124,14 @@ def run(
     1 when a reference fails, or a method on every setting of a scene, or the price list, or when the bare scene loads
     a module of an effect that it does not have. Quick: fewer scenes, settings and repeats. Other methods and
     references (by scene) than those of the study may be given, and the price list left out. `peers`: the scenes of the
-    FFT peers only, side by side; else they take part where their extra is installed. PeersError where they are asked
+    FFT peers only, side by side; else they take part where their extra is installed. CaseError where they are asked
     for and not installed.
     """
     absent = cohesive_grid.missing()
     if peers and absent:
-        raise PeersError(f"--peers: {absent}")
+        raise CaseError(f"--peers: {absent}")
     if methods is METHODS and not absent:
         methods = (*METHODS, *FFT_METHODS)
-    folder.mkdir(parents=True, exist_ok=True)
     chosen = {
         name: posed
         for name, posed in scenes().items()
@@ -175,7 +165,6 @@ def _swept(posed: Posed, method: Method, quick: bool, store: Store) -> list[Time
 
 
 def _print(results: Results, told: Sequence[str]) -> None:
-    """Points, what is fixed and not run, prices, conclusion and failures."""
     columns = ["scene", "method", "setting", "unknowns", "error", "of it the reference's", "wall/s", "spread", "cpu/s",
                "MB", "repeats", "status"]  # fmt: skip
     print(text_table(columns, [_row(point) for point in results.points]))
@@ -189,7 +178,9 @@ def _print(results: Results, told: Sequence[str]) -> None:
     elif compared := peer_table(results.points):
         print(text_table(PEER_COLUMNS, compared))
     if results.prices:
-        print(text_table(PRICE_COLUMNS, [_price_row(price) for price in results.prices]))
+        prices = [[p.effect, p.on_top_of, p.seconds, p.extra, p.ratio, p.evaluations, digits_of(p), p.reference]
+                  for p in results.prices]  # fmt: skip
+        print(text_table(PRICE_COLUMNS, prices))
     for line in [*results.conclusion, *told, *(f"FAILED: {message}" for message in results.failures)]:
         print(line)
 
@@ -274,28 +265,19 @@ def _prices(results: Results, store: Store) -> list[str]:
 
 
 def _references(
-    posed: Posed,
-    methods: Sequence[Method],
-    known: dict[str, tuple[Source, ...]],
-    answers: Store,
-    failures: list[str],
+    posed: Posed, methods: Sequence[Method], known: dict[str, tuple[Source, ...]], answers: Store, failures: list[str]
 ) -> dict[str, Yardstick]:
     """The references that these methods need, by name; those that fail are reported."""
     wanted = {source.name: source for source in (source_for(posed.id, method, known) for method in methods)}
     found: dict[str, Yardstick] = {}
     for name, source in wanted.items():
         task = f"{posed.id}, reference: {name}"
-        answer = answers.alone(Yardstick, computed_reference, (source, posed), task, posed)
+        answer = answers.alone(Yardstick, source.compute, posed, task, posed)
         if isinstance(answer, Yardstick):
             found[name] = answer
         else:
             failures.append(f"{posed.id}, reference {name}: {type(answer).__name__}: {answer}")
     return found
-
-
-def _price_row(price: Price) -> list[Any]:
-    return [price.effect, price.on_top_of, price.seconds, price.extra, price.ratio, price.evaluations, digits_of(price),
-            price.reference]  # fmt: skip
 
 
 def _row(point: MethodPoint) -> list[Any]:

@@ -2,19 +2,28 @@
 
 A branch ends at the equilibrium from which the contact jumps, and goes on where it arrives; a dashed line joins them.
 Of an event the separation is known, but not the contact fraction: there the jump begins at the state before it.
+
+The theory, with and without the correction, follows from what the result alone holds.  It is that of a half-space under
+compression; the corrected one is drawn within its calibration alone.  With adhesion separations take a ladder of loads,
+and are left out.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
+import persson
 from bem.command_line.answer_table import axis_unit
+from bem.geometry.profile import Profile
 from bem.scene.result import Event, Result, State
+from persson import DiscreteSpectrum
+from persson import corrected as corrected_theory
 from validation.harness.figure_data import axes, bars, drawn, marks, semilogx, trace
 from validation.harness.schema import Figure, Panel, Series
-from validation.report.curves.theory_curves import Theory, theories_of
 
 NEAR = 0.1  # of the smallest separation of the run: the theory is drawn down to that
 
@@ -100,15 +109,14 @@ def _panel(result: Result, name: str, theories: list[Theory]) -> Panel:
     targets = [state for state in states if state.target and (not apart or state.separation > 0)]
     if targets:
         x, y = [factor * getattr(state, name) for state in targets], [lift * state.mean_pressure for state in targets]
-        errors = [lift * _finite(state.error_estimate.mean_pressure) for state in targets]
+        errors = [lift * finite(state.error_estimate.mean_pressure) for state in targets]
         low, high = ([value + sign * e for value, e in zip(y, errors, strict=True)] for sign in (-1, 1))
         series += [marks("states at targets", x, y, hue=5), bars("estimated error", x, low, high, hue=5)]
     series += _pulled_off(result, apart, factor, lift)
     for hue, theory in enumerate(theories):
         places = theory.separations if apart else theory.fractions
-        least = (
-            NEAR * min((state.separation for state in states if state.separation > 0), default=0.0) if apart else 0.0
-        )
+        closest = min((state.separation for state in states if state.separation > 0), default=0.0)
+        least = NEAR * closest if apart else 0.0
         pairs = [(factor * x, lift * load) for x, load in zip(places, theory.loads, strict=True) if x >= least]
         series.append(trace(theory.label, (x for x, _ in pairs), (y for _, y in pairs), "dashed", hue=2 + 2 * hue))
     shape = semilogx if apart and any(state.separation > 0 for state in states) else axes
@@ -133,6 +141,72 @@ def _pulled_off(result: Result, apart: bool, factor: float, lift: float) -> Iter
                     [lift * end.mean_pressure for end in ends], hue=3)  # fmt: skip
 
 
-def _finite(error: float | None) -> float:
+def finite(error: float | None) -> float:
     """An estimated error; none where there is no finite one."""
     return 0.0 if error is None or not math.isfinite(error) else error
+
+
+SELF_AFFINE = ("period", "hurst", "rms_height", "harmonics", "seed")
+HARMONICS = ("period", "orders", "amplitudes", "phases")
+MANY, FEW = 40, 8  # loads, where one takes no time and where it takes some
+LEAST, MOST = 0.003, 0.6  # contact fractions of the theory among which the corrected one is tried
+SPAN = 50.0  # largest load drawn over the smallest
+
+
+Solved = persson.NonadhesiveContact | persson.AdhesiveContact | corrected_theory.CorrectedContact
+
+
+@dataclass(frozen=True)
+class Theory:
+    """A curve: loads in Pa, contact fractions, and separations in m where they are known."""
+
+    label: str
+    loads: list[float]
+    fractions: list[float]
+    separations: list[float]
+
+
+def spectrum_of(result: Result) -> DiscreteSpectrum | None:
+    """The lines of the profile of a result; None of a scan whose result does not hold them."""
+    profile = result.scene["profile"]
+    if profile["kind"] != "samples":
+        if profile["kind"] == "self_affine":
+            surface = Profile.self_affine(**{name: profile[name] for name in SELF_AFFINE})
+        else:
+            surface = Profile.from_harmonics(**{name: profile[name] for name in HARMONICS})
+        return DiscreteSpectrum.of_profile(surface)
+    if "profile_q" not in result.fields:
+        return None
+    return DiscreteSpectrum(result.fields["profile_q"], result.fields["profile_amplitude"])
+
+
+def theories_of(result: Result) -> list[Theory]:
+    """The theory and the corrected one; none on a layer, without compression, or of two flat surfaces."""
+    most = max((state.mean_pressure for state in result.states if state.mean_pressure > 0), default=0.0)
+    if result.scene["layer"] is not None or most == 0 or not result.groups.get("rms_slope"):
+        return []
+    spectrum = spectrum_of(result)
+    if spectrum is None:
+        return []
+    solid, adhesion = result.scene["solid"], result.scene["adhesion"]
+    given = {name: solid[name] for name in ("youngs_modulus", "poisson_ratio")}
+    if adhesion is not None:
+        given["work_of_adhesion"] = adhesion["work_of_adhesion"]
+    adhesive = adhesion is not None
+    loads = np.geomspace(most / SPAN, most, FEW if adhesive else MANY).tolist()
+    plain = [persson.solve(spectrum, load, with_separation=not adhesive, **given) for load in loads]
+    found = [_curve("Persson's theory", loads, plain)]
+    partial = [load for load, state in zip(loads, plain, strict=True) if LEAST < state.contact_fraction < MOST]
+    chosen = partial[:: -(-len(partial) // FEW) or 1]
+    corrected = [corrected_theory.solve(spectrum, load, **given, with_separation=not adhesive) for load in chosen]
+    inside = [k for k, state in enumerate(corrected) if not state.outside_calibration]
+    if len(inside) > 1:
+        found.append(_curve("the corrected theory", [chosen[k] for k in inside], [corrected[k] for k in inside]))
+    return found
+
+
+def _curve(label: str, loads: list[float], states: Sequence[Solved]) -> Theory:
+    """States as a curve."""
+    known = [state.separation for state in states if state.separation is not None]
+    fractions = [state.contact_fraction for state in states]
+    return Theory(label, loads, fractions, known if len(known) == len(states) else [])

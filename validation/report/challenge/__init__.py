@@ -1,1 +1,0 @@
-"""The page of a judgement, and the figures of the standings."""

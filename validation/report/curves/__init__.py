@@ -1,1 +1,0 @@
-"""Curves of a run, and of the theory beside it."""
