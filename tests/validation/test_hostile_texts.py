@@ -46,7 +46,7 @@ EQUATIONS = (
     r"$\text{&lt;img src=x onerror=ran()&gt;}$ $\class{foreign}{z}$ $\color{red\" onload=\"ran()}{q}$"
 )
 BROKEN = "\x00\x1b[2J\x0c\ud83d \udc80 \ufffe"  # half of a pair, and what no page may hold
-TEXTS = {"markup": BROKEN + MARKUP, "equations": MARKUP + EQUATIONS, "odd": EQUATIONS + "$" + MARKUP}
+TEXTS = {"equations": BROKEN + MARKUP + EQUATIONS, "odd": EQUATIONS + "$" + MARKUP}
 
 LOOK = """(() => {
   const every = [...document.querySelectorAll("*")];

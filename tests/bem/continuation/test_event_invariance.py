@@ -35,8 +35,8 @@ def steep_scene(shift=0.0, mirror=False, length=1.0, stress=1.0):
 UNITS = ("length", "stress")
 CHANGES = pytest.mark.parametrize(
     "change",
-    [*({"shift": 0.3}, {"shift": 0.77}, {"mirror": True}), *({name: 10.0**e} for name in UNITS for e in (-6, 6))],
-    ids=["shift", "far shift", "mirror", "short", "long", "soft", "stiff"],
+    [{"shift": 0.3}, {"mirror": True}, {"length": 1e-6}, {"stress": 1e6}],
+    ids=["shift", "mirror", "short", "stiff"],
 )
 
 
@@ -73,6 +73,7 @@ def test_events_and_targets_are_the_same(steep, change):
         assert np.all(difference <= 6e-12 * size)  # measured 2.1e-12; 5e-3 with w at x = 0 for the least one
 
 
+@pytest.mark.slow
 def test_a_small_snap_is_not_left_out_at_any_increment():
     """From the longer increments the search for a fold reached over it to the next one: 68 events, and 69."""
     unit = 1e6 / 0.75

@@ -51,7 +51,7 @@ def ways(monkeypatch):
     ("ripple", "phase", "targets"),
     [
         pytest.param((300, 1e-8), 0.0, [1e-6, 0.0], id="symmetric", marks=pytest.mark.slow),
-        pytest.param((300, 1e-8), 0.3, [1e-6, 0.0], id="not symmetric"),
+        pytest.param((300, 1e-8), 0.3, [1e-6, 0.0], id="not symmetric", marks=pytest.mark.slow),
         pytest.param((200, 2e-8), 0.0, [20e-6, 30e-6, 10e-6], id="there and back", marks=pytest.mark.slow),
         pytest.param((150, 4e-8), 0.0, [1.265176e-6], id="to just behind a broken symmetry"),
     ],
@@ -84,7 +84,7 @@ def test_every_snap_is_an_event_at_any_increment(ways, ripple, phase, targets):
     ("ripple", "work", "initial", "last", "off"),
     [
         ((40, 1e-6), 0.01, "separated", 1.3e-5, 4e-14),  # measured 1.3e-14
-        ((40, 1e-6), 0.01, "complete_contact", 1.3e-5, 4e-14),  # measured 1.8e-15
+        pytest.param((40, 1e-6), 0.01, "complete_contact", 1.3e-5, 4e-14, marks=pytest.mark.slow),  # measured 1.8e-15
         pytest.param((98, 1.7e-6), 0.23, "separated", 4e-5, 4e-10, marks=pytest.mark.slow),  # measured 1.4e-10
     ],
 )
@@ -133,7 +133,7 @@ def test_another_branch_is_taken_up_at_the_goal_if_that_is_near(ways):
     assert apart[0] / apart[1] == pytest.approx(np.sqrt(10), rel=1.5e-2)  # measured 5.3e-3
 
 
-@pytest.mark.parametrize("event", [-1, -2, -3])
+@pytest.mark.parametrize("event", [-1, *(pytest.param(k, marks=pytest.mark.slow) for k in (-2, -3))])
 def test_a_target_just_before_a_fold_does_not_hide_its_jump(event):
     """The fold lay within its stated error of the target, and was taken for one from which the contact had jumped."""
     scene = [3, 40], [50e-6, 1e-6], [0.0, 0.3], 0.03
@@ -152,8 +152,17 @@ def test_a_target_just_before_a_fold_does_not_hide_its_jump(event):
 
 @pytest.mark.parametrize(
     ("orders", "ripple", "work", "more"),
-    [([1, 20], 5.65e-6, 0.03, {}), ([2, 40], 4e-6, 0.01, {"layer": {"thickness": 1e-3}, "poisson_ratio": 0.45})],
-    ids=["half-space", "layer"],
+    [
+        pytest.param([1, 20], 5.65e-6, 0.03, {}, id="half-space"),
+        pytest.param(
+            [2, 40],
+            4e-6,
+            0.01,
+            {"layer": {"thickness": 1e-3}, "poisson_ratio": 0.45},
+            id="layer",
+            marks=pytest.mark.slow,
+        ),
+    ],
 )
 def test_a_symmetry_breaks_as_such_at_any_increment(orders, ripple, work, more):
     """Where modes of both kinds are nearly equal, coarse forces mix them: a symmetry that broke was taken for a fold.

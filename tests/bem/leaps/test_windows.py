@@ -73,6 +73,7 @@ def test_pressures_are_met_in_windows(both):
     assert first.contact_fraction < found[1].contact_fraction < second.contact_fraction
 
 
+@pytest.mark.slow
 def test_narrow_brackets_in_windows(both):
     """At 1e-4: the same states as by leaps at 1e-2, events in brackets some fifty times as narrow."""
     narrow = solve(banded_scene([4e-6, 3e-6], accuracy={"tolerance": 1e-4}))
