@@ -10,6 +10,7 @@ Functions of the solver can be read: few lines, few parameters, and no question 
 import ast
 from collections import Counter
 from collections.abc import Iterator
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -17,7 +18,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("bem", "fem_reference", "persson", "validation")
-SOURCES = sorted(path.relative_to(ROOT) for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
+SOURCES = dict.fromkeys(sorted(p.relative_to(ROOT) for package in PACKAGES for p in (ROOT / package).rglob("*.py")))
 FOLDERS = sorted({path.parent for path in SOURCES})
 ONLY_IN = {
     "pydantic": ("bem/scene/scene.py", "bem/scene/scene_tables.py", "bem/command_line/keys.py", "validation/"),
@@ -115,21 +116,29 @@ def file_of(name: str) -> Path | None:
     place = Path(*name.split("."))
     while place.parts:
         for path in (place.with_suffix(".py"), place / "__init__.py"):
-            if path in IMPORTS:
+            if path in SOURCES:
                 return path
         place = place.parent
     return None
 
 
-IMPORTS: dict[Path, set[str]] = {path: set(named(path)) for path in SOURCES}
-FILES = {
-    path: {found for name in names if (found := file_of(name)) not in (None, path)} for path, names in IMPORTS.items()
-}
+@cache
+def imports() -> dict[Path, set[str]]:
+    return {path: set(named(path)) for path in SOURCES}
+
+
+@cache
+def files() -> dict[Path, set[Path]]:
+    """Files of ours that each imports."""
+    return {
+        path: {found for name in names if (found := file_of(name)) not in (None, path)}
+        for path, names in imports().items()
+    }
 
 
 def imported_by(path: Path) -> set[str]:
     """Packages that a file imports from."""
-    return {name.split(".")[0] for name in IMPORTS[path]}
+    return {name.split(".")[0] for name in imports()[path]}
 
 
 @pytest.mark.parametrize("package", PACKAGES[:-1])
@@ -151,33 +160,33 @@ def test_every_folder_has_its_place():
 @pytest.mark.parametrize("folder", ORDER)
 def test_imports_between_folders_go_one_way(folder):
     before = ORDER[: ORDER.index(folder) + 1]
-    imports = [(path, other) for path in SOURCES if str(path.parent) == folder for other in FILES[path]]
+    imports = [(path, other) for path in SOURCES if str(path.parent) == folder for other in files()[path]]
     assert [f"{path} imports {other}" for path, other in imports if str(other.parent) not in before] == []
 
 
 @pytest.mark.parametrize("folder", APART)
 def test_folders_that_need_nothing_of_each_other_do_not_import_each_other(folder):
-    imports = [(path, other) for path in SOURCES if path.is_relative_to(folder) for other in FILES[path]]
+    imports = [(path, other) for path in SOURCES if path.is_relative_to(folder) for other in files()[path]]
     assert [f"{path} imports {other}" for path, other in imports if any(map(other.is_relative_to, APART[folder]))] == []
 
 
-def circle_of(files: dict[Path, set[Path]]) -> list[Path]:
+def circle_of(graph: dict[Path, set[Path]]) -> list[Path]:
     """Files each of which imports the next one, the first being the last."""
     try:
-        TopologicalSorter(files).prepare()
+        TopologicalSorter(graph).prepare()
     except CycleError as error:
         return error.args[1][::-1]
     return []
 
 
 def test_no_circle_of_files():
-    circle = circle_of(FILES)
+    circle = circle_of(files())
     assert not circle, " imports ".join(map(str, circle))
 
 
 def test_folders_can_be_read_at_a_glance():
-    files = Counter(str(path.parent) for path in SOURCES if path.name != "__init__.py")
-    assert {folder: count for folder, count in files.items() if count > LARGEST} == {}
+    count = Counter(str(path.parent) for path in SOURCES if path.name != "__init__.py")
+    assert {folder: held for folder, held in count.items() if held > LARGEST} == {}
 
 
 def functions_of_the_solver() -> Iterator[tuple[str, ast.FunctionDef]]:

@@ -71,23 +71,6 @@ def test_no_event_without_a_state_around_it():
     assert sum(len(events) for _, events in legs(loop())) == len(loop().events)
 
 
-@lru_cache(maxsize=2)
-def jumps(largest):
-    """Events down to 30 um and back, many of them jumps so short that Newton can step over them."""
-    there_and_back = [30e-6, 70e-6]
-    return solve(rough_scene(there_and_back, 20, 3, 0.1, accuracy={"max_increment": largest})).events
-
-
-def test_smaller_increments_find_the_same_jumps():
-    coarse, fine = jumps(0.02), jumps(0.01)
-    assert [event.kind for event in coarse] == [event.kind for event in fine]
-    assert [event.kind for event in fine].count("bifurcation") == 5
-    apart = max(abs(a.penetration - b.penetration) for a, b in zip(coarse, fine, strict=True))
-    missed = max(abs(a.energy_released - b.energy_released) for a, b in zip(coarse, fine, strict=True))
-    assert apart <= 4e-8  # measured 1.4e-8, the smallest increments being 2e-8 and 4e-8
-    assert missed <= 1.5e-5  # of 0.1 J/m^2; measured 7.2e-6
-
-
 def test_seven_equal_contacts_lose_their_symmetry_by_an_event():
     wave = Sinusoid(1e-4 / 7, 0.01 / 7, 1e6, 0.5, 0.3)
     below, above = (float(wave.penetration(share * np.pi / 2)) for share in (0.70, 0.80))
