@@ -134,6 +134,7 @@ def studied(tmp_path_factory):
     """The content of study.json of a study of a small scene."""
     folder = tmp_path_factory.mktemp("studied")
     words = {name: table for name, table in ROUGH.items() if name not in ("title", "output")}
+    words["profile"] = words["profile"] | {"harmonics": 4}
     lines = ['title = "small"']
     for name, table in words.items():
         lines += [f"[{name}]", *(f"{key} = {json.dumps(value)}" for key, value in table.items())]

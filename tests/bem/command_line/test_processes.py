@@ -54,7 +54,7 @@ def uninterrupted(tmp_path_factory):
     return read_result(folder / "out")
 
 
-@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL], ids=lambda how: how.name)
+@pytest.mark.parametrize("how", [signal.SIGTERM, signal.SIGKILL], ids=lambda how: how.name)
 def test_stopped_run_goes_on_where_it_was(how, tmp_path, uninterrupted):
     scene, out = written_scene(tmp_path, MANY_TARGETS, harmonics=60), tmp_path / "out"
     process = start(scene, out)

@@ -5,6 +5,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from rough_surfaces import rough_scene
+from scene_tables import tables, waves
 
 from bem.scene.result_file import write_result
 from bem.scene.scene import parse_scene
@@ -18,26 +19,10 @@ WAVE = Sinusoid(1e-4, 0.01, 1e6, 0.5, 0.3)
 def scene(control, targets, order=1, initial=None, flaw=None, alpha=0.3, base_dir=None):
     """Waves of one order with Johnson's alpha; amplitudes fall with the order, so that the slopes are equal."""
     wave = Sinusoid(1e-4 / order, 0.01 / order, 1e6, 0.5, alpha)
-    loading = {"control": control, "targets": list(targets)}
-    if initial is not None:
-        loading["initial"] = initial
-    if flaw is not None:
-        loading["flaw"] = flaw
-    data = {
-        "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
-        "profile": {
-            "kind": "harmonics",
-            "period": 0.01,
-            "orders": [order],
-            "amplitudes": [wave.amplitude],
-            "phases": [0.0],
-        },
-        "loading": loading,
-        "accuracy": {"max_increment": 0.2},
-    }
-    if alpha:
-        data["adhesion"] = {"work_of_adhesion": wave.work_of_adhesion}
-    return parse_scene(data) if base_dir is None else parse_scene(data, base_dir)
+    more = {"accuracy": {"max_increment": 0.2}, "initial": initial, "flaw": flaw}
+    return parse_scene(
+        tables(waves([order], [wave.amplitude]), control, targets, wave.work_of_adhesion, **more), base_dir or "."
+    )
 
 
 @lru_cache(maxsize=4)

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from rough_surfaces import rough_scene
+from scene_tables import tables, waves
 
 from bem.loading.complete_contact import complete_contact
 from bem.loading.path_point import Separated
@@ -94,15 +95,10 @@ def test_loads_a_little_short_of_their_extremum_are_met(short, increment):
     wave = Sinusoid(1e-4, 0.01, 1e6, 0.5, 0.3)
     psi = np.linspace(0.05, 1.2, 400_001)
     most = float(np.min(wave.mean_pressure(psi)))
-    tables = {
-        "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
-        "profile": {"kind": "harmonics", "period": 0.01, "orders": [1], "amplitudes": [1e-4], "phases": [0.0]},
-        "adhesion": {"work_of_adhesion": wave.work_of_adhesion},
-        "loading": {"control": "penetration", "targets": [3e-5, -3e-5], "at_mean_pressures": [(1 - short) * most]},
-        "accuracy": {"max_increment": increment},
-    }
     wanted = (1 - short) * most
-    met = [state.mean_pressure for state in solve(parse_scene(tables)).targets]
+    way = {"at_mean_pressures": [wanted], "accuracy": {"max_increment": increment}}
+    scene = tables(waves([1], [1e-4]), "penetration", [3e-5, -3e-5], wave.work_of_adhesion, **way)
+    met = [state.mean_pressure for state in solve(parse_scene(scene)).targets]
     assert sum(abs(pressure / wanted - 1) <= 1e-9 for pressure in met) == 1
 
 

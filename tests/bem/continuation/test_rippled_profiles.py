@@ -6,6 +6,7 @@ that are nearly so.
 
 import numpy as np
 import pytest
+from scene_tables import tables, waves
 
 from bem.continuation.path import Path
 from bem.scene.scene import parse_scene
@@ -15,17 +16,9 @@ OPENING = {"control": "separation", "initial": "complete_contact"}
 
 
 def rippled(orders, amplitudes, phases, work, loading, increment=0.05, poisson_ratio=0.5, **more):
-    profile = {"orders": orders, "amplitudes": amplitudes, "phases": phases}
-    return parse_scene(
-        {
-            "solid": {"youngs_modulus": 1e6, "poisson_ratio": poisson_ratio},
-            "profile": {"kind": "harmonics", "period": 0.01, **profile},
-            "adhesion": {"work_of_adhesion": work},
-            "loading": loading,
-            "accuracy": {"max_increment": increment},
-        }
-        | more
-    )
+    accuracy = {"max_increment": increment}
+    scene = tables(waves(orders, amplitudes, phases), work=work, nu=poisson_ratio, accuracy=accuracy, **loading)
+    return parse_scene(scene | more)
 
 
 def released(result):

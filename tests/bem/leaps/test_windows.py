@@ -63,6 +63,7 @@ def test_a_path_in_windows_that_was_interrupted_goes_on(both):
     assert [state.edges for state in resumed.targets] == [state.edges for state in both[0].targets]
 
 
+@pytest.mark.slow
 def test_pressures_are_met_in_windows(both):
     first, second = both[0].targets[:2]
     asked = (first.mean_pressure + second.mean_pressure) / 2

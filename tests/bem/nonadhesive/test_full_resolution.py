@@ -63,6 +63,7 @@ def test_hundreds_of_gaps_of_all_widths():
     assert state.separation == pytest.approx(1.412e-11, rel=1e-3)  # the grid: 1.4123e-11, 1.4116e-11, 1.4119e-11
 
 
+@pytest.mark.slow
 def test_a_gap_that_opens_a_thousandth_of_a_wave_stays_open():
     """A coarse evaluation lost it again, for ever."""
     profile = bem.Profile.self_affine(period=0.01, hurst=0.5, rms_height=1e-6, harmonics=4000, seed=1)
