@@ -21,7 +21,7 @@ def test_the_quickest_are_kept_up_to_a_share(share, left_out):
     assert slowest({"a": 1.0, "b": 7.0, "c": 2.5}, share) == set(left_out)
 
 
-@pytest.mark.parametrize("workers", [[], ["-n", "2"]], ids=["here", "two workers"])
+@pytest.mark.parametrize("workers", [[], pytest.param(["-n", "2"], marks=pytest.mark.slow)])
 def test_seconds_of_one_run_choose_the_tests_of_the_next(tmp_path, workers):
     (tmp_path / "test_three.py").write_text(THREE)
     (tmp_path / "pytest.ini").touch()

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scene_tables import rough, tables
 
 import bem
 from bem.__main__ import main
@@ -24,13 +25,8 @@ def folder(tmp_path_factory):
 
 
 def scene_of(folder, output=None, adhesion=None, **profile):
-    tables = {
-        "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
-        "profile": {"kind": "samples", "file": "scan.csv", "unit_x": "m", "unit_h": "m", **profile},
-        "loading": {"control": "mean_pressure", "targets": [1e3, 2e3]},
-        "output": output or {},
-    }
-    return parse_scene(tables | ({"adhesion": {"work_of_adhesion": adhesion}} if adhesion else {}), folder)
+    scan = {"kind": "samples", "file": "scan.csv", "unit_x": "m", "unit_h": "m", **profile}
+    return parse_scene(tables(scan, "mean_pressure", [1e3, 2e3], adhesion) | {"output": output or {}}, folder)
 
 
 @pytest.mark.parametrize(
@@ -75,12 +71,7 @@ def test_of_a_path_that_did_not_converge_nothing_is_told(folder):
 
 
 def test_other_profiles_have_no_cut():
-    profile = {"kind": "self_affine", "period": 1e-3, "hurst": 0.8, "rms_height": 1e-6, "harmonics": 9}
-    scene = {
-        "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
-        "profile": profile,
-        "loading": {"control": "mean_pressure", "targets": [1e3]},
-    }
+    scene = tables(rough(9), "mean_pressure", [1e3])
     assert not is_asked(parse_scene(scene))
     with pytest.raises(SceneError, match=r"output\.cut_sensitivity = true; allowed: false; true needs a scan"):
         parse_scene(scene | {"output": {"cut_sensitivity": True}})

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from scene_tables import tables, waves
 
 from bem.elastic.layer import Layer
 from bem.geometry.scaling import Solid
@@ -13,18 +14,9 @@ THICKNESS, SOLID = 0.001, Solid(1e6, 0.3)
 
 
 def states(control, targets, adhesion=None, layer=False, initial="separated"):
-    data = {
-        "solid": {"youngs_modulus": SOLID.youngs_modulus, "poisson_ratio": SOLID.poisson_ratio},
-        "profile": {"kind": "harmonics", "period": 0.01, "orders": [1], "amplitudes": [0.0], "phases": [0.0]},
-        "loading": {"control": control, "targets": targets, "initial": initial},
-    }
-    if adhesion:
-        data["adhesion"] = {"work_of_adhesion": adhesion}
-    if layer:
-        data["layer"] = {"thickness": THICKNESS}
-    if initial == "complete_contact" and control == "mean_pressure" and adhesion:
-        data["loading"]["flaw"] = 1e-4
-    result = solve(parse_scene(data))
+    flawed = initial == "complete_contact" and control == "mean_pressure" and adhesion
+    more = {"thickness": THICKNESS if layer else None, "nu": 0.3, "initial": initial, "flaw": 1e-4 if flawed else None}
+    result = solve(parse_scene(tables(waves([1], [0.0]), control, targets, adhesion, **more)))
     return result.status, result.targets
 
 

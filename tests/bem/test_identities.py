@@ -145,61 +145,63 @@ def touching(surface, shares):
     return [Touching(surface, state) for state in solved(surface, shares).targets if state.n_patches]
 
 
+# Each of these yields pairs of what is off and of what is allowed
+
+
 def mean_gap_is_the_separation(surface, shares):
     for found in touching(surface, shares):
         mean = sum(float(gap @ weight) for gap, weight in found.gaps) / surface.profile.period
-        assert abs(mean - found.state.separation) <= 1e-12 * surface.profile.rms_height  # measured 5e-14
+        yield abs(mean - found.state.separation), 1e-12 * surface.profile.rms_height  # measured 5e-14
 
 
 def the_gap_is_open(surface, shares):
     for found in touching(surface, shares):
-        assert min(float(gap.min()) for gap, _ in found.gaps) >= -1e-9 * surface.profile.rms_height
+        yield -min(float(gap.min()) for gap, _ in found.gaps), 1e-9 * surface.profile.rms_height
 
 
 def edges_open_at_the_critical_stress_intensity(surface, shares):
     for found in touching(surface, shares):
         alone = found.alone
         work = surface.adhesion.work_of_adhesion * np.sqrt(1 + surface.profile.slope(alone.edges) ** 2)
-        assert np.all(alone.stress_intensity > 0)
-        np.testing.assert_allclose(
-            alone.energy_release_rate, work, rtol=5e-8
-        )  # measured 1.1e-8; a certificate asks 1e-8
+        yield np.max(np.abs(alone.energy_release_rate / work - 1)), 5e-8  # measured 1.1e-8; a certificate asks 1e-8
+        yield np.sum(~(alone.stress_intensity > 0)), 0
 
 
 def events_release_energy(surface, shares):
     released = [event.energy_released for event in solved(surface, shares).events]
-    assert len(released) >= 1
-    assert all(value is not None and value >= 0 for value in released)
+    yield 1, len(released)
+    yield sum(value is None or not value >= 0 for value in released), 0
 
 
 def every_state_is_certified(surface, shares):
     result = solved(surface, shares)
-    assert [state.target for state in result.states].count(True) == len(shares)
-    assert all(state.certificate.ok for state in result.states)
+    yield abs([state.target for state in result.states].count(True) - len(shares)), 0
+    yield sum(not state.certificate.ok for state in result.states), 0
 
 
 def no_edge_is_singular(surface, shares):
     for found in touching(surface, shares):
         punch = found.alone.load / np.sqrt(np.pi * found.state.contact_fraction * PERIOD / found.state.n_patches)
-        assert np.max(np.abs(found.alone.stress_intensity)) <= 1e-8 * punch  # measured 1e-9
+        yield np.max(np.abs(found.alone.stress_intensity)), 1e-8 * punch  # measured 1e-9
 
 
 def the_pressure_is_compressive(surface, shares):
     for found in touching(surface, shares):
         inside = np.concatenate([np.linspace(a, b, 203)[1:-1] for a, b in found.state.edges])
         pressure = found.alone.pressure(inside)
-        assert pressure.min() >= -1e-9 * pressure.max()
+        yield -pressure.min(), 1e-9 * pressure.max()
 
 
 def the_load_grows_with_the_penetration(surface, shares):
-    assert np.all(np.diff([state.mean_pressure for state in solved(surface, shares).targets]) > 0)
+    loads = [state.mean_pressure for state in solved(surface, shares).targets]
+    yield sum(not more > less for less, more in pairwise(loads)), 0
 
 
 def the_path_does_not_matter(surface, shares):
     direct = solved(surface, shares).targets[-1]
     winding = solved(surface, (*shares, 0.5 * shares[-1], *shares)).targets[-1]
-    assert abs(direct.contact_fraction - winding.contact_fraction) <= 1e-10  # measured 5e-12
-    assert abs(direct.mean_pressure - winding.mean_pressure) <= 1e-10 * direct.mean_pressure
+    yield abs(direct.contact_fraction - winding.contact_fraction), 1e-10  # measured 5e-12
+    yield abs(direct.mean_pressure - winding.mean_pressure), 1e-10 * direct.mean_pressure
 
 
 ADHESIVE = (
@@ -228,22 +230,24 @@ def by_name(checks):
 @given(surface=sticky, shares=loads, back=st.floats(0.0, 1.0))
 @repeatable(5)
 def test_adhesive_path(holds, surface, shares, back):
-    holds(surface, (*shares, shares[-1] + back * (0.95 - shares[-1])))
+    pairs = holds(surface, (*shares, shares[-1] + back * (0.95 - shares[-1])))
+    assert [(off, allowed) for off, allowed in pairs if not off <= allowed] == []
 
 
 @by_name(NON_ADHESIVE)
 @given(surface=bare, shares=loads)
 @repeatable(10)
 def test_path_without_adhesion(holds, surface, shares):
-    holds(surface, shares)
+    assert [(off, allowed) for off, allowed in holds(surface, shares) if not off <= allowed] == []
 
 
 @pytest.mark.slow
 @given(surface=sticky, shares=loads, back=st.floats(0.0, 1.0))
 @exploring(60)
 def test_many_adhesive_paths(surface, shares, back):
+    path = *shares, shares[-1] + back * (0.95 - shares[-1])
     for holds in ADHESIVE:
-        holds(surface, (*shares, shares[-1] + back * (0.95 - shares[-1])))
+        assert [(off, allowed) for off, allowed in holds(surface, path) if not off <= allowed] == []
 
 
 @pytest.mark.slow
@@ -251,7 +255,7 @@ def test_many_adhesive_paths(surface, shares, back):
 @exploring(150)
 def test_many_paths_without_adhesion(surface, shares):
     for holds in NON_ADHESIVE:
-        holds(surface, shares)
+        assert [(off, allowed) for off, allowed in holds(surface, shares) if not off <= allowed] == []
 
 
 @st.composite
@@ -315,24 +319,27 @@ CHANGES = {
 }
 
 
+def compared(surface, twin, shares):
+    """Pairs of how far the states of two surfaces are apart, and how far they may be."""
+    here, there = solved(surface, shares).targets, solved(twin, shares).targets
+    scale = max(abs(state.mean_pressure) for state in here)
+    for state, other in zip(here, there, strict=True):
+        yield abs(state.contact_fraction - other.contact_fraction), 1e-10  # measured 1.6e-12
+        yield abs(state.mean_pressure - other.mean_pressure / twin.stress), 1e-10 * scale
+        yield abs(state.separation - other.separation / twin.length), 1e-10 * HEIGHT
+
+
 @pytest.mark.parametrize("change", CHANGES)
 @given(surface=sticky, share=st.floats(0.2, 0.8))
 @repeatable(3)
 def test_adhesive_path_is_invariant(change, surface, share):
-    _same(surface, CHANGES[change](surface), (share, 0.9))
+    pairs = compared(surface, CHANGES[change](surface), (share, 0.9))
+    assert [(off, allowed) for off, allowed in pairs if not off <= allowed] == []
 
 
 @pytest.mark.parametrize("change", CHANGES)
 @given(surface=bare, share=st.floats(0.2, 0.8))
 @repeatable(8)
 def test_path_without_adhesion_is_invariant(change, surface, share):
-    _same(surface, CHANGES[change](surface), (share,))
-
-
-def _same(surface, twin, shares):
-    here, there = solved(surface, shares).targets, solved(twin, shares).targets
-    scale = max(abs(state.mean_pressure) for state in here)
-    for state, other in zip(here, there, strict=True):
-        assert abs(state.contact_fraction - other.contact_fraction) <= 1e-10  # measured 1.6e-12
-        assert abs(state.mean_pressure - other.mean_pressure / twin.stress) <= 1e-10 * scale
-        assert abs(state.separation - other.separation / twin.length) <= 1e-10 * HEIGHT
+    pairs = compared(surface, CHANGES[change](surface), (share,))
+    assert [(off, allowed) for off, allowed in pairs if not off <= allowed] == []

@@ -54,10 +54,10 @@ def test_what_may_help_where_no_state_is_there_helps(why):
 
 def test_the_tension_at_which_surfaces_came_apart_is_told():
     """The largest that is held: a state is there at a little less."""
-    failure = solve(rough_scene([2e4, -1e6], control="mean_pressure")).failure
+    failure = solve(rough_scene([2e4, -1e6], 12, control="mean_pressure")).failure
     pull_off = float(failure.split("came apart at ")[1].split(" Pa")[0])
-    assert solve(rough_scene([2e4, 0.9999 * pull_off], control="mean_pressure")).status == "converged"
-    assert solve(rough_scene([2e4, 1.0001 * pull_off], control="mean_pressure")).status == "unreachable"
+    assert solve(rough_scene([2e4, 0.9999 * pull_off], 12, control="mean_pressure")).status == "converged"
+    assert solve(rough_scene([2e4, 1.0001 * pull_off], 12, control="mean_pressure")).status == "unreachable"
 
 
 def test_complete_contact_of_an_incompressible_layer_has_a_total_displacement():

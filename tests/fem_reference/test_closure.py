@@ -212,7 +212,7 @@ def test_the_family_of_starts_covers_the_chosen_crests_in_order(two_crests):
         assert np.all(np.diff(np.append(edges.ravel(), edges[0, 0] + 1)) > 0)
 
 
-@pytest.mark.parametrize("fraction", [1e-2, 1e-4])
+@pytest.mark.parametrize("fraction", [pytest.param(1e-2, marks=pytest.mark.slow), 1e-4])
 def test_small_contacts_are_found(fraction):
     """The smallest contacts of the first family are 0.06 periods wide: at small loads they all open."""
     pressure = np.pi * AMPLITUDE / (1 - 0.3**2) * np.sin(np.pi * fraction / 2) ** 2
@@ -222,6 +222,7 @@ def test_small_contacts_are_found(fraction):
     assert found.contact_fraction == pytest.approx(fraction, rel=1.5e-3)
 
 
+@pytest.mark.slow
 def test_four_unequal_patches_close():
     layer = LAYER | {"poisson_ratio": 0.3, "thickness": 0.2, "harmonics": ([1, 4], [0.001, 0.01], [0.3, -0.4])}
     found = solve(

@@ -57,7 +57,9 @@ def test_uniform_state_is_the_uniform_compliance(sinusoid, nu):
     assert states.displacement_of_plate[1] == pytest.approx(problem.uniform_compliance, rel=1e-12, abs=1e-15)
 
 
-@pytest.mark.parametrize(("half_width", "nu"), [(0.02, 0.3), (0.15, 0.5), (0.4, 0.45)])
+@pytest.mark.parametrize(
+    ("half_width", "nu"), [(0.02, 0.3), (0.15, 0.5), pytest.param(0.4, 0.45, marks=pytest.mark.slow)]
+)
 def test_prescribed_edges_against_the_closed_form(sinusoid, johnson, half_width, nu):
     problem, exact = sinusoid(nu), johnson(half_width, nu)
     mesh = layer_mesh(2.0, np.array([[-half_width, half_width]]), Resolution(4, 10, 22))

@@ -86,7 +86,7 @@ def test_integral_equation_gives_the_distribution_of_the_finite_volumes(adhesive
     assert np.max(np.abs(one - other)) < 2e-4 * np.max(one)  # measured 4e-5
 
 
-@pytest.mark.parametrize("load", [0.005, 0.02])
+@pytest.mark.parametrize("load", [0.005, pytest.param(0.02, marks=pytest.mark.slow)])
 def test_random_paths_between_the_barriers_survive_as_often(adhesive, load):
     # Brownian bridges: a path that is x and y above the ends of a straight barrier crosses it with probability
     # exp(-2 x y / dV); the same paths against the barrier at zero, where the answer is known, take the noise away

@@ -13,7 +13,6 @@ import subprocess
 import sys
 import tempfile
 import time
-from base64 import b64decode
 from functools import cache
 
 from browser import BROWSER, QUIET
@@ -133,10 +132,6 @@ class Tab:
         nodes = self.ask("Accessibility.getFullAXTree")["nodes"]
         kept = [node for node in nodes if not node["ignored"] and node["role"]["value"] in roles]
         return [(node["role"]["value"], node.get("name", {}).get("value", "")) for node in kept]
-
-    def picture(self, whole=False):
-        """A PNG of the screen, or of the whole page."""
-        return b64decode(self.ask("Page.captureScreenshot", captureBeyondViewport=whole)["data"])
 
     def _hear(self, method, facts):
         if method == "Page.loadEventFired":

@@ -1,6 +1,7 @@
 """Rough states and scenes for the tests of the solver."""
 
 import numpy as np
+from scene_tables import rough, tables, waves
 
 from bem.geometry.patches import Patches, ordered
 from bem.geometry.profile import Profile
@@ -48,24 +49,9 @@ def rough_profile(harmonics=60, seed=4, hurst=0.7):
     return Profile.self_affine(0.01, hurst, 50e-6, harmonics, seed)
 
 
-def rough_scene(targets, harmonics=40, seed=1, adhesion=0.03, control="separation", **changes):
-    """A scene with a self-affine profile; keyword arguments replace whole tables, as adhesion may be one."""
-    data = {
-        "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
-        "profile": {
-            "kind": "self_affine",
-            "period": 0.01,
-            "hurst": 0.7,
-            "rms_height": 50e-6,
-            "harmonics": harmonics,
-            "seed": seed,
-        },
-        "loading": {"control": control, "targets": targets},
-    }
-    if adhesion:
-        table = isinstance(adhesion, dict)
-        data["adhesion"] = adhesion if table else {"work_of_adhesion": adhesion, "slope_term": True}
-    return parse_scene(data | changes)
+def rough_scene(targets, harmonics=40, seed=1, adhesion=0.03, control="separation", slope_term=True, **changes):
+    """A scene with a self-affine profile; keyword arguments replace whole tables."""
+    return parse_scene(tables(rough(harmonics, seed), control, targets, adhesion, slope_term=slope_term) | changes)
 
 
 def banded_scene(targets, **changes):
@@ -73,18 +59,6 @@ def banded_scene(targets, **changes):
     orders = np.arange(60, 140)
     amplitudes = orders**-1.2
     phases = np.random.default_rng(0).uniform(-np.pi, np.pi, orders.size)
-    profile = {
-        "kind": "harmonics",
-        "period": 0.01,
-        "orders": orders.tolist(),
-        "amplitudes": (amplitudes * 5e-6 / np.sqrt(np.sum(amplitudes**2) / 2)).tolist(),
-        "phases": phases.tolist(),
-    }
-    tables = {
-        "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
-        "profile": profile,
-        "loading": {"control": "separation", "targets": targets},
-        "adhesion": {"work_of_adhesion": 3e-3},
-        "accuracy": {"tolerance": 1e-2},
-    }
-    return parse_scene(tables | changes)
+    amplitudes = amplitudes * 5e-6 / np.sqrt(np.sum(amplitudes**2) / 2)
+    profile = waves(orders.tolist(), amplitudes.tolist(), phases.tolist())
+    return parse_scene(tables(profile, "separation", targets, 3e-3, accuracy={"tolerance": 1e-2}) | changes)

@@ -1,4 +1,6 @@
-"""A state as results store it, made up."""
+"""A state as results store it, made up; and what of a result is the same whenever it is computed."""
+
+from dataclasses import replace
 
 from bem.audit.verdict import Certificate
 from bem.scene.result import ErrorEstimate, State
@@ -30,3 +32,10 @@ def stored_state(**changes):
         "target": True,
     }
     return State(**(fields | changes))
+
+
+def lasting(result):
+    """What does not depend on the machine's mood, bit for bit: everything but dates and seconds."""
+    states = [repr(replace(state, cpu_seconds=0.0)) for state in result.states]
+    fields = {name: (values.dtype.str, values.shape, values.tobytes()) for name, values in result.fields.items()}
+    return states, [repr(event) for event in result.events], result.status, fields

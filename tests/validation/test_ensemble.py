@@ -10,14 +10,13 @@ import signal
 import subprocess
 import sys
 import time
-from dataclasses import asdict
 from pathlib import Path
 
 import example_members
-import numpy as np
 import pytest
 from example_members import members
 from in_this_process import here
+from stored_states import lasting
 
 import bem
 from bem.scene.result_file import FIELDS_FILE, RESULT_FILE, CorruptResultError
@@ -35,12 +34,6 @@ def run(planned, folder, opener=here, jobs=1):
 
 def written(folder):
     return {path.parent.name: path.stat().st_mtime_ns for path in folder.glob(f"*/{RESULT_FILE}")}
-
-
-def lasting(result):
-    """What does not depend on the machine's mood: everything but dates and seconds."""
-    states = [asdict(state) | {"cpu_seconds": 0.0} for state in result.states]
-    return states, [asdict(event) for event in result.events], result.status
 
 
 @pytest.fixture(scope="module")
@@ -67,9 +60,7 @@ def test_realisation_is_the_same_on_two_processes(stored, tmp_path):
     folder, _ = stored
     run(members(3), tmp_path, local_processes, jobs=2)
     for member in members(3):
-        one, two = read_member(member, folder), read_member(member, tmp_path)
-        assert lasting(one) == lasting(two)
-        assert all(np.array_equal(one.fields[name], two.fields[name]) for name in one.fields)
+        assert lasting(read_member(member, folder)) == lasting(read_member(member, tmp_path))
 
 
 def test_second_run_computes_only_what_is_missing(tmp_path):
@@ -140,7 +131,7 @@ def test_two_members_of_one_name_are_refused(tmp_path):
 
 
 def test_killed_parent_loses_at_most_what_was_in_flight(tmp_path):
-    count, harmonics = 6, 24
+    count, harmonics = 4, 12
     command = [sys.executable, str(SCRIPT), str(tmp_path), str(count), str(harmonics)]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
@@ -218,6 +209,7 @@ from pathlib import Path
 import bem.solver
 from example_members import members
 from in_this_process import here
+from stored_states import lasting
 from validation.harness.ensemble import run_ensemble
 
 for folder, name, count in zip(*[iter(sys.argv[1:])] * 3):

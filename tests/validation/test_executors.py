@@ -150,7 +150,7 @@ def test_killed_scheduler_is_an_error_that_loses_what_was_in_flight_only(cluster
     assert (len(outcome.found), outcome.damaged, len(outcome.computed)) == (1, (), 2)
 
 
-@pytest.fixture(params=["local", pytest.param("dask", marks=needs_dask)])
+@pytest.fixture(params=["local", pytest.param("dask", marks=[needs_dask, pytest.mark.slow])])
 def two_workers(request):
     """An opener of two processes that a test may kill: of this machine, or of a scheduler."""
     if request.param == "local":

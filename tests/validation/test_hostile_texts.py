@@ -45,7 +45,7 @@ EQUATIONS = (
     r"$\text{&lt;img src=x onerror=ran()&gt;}$ $\class{foreign}{z}$ $\color{red\" onload=\"ran()}{q}$"
 )
 BROKEN = "\x00\x1b[2J\x0c\ud83d \udc80 \ufffe"  # half of a pair, and what no page may hold
-TEXTS = {"markup": BROKEN + MARKUP, "equations": MARKUP + EQUATIONS, "odd": EQUATIONS + "$" + MARKUP}
+TEXTS = {"equations": BROKEN + MARKUP + EQUATIONS, "odd": EQUATIONS + "$" + MARKUP}
 
 LOOK = """(() => {
   const every = [...document.querySelectorAll("*")];
@@ -133,6 +133,7 @@ def studied(tmp_path_factory):
     """The content of study.json of a study of a small scene."""
     folder = tmp_path_factory.mktemp("studied")
     words = {name: table for name, table in ROUGH.items() if name not in ("title", "output")}
+    words["profile"] = words["profile"] | {"harmonics": 4}
     lines = ['title = "small"']
     for name, table in words.items():
         lines += [f"[{name}]", *(f"{key} = {json.dumps(value)}" for key, value in table.items())]

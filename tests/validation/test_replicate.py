@@ -433,11 +433,10 @@ def test_unknown_executor_is_bad_input(tmp_path):
     assert command_line.main(["replicate", "--executor", "slurm", "--out", str(tmp_path)]) == 2
 
 
-@pytest.mark.parametrize("jobs", [1, 2])
-def test_topics_without_an_ensemble_are_not_run_with_the_reason(tmp_path, monkeypatch, jobs):
+def test_topics_without_an_ensemble_are_not_run_with_the_reason(tmp_path, monkeypatch):
     replicate = import_module("validation.replicate")
     monkeypatch.setattr(replicate, "run_ensemble", lambda *_: Gathered((), (), (), {"loading-00": "no memory"}))
-    report = replicate.replicate(tmp_path, TINY, jobs, here, lambda note: None, "replicate")
+    report = replicate.replicate(tmp_path, TINY, 1, here, lambda note: None, "replicate")
     assert {case.status for case in report.cases[2:]} == {"not run"}
     assert all("2 at least are needed" in case.message for case in report.cases[2:])
     assert [line[7] for line in report.cases[0].tables[0].rows] == ["not run"] * 7

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rough_surfaces import cut_edges
+from scene_tables import tables, waves
 
 from bem.audit import certificate, displacement, gap_depths
 from bem.audit.certificate import AdhesiveEdges, Demands, certify
@@ -324,14 +325,7 @@ def test_tension_without_adhesion_is_not_ok():
 def test_a_gap_taken_for_contact_between_the_nodes_is_tension():
     """Orders 1 and 2 just below complete contact, with one patch for two: the tension left is narrower than a node."""
     profile = Profile.from_harmonics(2 * np.pi, [1, 2], [1.0, 1.0]).scaled()
-    scene = parse_scene(
-        {
-            "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
-            "profile": {"kind": "harmonics", "period": 0.01, "orders": [1, 2], "amplitudes": [1e-4, 1e-4]}
-            | {"phases": [0.0, 0.0]},
-            "loading": {"control": "mean_pressure", "targets": [86393.687]},
-        }
-    )
+    scene = parse_scene(tables(waves([1, 2], [1e-4, 1e-4]), "mean_pressure", [86393.687]))
     problem = pose(scene, scene.surface())
     valley = float(np.arccos(-1 / 8))
     patch = Patches(np.array([valley - 2 * np.pi + 2.3e-3]), np.array([valley - 2.3e-3]))

@@ -2,16 +2,13 @@
 
 import io
 import json
-import os
 import shutil
 import signal
-import subprocess
-import sys
-import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from scene_files import SCENE, run, written_scene
 from stored_states import stored_state
 
 import bem.__main__ as command_line
@@ -24,25 +21,6 @@ from bem.scene.result import Progress, Result
 from bem.scene.result_file import read_result, write_result
 from bem.scene.scene import load_scene
 
-SCENE = """
-title = "wave"
-[solid]
-youngs_modulus = 1.0e6
-poisson_ratio = 0.5
-[profile]
-kind = "self_affine"
-period = 0.01
-hurst = 0.7
-rms_height = 50e-6
-harmonics = {harmonics}
-[adhesion]
-work_of_adhesion = 0.03
-[loading]
-control = "separation"
-targets = [{targets}]
-[output]
-shapes = [50e-6]
-"""
 PROGRESS = Progress(1e3, 0.1, 3, 10, 1, 40, 0, 3)
 
 
@@ -90,12 +68,6 @@ def scene(tmp_path):
     return written_scene(tmp_path)
 
 
-def written_scene(folder, targets="60e-6, 50e-6, 40e-6", harmonics=20, name="scene.toml"):
-    path = folder / name
-    path.write_text(SCENE.format(targets=targets, harmonics=harmonics))
-    return path
-
-
 @pytest.fixture
 def solver(monkeypatch):
     def install(**options):
@@ -104,10 +76,6 @@ def solver(monkeypatch):
         return fake
 
     return install
-
-
-def run(scene, out, *options):
-    return command_line.main(["run", str(scene), "--out", str(out), *options])
 
 
 def files(folder):
@@ -362,64 +330,6 @@ def test_every_state_is_in_the_journal_and_now_and_then_in_the_result(scene, tmp
     assert (kept, shown) == ([1, 2, 3, 4], [1, 1, 1, 4])
 
 
-def test_figures_bars_and_layer_are_not_imported_to_check(scene):
-    code = "import sys; import bem.__main__ as c; c.main(['check', sys.argv[1]]); print(sorted(sys.modules))"
-    process = subprocess.run([sys.executable, "-c", code, str(scene)], capture_output=True, text=True, check=True)
-    modules = process.stdout.splitlines()[-1]
-    assert "'matplotlib'" not in modules
-    assert "'tqdm'" not in modules
-    assert "'bem.elastic.layer'" not in modules
-
-
-def start(scene, out):
-    threads = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
-    command = [sys.executable, "-m", "bem", "run", str(scene), "--out", str(out), "--quiet"]
-    return subprocess.Popen(command, env=os.environ | threads, stdout=subprocess.DEVNULL)
-
-
-def wait_for_states(out, process):
-    """Wait until a state is stored; the process must still run then."""
-    for _ in range(6000):
-        if (out / "result.json").exists() and read_result(out).states:
-            assert process.poll() is None, "the run ended before it could be stopped"
-            return
-        time.sleep(0.01)
-    pytest.fail("no state was stored within 60 s")
-
-
-MANY_TARGETS = ", ".join(f"{value}e-6" for value in np.linspace(80, 50, 21))
-
-
-@pytest.fixture(scope="module")
-def uninterrupted(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("uninterrupted")
-    assert run(written_scene(folder, MANY_TARGETS, harmonics=60), folder / "out", "--quiet") == 0
-    return read_result(folder / "out")
-
-
-@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL], ids=lambda how: how.name)
-def test_stopped_run_goes_on_where_it_was(how, tmp_path, uninterrupted):
-    scene, out = written_scene(tmp_path, MANY_TARGETS, harmonics=60), tmp_path / "out"
-    process = start(scene, out)
-    wait_for_states(out, process)
-    process.send_signal(how)
-    code = process.wait(timeout=60)
-    assert code == (-how if how == signal.SIGKILL else 130)
-    before = read_result(out)
-    assert before.status == "interrupted"
-    assert run(scene, out, "--resume", "--quiet") == 0
-    assert_same_path(read_result(out), uninterrupted)
-
-
-def assert_same_path(one, other):
-    """Bit for bit, but for the seconds it took."""
-    free = [[replace(state, cpu_seconds=0.0) for state in result.states] for result in (one, other)]
-    assert free[0] == free[1]
-    assert (one.events, one.status, sorted(one.fields)) == (other.events, other.status, sorted(other.fields))
-    for name, values in one.fields.items():
-        np.testing.assert_array_equal(values, other.fields[name])
-
-
 @pytest.mark.parametrize(
     ("pressure", "failure", "said"),
     [
@@ -441,21 +351,6 @@ def test_what_is_not_certified_ends_with_exit_code_1(scene, tmp_path, monkeypatc
     assert run(scene, tmp_path / "out") == 1
     assert capsys.readouterr().out.startswith("not_converged (")
     assert "not_converged" in {state.status for state in read_result(tmp_path / "out").states}
-
-
-@pytest.mark.parametrize("closed", ["2>&-", ">&-", "2>&- >&-"])
-def test_a_closed_stream_stops_no_run(closed, scene, tmp_path):
-    command = f'"{sys.executable}" -m bem run "{scene}" --out "{tmp_path / "out"}" {closed}'
-    assert subprocess.run(command, shell=True, check=False, stdout=subprocess.DEVNULL).returncode == 0
-    assert read_result(tmp_path / "out").status == "converged"
-
-
-def test_a_title_that_the_terminal_has_no_letters_for_is_escaped(scene):
-    scene.write_text(scene.read_text().replace('"wave"', '"Контакт"'), "utf-8")
-    terminal = os.environ | {"PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}
-    process = subprocess.run([sys.executable, "-m", "bem", "check", str(scene)], env=terminal, capture_output=True)
-    assert process.returncode == 0
-    assert b"\\u041a" in process.stdout
 
 
 def test_a_folder_that_is_removed_while_a_run_writes_there_is_one_error(scene, tmp_path, solver, monkeypatch, capsys):

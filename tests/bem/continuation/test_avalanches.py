@@ -21,6 +21,7 @@ def solved(name, part=1.0):
     return result, scene.surface().rms_height
 
 
+@pytest.mark.slow
 def test_surfaces_that_would_overlap_apart_stay_in_contact():
     """Pull-off at a penetration, then a first touch at none that released -2.3e-8: it is one avalanche."""
     result, height = solved("negative-release")

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from rough_surfaces import rough_scene
 
 from bem.geometry.profile import Profile
 from bem.problem import increments_of, pose
@@ -35,8 +36,8 @@ def steep_scene(shift=0.0, mirror=False, length=1.0, stress=1.0):
 UNITS = ("length", "stress")
 CHANGES = pytest.mark.parametrize(
     "change",
-    [*({"shift": 0.3}, {"shift": 0.77}, {"mirror": True}), *({name: 10.0**e} for name in UNITS for e in (-6, 6))],
-    ids=["shift", "far shift", "mirror", "short", "long", "soft", "stiff"],
+    [{"shift": 0.3}, {"mirror": True}, {"length": 1e-6}, {"stress": 1e6}],
+    ids=["shift", "mirror", "short", "stiff"],
 )
 
 
@@ -73,23 +74,13 @@ def test_events_and_targets_are_the_same(steep, change):
         assert np.all(difference <= 6e-12 * size)  # measured 2.1e-12; 5e-3 with w at x = 0 for the least one
 
 
+@pytest.mark.slow
 def test_a_small_snap_is_not_left_out_at_any_increment():
     """From the longer increments the search for a fold reached over it to the next one: 68 events, and 69."""
-    unit = 1e6 / 0.75
-    scene = {
-        "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
-        "profile": {
-            "kind": "self_affine",
-            "period": 0.01,
-            "hurst": 0.7,
-            "rms_height": 5e-5,
-            "harmonics": 150,
-            "seed": 16,
-        },
-        "adhesion": {"work_of_adhesion": 0.03, "slope_term": True},
-        "loading": {"control": "separation", "targets": [1e-6], "stop_at_mean_pressure": 0.025 * unit},
-    }
-    coarse, fine = (solve(parse_scene(scene | {"accuracy": {"max_increment": size}})) for size in (0.05, 0.0125))
+    stop = {"control": "separation", "targets": [1e-6], "stop_at_mean_pressure": 0.025 * 1e6 / 0.75}
+    coarse, fine = (
+        solve(rough_scene([], 150, 16, loading=stop, accuracy={"max_increment": size})) for size in (0.05, 0.0125)
+    )
     assert [event.kind for event in coarse.events] == [event.kind for event in fine.events]
     energies = [[event.energy_released or 0.0 for event in result.events] for result in (coarse, fine)]
     assert energies[0] == pytest.approx(energies[1], abs=1e-12)  # 5e-15 to 8e-15 J/m^2 measured: rounding

@@ -4,7 +4,9 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+import scene_tables
 from rough_surfaces import rough_scene
+from scene_tables import tables, waves
 
 from bem.elastic.layer import Layer, compliance_ratio
 from bem.geometry.profile import Profile
@@ -19,23 +21,8 @@ LOOP = (5e-6, 9e-5, 5e-5, 2e-6)
 
 
 def wave(control, targets, adhesion=None, nu=0.5, thickness=THIN, tolerance=1e-10):
-    data = {
-        "solid": {"youngs_modulus": MODULUS, "poisson_ratio": nu},
-        "profile": {
-            "kind": "harmonics",
-            "period": PERIOD,
-            "orders": [1],
-            "amplitudes": [AMPLITUDE],
-            "phases": [0.3],
-        },
-        "loading": {"control": control, "targets": list(targets)},
-        "accuracy": {"tolerance": tolerance},
-    }
-    if thickness:
-        data["layer"] = {"thickness": thickness}
-    if adhesion:
-        data["adhesion"] = {"work_of_adhesion": adhesion, "slope_term": True}
-    return parse_scene(data)
+    more = {"slope_term": True, "thickness": thickness, "nu": nu, "accuracy": {"tolerance": tolerance}}
+    return parse_scene(tables(waves([1], [AMPLITUDE], [0.3]), control, targets, adhesion, **more))
 
 
 def rough(adhesion, nu, thickness=THIN):
@@ -167,17 +154,10 @@ def test_no_thickness_overflows(q_d):
     ],
 )
 def test_path_on_a_thin_layer_does_not_jump_from_the_same_place_again(thickness, theta, targets):
-    surface = {"kind": "self_affine", "period": 0.01, "hurst": 0.7, "rms_height": 5e-5, "harmonics": 100}
     wave = Profile.self_affine(0.01, 0.7, 5e-5, 100, 1436176144)
     full = MODULUS / 0.75 * float(np.sum(wave.q0 * wave.orders * wave.amplitudes**2)) / 8
-    scene = {
-        "solid": {"youngs_modulus": MODULUS, "poisson_ratio": 0.5},
-        "profile": surface | {"seed": 1436176144},
-        "layer": {"thickness": thickness},
-        "adhesion": {"work_of_adhesion": theta * full},
-        "loading": {"control": "separation", "targets": targets},
-    }
-    result = solve(parse_scene(scene))
+    profile = scene_tables.rough(100, 1436176144)
+    result = solve(parse_scene(tables(profile, "separation", targets, theta * full, thickness=thickness)))
     assert result.status == "converged"
     places = [(event.kind, round(event.penetration, 14), round(event.position, 9)) for event in result.events]
     assert len(set(places)) == len(places)

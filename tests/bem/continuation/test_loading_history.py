@@ -5,6 +5,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from rough_surfaces import rough_scene
+from scene_tables import tables, waves
 
 from bem.scene.result_file import write_result
 from bem.scene.scene import parse_scene
@@ -18,26 +19,10 @@ WAVE = Sinusoid(1e-4, 0.01, 1e6, 0.5, 0.3)
 def scene(control, targets, order=1, initial=None, flaw=None, alpha=0.3, base_dir=None):
     """Waves of one order with Johnson's alpha; amplitudes fall with the order, so that the slopes are equal."""
     wave = Sinusoid(1e-4 / order, 0.01 / order, 1e6, 0.5, alpha)
-    loading = {"control": control, "targets": list(targets)}
-    if initial is not None:
-        loading["initial"] = initial
-    if flaw is not None:
-        loading["flaw"] = flaw
-    data = {
-        "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
-        "profile": {
-            "kind": "harmonics",
-            "period": 0.01,
-            "orders": [order],
-            "amplitudes": [wave.amplitude],
-            "phases": [0.0],
-        },
-        "loading": loading,
-        "accuracy": {"max_increment": 0.2},
-    }
-    if alpha:
-        data["adhesion"] = {"work_of_adhesion": wave.work_of_adhesion}
-    return parse_scene(data) if base_dir is None else parse_scene(data, base_dir)
+    more = {"accuracy": {"max_increment": 0.2}, "initial": initial, "flaw": flaw}
+    return parse_scene(
+        tables(waves([order], [wave.amplitude]), control, targets, wave.work_of_adhesion, **more), base_dir or "."
+    )
 
 
 @lru_cache(maxsize=4)
@@ -69,23 +54,6 @@ def test_events_have_positions_and_release_energy():
 
 def test_no_event_without_a_state_around_it():
     assert sum(len(events) for _, events in legs(loop())) == len(loop().events)
-
-
-@lru_cache(maxsize=2)
-def jumps(largest):
-    """Events down to 30 um and back, many of them jumps so short that Newton can step over them."""
-    there_and_back = [30e-6, 70e-6]
-    return solve(rough_scene(there_and_back, 20, 3, 0.1, accuracy={"max_increment": largest})).events
-
-
-def test_smaller_increments_find_the_same_jumps():
-    coarse, fine = jumps(0.02), jumps(0.01)
-    assert [event.kind for event in coarse] == [event.kind for event in fine]
-    assert [event.kind for event in fine].count("bifurcation") == 5
-    apart = max(abs(a.penetration - b.penetration) for a, b in zip(coarse, fine, strict=True))
-    missed = max(abs(a.energy_released - b.energy_released) for a, b in zip(coarse, fine, strict=True))
-    assert apart <= 4e-8  # measured 1.4e-8, the smallest increments being 2e-8 and 4e-8
-    assert missed <= 1.5e-5  # of 0.1 J/m^2; measured 7.2e-6
 
 
 def test_seven_equal_contacts_lose_their_symmetry_by_an_event():

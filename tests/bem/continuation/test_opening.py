@@ -87,16 +87,19 @@ def test_a_flaw_opens_to_the_same_state_as_one_that_is_evaluated(monkeypatch):
     assert first.energy_released == pytest.approx(other.energy_released, rel=1e-6)
 
 
+QUICK_FLAWS = {(1e-9, "half-space"), (1e-2, "layer"), (1e-2, "thin layer")}
+
+
 @pytest.mark.parametrize(
     ("share", "layer"),
     [
-        pytest.param(share, layer, marks=() if place % 3 == k % 3 else pytest.mark.slow)
-        for k, share in enumerate([1e-9, 3e-7, 1e-6, 3e-5, 1e-2], start=1)
-        for place, layer in enumerate(LAYERS)
+        pytest.param(share, layer, marks=() if (share, layer) in QUICK_FLAWS else pytest.mark.slow)
+        for share in (1e-9, 3e-7, 1e-6, 3e-5, 1e-2)
+        for layer in LAYERS
     ],
 )
 def test_a_flaw_of_any_width_opens(share, layer):
-    result = solve(flawed_scene(share, **LAYERS[layer]))
+    result = solve(flawed_scene(share, 4, **LAYERS[layer]))
     assert result.status == "unreachable"  # the tension of the target: nothing carries it once the flaw has opened
     assert result.events[0].kind == "opening"
 

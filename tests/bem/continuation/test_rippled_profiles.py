@@ -7,6 +7,7 @@ that are nearly so.
 import numpy as np
 import pytest
 from rough_surfaces import rough_scene
+from scene_tables import tables, waves
 
 from bem.continuation.path import Path
 from bem.scene.scene import parse_scene
@@ -16,17 +17,9 @@ OPENING = {"control": "separation", "initial": "complete_contact"}
 
 
 def rippled(orders, amplitudes, phases, work, loading, increment=0.05, poisson_ratio=0.5, **more):
-    profile = {"orders": orders, "amplitudes": amplitudes, "phases": phases}
-    return parse_scene(
-        {
-            "solid": {"youngs_modulus": 1e6, "poisson_ratio": poisson_ratio},
-            "profile": {"kind": "harmonics", "period": 0.01, **profile},
-            "adhesion": {"work_of_adhesion": work},
-            "loading": loading,
-            "accuracy": {"max_increment": increment},
-        }
-        | more
-    )
+    accuracy = {"max_increment": increment}
+    scene = tables(waves(orders, amplitudes, phases), work=work, nu=poisson_ratio, accuracy=accuracy, **loading)
+    return parse_scene(scene | more)
 
 
 def released(result):
@@ -52,7 +45,7 @@ def ways(monkeypatch):
     ("ripple", "phase", "targets"),
     [
         pytest.param((300, 1e-8), 0.0, [1e-6, 0.0], id="symmetric", marks=pytest.mark.slow),
-        pytest.param((300, 1e-8), 0.3, [1e-6, 0.0], id="not symmetric"),
+        pytest.param((300, 1e-8), 0.3, [1e-6, 0.0], id="not symmetric", marks=pytest.mark.slow),
         pytest.param((200, 2e-8), 0.0, [20e-6, 30e-6, 10e-6], id="there and back", marks=pytest.mark.slow),
         pytest.param((150, 4e-8), 0.0, [1.265176e-6], id="to just behind a broken symmetry"),
     ],
@@ -85,7 +78,7 @@ def test_every_snap_is_an_event_at_any_increment(ways, ripple, phase, targets):
     ("ripple", "work", "initial", "last", "off"),
     [
         ((40, 1e-6), 0.01, "separated", 1.3e-5, 4e-14),  # measured 1.3e-14
-        ((40, 1e-6), 0.01, "complete_contact", 1.3e-5, 4e-14),  # measured 1.8e-15
+        pytest.param((40, 1e-6), 0.01, "complete_contact", 1.3e-5, 4e-14, marks=pytest.mark.slow),  # measured 1.8e-15
         pytest.param((98, 1.7e-6), 0.23, "separated", 4e-5, 4e-10, marks=pytest.mark.slow),  # measured 1.4e-10
     ],
 )
@@ -162,13 +155,12 @@ def test_a_restored_symmetry_leads_to_the_symmetric_branch(increment):
 @pytest.mark.slow
 def test_no_step_ends_behind_a_fold_unseen():
     """A long Newton step to its end changed the stability there: the state that was kept there was unstable."""
-    uniform = {"work_of_adhesion": 0.03, "slope_term": False}
-    result = solve(rough_scene([3.75e-5], 2000, 3, uniform))
+    result = solve(rough_scene([3.75e-5], 2000, 3, slope_term=False))
     assert result.status == "converged"
     assert all(state.certificate.ok for state in result.states)
 
 
-@pytest.mark.parametrize("event", [-1, -2, -3])
+@pytest.mark.parametrize("event", [-1, *(pytest.param(k, marks=pytest.mark.slow) for k in (-2, -3))])
 def test_a_target_just_before_a_fold_does_not_hide_its_jump(event):
     """The fold lay within its stated error of the target, and was taken for one from which the contact had jumped."""
     scene = [3, 40], [50e-6, 1e-6], [0.0, 0.3], 0.03
@@ -187,8 +179,17 @@ def test_a_target_just_before_a_fold_does_not_hide_its_jump(event):
 
 @pytest.mark.parametrize(
     ("orders", "ripple", "work", "more"),
-    [([1, 20], 5.65e-6, 0.03, {}), ([2, 40], 4e-6, 0.01, {"layer": {"thickness": 1e-3}, "poisson_ratio": 0.45})],
-    ids=["half-space", "layer"],
+    [
+        pytest.param([1, 20], 5.65e-6, 0.03, {}, id="half-space"),
+        pytest.param(
+            [2, 40],
+            4e-6,
+            0.01,
+            {"layer": {"thickness": 1e-3}, "poisson_ratio": 0.45},
+            id="layer",
+            marks=pytest.mark.slow,
+        ),
+    ],
 )
 def test_a_symmetry_breaks_as_such_at_any_increment(orders, ripple, work, more):
     """Where modes of both kinds are nearly equal, coarse forces mix them: a symmetry that broke was taken for a fold.

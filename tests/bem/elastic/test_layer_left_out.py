@@ -2,6 +2,7 @@
 
 import pytest
 from rough_surfaces import rough_scene
+from scene_tables import tables, waves
 
 from bem.scene import elastic_tables
 from bem.scene.scene import parse_scene
@@ -37,14 +38,7 @@ def test_the_energy_that_was_left_out_is_in_its_estimate(monkeypatch):
     """A narrow patch under a given load: its pressure, and with it all but the energy, hardly feels the layer."""
 
     def solved_alone():
-        scene = {
-            "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.4},
-            "profile": {"kind": "harmonics", "period": 0.01, "orders": [1], "amplitudes": [2e-5], "phases": [0.0]},
-            "layer": {"thickness": 0.0185},
-            "adhesion": {"work_of_adhesion": 1e-5},
-            "loading": {"control": "mean_pressure", "targets": [50.0]},
-            "accuracy": {"tolerance": 1e-6},
-        }
+        scene = tables(waves([1], [2e-5]), "mean_pressure", [50.0], 1e-5, thickness=0.0185, nu=0.4)
         return solve(parse_scene(scene)).targets[-1]
 
     without = solved_alone()

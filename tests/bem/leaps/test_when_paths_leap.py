@@ -1,23 +1,16 @@
 """Which scenes are followed in leaps."""
 
 import pytest
+from scene_tables import rough, tables, waves
 
 from bem.scene.scene import parse_scene
 
-ROUGH = {"kind": "self_affine", "hurst": 0.7, "rms_height": 50e-6, "harmonics": 12, "seed": 1}
-WAVES = {"kind": "harmonics", "amplitudes": [5e-5, 1e-5], "phases": [0.0, 0.3]}
+ROUGH = rough(12, 1)
+WAVES = waves([], [5e-5, 1e-5], [0.0, 0.3])
 
 
 def scene(profile=ROUGH, tolerance=1e-3, control="separation", target=3e-5):
-    return parse_scene(
-        {
-            "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
-            "profile": {"period": 0.01} | profile,
-            "adhesion": {"work_of_adhesion": 0.03},
-            "loading": {"control": control, "targets": [target]},
-            "accuracy": {"tolerance": tolerance},
-        }
-    )
+    return parse_scene(tables(profile, control, [target], 0.03, accuracy={"tolerance": tolerance}))
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-4])

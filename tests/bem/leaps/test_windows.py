@@ -63,6 +63,7 @@ def test_a_path_in_windows_that_was_interrupted_goes_on(both):
     assert [state.edges for state in resumed.targets] == [state.edges for state in both[0].targets]
 
 
+@pytest.mark.slow
 def test_pressures_are_met_in_windows(both):
     first, second = both[0].targets[:2]
     asked = (first.mean_pressure + second.mean_pressure) / 2
@@ -75,8 +76,7 @@ def test_pressures_are_met_in_windows(both):
 
 def test_an_avalanche_goes_on_in_the_next_window():
     """Detached in one window, patches were still held in the next: the two never fitted, however short the leap."""
-    uniform = {"work_of_adhesion": 0.03, "slope_term": False}
-    result = solve(rough_scene([10e-6, 50e-6], 1500, 6, uniform, accuracy={"tolerance": 1e-2}))
+    result = solve(rough_scene([10e-6, 50e-6], 1500, 6, slope_term=False, accuracy={"tolerance": 1e-2}))
     assert result.status == "converged"
     assert [state.n_patches for state in result.targets] == [95, 25]
     assert result.targets[1].contact_fraction == pytest.approx(0.0810663682522771, rel=1e-10)  # event by event; 1e-12
@@ -91,6 +91,7 @@ def test_a_soft_mode_of_patches_in_two_windows_comes_to_rest():
     np.testing.assert_allclose(mixing.place, 1 / (1 - np.diag(left)), rtol=1e-12)  # measured 1e-15; not mixed 0.66
 
 
+@pytest.mark.slow
 def test_narrow_brackets_in_windows(both):
     """At 1e-4: the same states as by leaps at 1e-2, events in brackets some fifty times as narrow."""
     narrow = solve(banded_scene([4e-6, 3e-6], accuracy={"tolerance": 1e-4}))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scene_tables import tables, waves
 
 from bem.elastic.layer import Layer
 from bem.geometry.scaling import Solid
@@ -17,22 +18,8 @@ X = np.linspace(0, PERIOD, 4096, endpoint=False)
 
 
 def scene(thickness=None, control="mean_pressure", targets=(1e9,), adhesion=None, **loading):
-    data = {
-        "solid": {"youngs_modulus": SOLID.youngs_modulus, "poisson_ratio": SOLID.poisson_ratio},
-        "profile": {
-            "kind": "harmonics",
-            "period": PERIOD,
-            "orders": ORDERS,
-            "amplitudes": AMPLITUDES,
-            "phases": PHASES,
-        },
-        "loading": {"control": control, "targets": list(targets), **loading},
-    }
-    if thickness:
-        data["layer"] = {"thickness": thickness}
-    if adhesion:
-        data["adhesion"] = {"work_of_adhesion": adhesion, "slope_term": True}
-    return parse_scene(data)
+    more = {"slope_term": True, "thickness": thickness, "nu": SOLID.poisson_ratio}
+    return parse_scene(tables(waves(ORDERS, AMPLITUDES, PHASES), control, targets, adhesion, **more, **loading))
 
 
 def exact_pressure(thickness):

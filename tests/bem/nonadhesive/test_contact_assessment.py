@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import scene_tables
 
 from bem.scene.scene import parse_scene
 from bem.solver import solve
@@ -13,18 +14,10 @@ SHARES = np.array([1e-24, 1e-20, 1.2e-19, 1.6e-18, 1.4e-16, 1e-15, 3e-15, 1e-14,
 
 def waves(phase, shares):
     """States of one wave at shares of the mean pressure of complete contact."""
-    scene = {
-        "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
-        "profile": {
-            "kind": "harmonics",
-            "period": PERIOD,
-            "orders": [1],
-            "amplitudes": [AMPLITUDE],
-            "phases": [phase],
-        },
-        "loading": {"control": "mean_pressure", "targets": (FULL * np.asarray(shares)).tolist()},
-    }
-    return solve(parse_scene(scene))
+    targets = (FULL * np.asarray(shares)).tolist()
+    return solve(
+        parse_scene(scene_tables.tables(scene_tables.waves([1], [AMPLITUDE], [phase]), "mean_pressure", targets))
+    )
 
 
 @pytest.mark.parametrize("phase", [-1.0, -0.3, -0.18, 0.0, 1.0, 2.5])

@@ -44,14 +44,14 @@ def ground_surface(points=4000, seed=3):
 def test_a_noisy_scan_is_solved_with_all_its_harmonics():
     """From a quarter of the period in contact to 99 %; a load that grows, and a separation that falls."""
     solid = {"youngs_modulus": 8e6, "poisson_ratio": 0.49}
-    result = solved(ground_surface(), [5e4, 2e5, 5e5, 1e6], solid=solid)
-    assert [state.status for state in result.targets] == ["converged"] * 4
+    result = solved(ground_surface(2000), [5e4, 2e5, 1.2e6], solid=solid)
+    assert [state.status for state in result.targets] == ["converged"] * 3
     fractions = [state.contact_fraction for state in result.targets]
     assert fractions[0] < 0.3
     assert fractions[-1] > 0.98
     assert np.all(np.diff(fractions) > 0)
     assert np.all(np.diff([state.separation for state in result.targets]) < 0)
-    assert max(state.n_patches for state in result.targets) > 400  # measured 430
+    assert max(state.n_patches for state in result.targets) > 180  # measured 200
 
 
 def test_hundreds_of_gaps_of_all_widths():
@@ -63,6 +63,7 @@ def test_hundreds_of_gaps_of_all_widths():
     assert state.separation == pytest.approx(1.412e-11, rel=1e-3)  # the grid: 1.4123e-11, 1.4116e-11, 1.4119e-11
 
 
+@pytest.mark.slow
 def test_a_gap_that_opens_a_thousandth_of_a_wave_stays_open():
     """A coarse evaluation lost it again, for ever."""
     profile = bem.Profile.self_affine(period=0.01, hurst=0.5, rms_height=1e-6, harmonics=4000, seed=1)
@@ -72,6 +73,7 @@ def test_a_gap_that_opens_a_thousandth_of_a_wave_stays_open():
     assert state.evaluations <= 60  # measured 19; without, 400 were not enough
 
 
+@pytest.mark.slow
 def test_a_small_patch_of_a_steep_profile_is_certified_to_rounding():
     """2114 patches, the smallest 1e-5 / 2 pi periods wide: rounding was 4.7e-8 of the variation of its heights."""
     profile = bem.Profile.self_affine(period=0.01, hurst=0.3, rms_height=1e-6, harmonics=4000, seed=3)

@@ -6,6 +6,8 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+import scene_tables
+from scene_tables import rough
 
 from bem.geometry.profile import Profile
 from bem.loading.complete_contact import CompleteContact, complete_contact
@@ -24,22 +26,11 @@ HIGHEST = np.pi * MODULUS * AMPLITUDE / PERIOD  # Westergaard's p*, Pa
 
 
 def scene_of(profile, control="mean_pressure", targets=(1.0,), layer=None, nu=0.5):
-    tables = {
-        "solid": {"youngs_modulus": 1e6, "poisson_ratio": nu},
-        "profile": profile,
-        "loading": {"control": control, "targets": list(targets)},
-    }
-    return parse_scene(tables if layer is None else tables | {"layer": {"thickness": layer}})
+    return parse_scene(scene_tables.tables(profile, control, targets, thickness=layer, nu=nu))
 
 
 def waves(orders, phases):
-    amplitudes = [AMPLITUDE] * len(orders)
-    return {"kind": "harmonics", "period": PERIOD, "orders": orders, "amplitudes": amplitudes, "phases": phases}
-
-
-def rough(harmonics, seed):
-    kind = {"kind": "self_affine", "period": PERIOD, "hurst": 0.7, "rms_height": 5e-5}
-    return kind | {"harmonics": harmonics, "seed": seed}
+    return scene_tables.waves(orders, [AMPLITUDE] * len(orders), phases)
 
 
 def body_of(scene):

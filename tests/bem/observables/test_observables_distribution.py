@@ -17,7 +17,6 @@ from validation.references.dense import dense_nodes, evaluate_dense
 NOTHING = PatchPressure(np.empty(0), np.empty(0), ())
 HALF = np.array([1.0])
 HERTZ = PatchPressure(-HALF, HALF, (np.array([0.5, 0.0, -0.5]),))  # sqrt(1 - x^2)
-PUNCH = PatchPressure(-HALF, HALF, (np.array([-0.3]),))  # -0.3 / sqrt(1 - x^2)
 JKR = PatchPressure(-HALF, HALF, (np.array([0.5 - 0.3, 0.0, -0.5]),))  # both
 
 

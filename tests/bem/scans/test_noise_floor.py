@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scene_tables import tables
 
 import bem
 from bem.scans.gaussian_filter import GaussianFilter
@@ -114,17 +115,15 @@ def test_share_of_noise_is_that_of_its_slopes(harmonics, gaussian):
 def scene_of(folder, noise, **profile):
     h = line(8000, noise)
     (folder / "scan.csv").write_text("\n".join(f"{1e-6 * k:.9g},{value:.12g}" for k, value in enumerate(h)))
-    return parse_scene(
-        {
-            "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
-            "profile": {
-                **{"kind": "samples", "file": "scan.csv", "unit_x": "m", "unit_h": "m"},
-                **{"detrend": "line", "periodic": "mirror", **profile},
-            },
-            "loading": {"control": "mean_pressure", "targets": [1e3]},
-        },
-        folder,
-    )
+    scan = {
+        "kind": "samples",
+        "file": "scan.csv",
+        "unit_x": "m",
+        "unit_h": "m",
+        "detrend": "line",
+        "periodic": "mirror",
+    }
+    return parse_scene(tables(scan | profile, "mean_pressure", [1e3]), folder)
 
 
 def said(scene):

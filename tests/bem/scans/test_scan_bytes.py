@@ -8,6 +8,7 @@ import time
 
 import numpy as np
 import pytest
+from scene_tables import tables
 
 from bem.scans.scan_file import read_scan
 from bem.scans.scan_refusal import ScanFileError
@@ -64,11 +65,7 @@ def test_zero_byte_amid_text_is_told_by_its_line(place, tmp_path):
 )
 def test_what_is_no_file_is_told(name, said, tmp_path):
     os.mkfifo(tmp_path / "pipe")
-    scene = {
-        "solid": {"youngs_modulus": 1e9, "poisson_ratio": 0.3},
-        "profile": {"kind": "samples", "file": name, **UNITS},
-        "loading": {"control": "mean_pressure", "targets": [1e5]},
-    }
+    scene = tables({"kind": "samples", "file": name, **UNITS}, "mean_pressure", [1e5])
     with pytest.raises(SceneError) as caught:
         parse_scene(scene, tmp_path)
     (mistake,) = caught.value.mistakes

@@ -9,6 +9,7 @@ import re
 
 import numpy as np
 import pytest
+from scene_tables import tables
 
 from bem.scans.scan_keys import DEFAULTS, SCAN_KEYS
 from bem.scene.plausibility import cautions_of, groups_of
@@ -77,14 +78,7 @@ STARTS = {
 
 def scene_of(folder, text, values):
     (folder / "scan.csv").write_text(text)
-    return parse_scene(
-        {
-            "solid": {"youngs_modulus": 1e9, "poisson_ratio": 0.3},
-            "profile": {"kind": "samples", "file": "scan.csv", **values},
-            "loading": {"control": "mean_pressure", "targets": [1e5]},
-        },
-        folder,
-    )
+    return parse_scene(tables({"kind": "samples", "file": "scan.csv", **values}, "mean_pressure", [1e5]), folder)
 
 
 def line_of(found):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from scene_tables import tables
 
 from bem.scans.scan_file import read_scan
 from bem.scans.scan_positions import UNIFORMITY
@@ -193,10 +194,6 @@ def test_scene_with_rounded_positions_has_the_harmonics_of_the_exact_ones(tmp_pa
         (tmp_path / name).write_text(
             "\n".join(f"{a:.{decimals}f},{b + 0.05 * a:.5f}" for a, b in zip(x, HEIGHTS, strict=True))
         )
-        scene = parse_scene({
-            "solid": {"youngs_modulus": 5e7, "poisson_ratio": 0.49},
-            "profile": {"kind": "samples", "file": name, "detrend": "line", "harmonics": "all", **UNITS},
-            "loading": {"control": "mean_pressure", "targets": [1e4]},
-        }, tmp_path)  # fmt: skip
-        surfaces.append(scene.surface())
+        profile = {"kind": "samples", "file": name, "detrend": "line", "harmonics": "all", **UNITS}
+        surfaces.append(parse_scene(tables(profile, "mean_pressure", [1e4]), tmp_path).surface())
     assert surfaces[1].rms_slope == pytest.approx(surfaces[0].rms_slope, rel=1e-9)
