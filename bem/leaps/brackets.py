@@ -2,7 +2,8 @@
 
 Their numbers are those of the branch that ended, followed to the middle of the interval, and their errors say how far
 its ends are.  The energy released is what two branches differ by there: their potentials at the end of the interval,
-less the work that the difference of their loads does from its middle on.  Dimensionless.
+less the work that the difference of their loads does from its middle on.  Its error is that work; where it is negative
+the leap itself lifted the contact into another minimum, and the error is no less than that.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -25,7 +26,8 @@ def brackets(system: System, landed: Leapt, value: float, width: float) -> tuple
         return ()
     middle, end, error = _bracket(system, before, value, relaxed.target, width)
     lag = (end.load - relaxed.balance.state.load) * width / 2
-    released, doubt = end.potential - relaxed.balance.potential - lag, abs(lag)
+    released = end.potential - relaxed.balance.potential - lag
+    doubt = max(abs(lag), -released)
     surely = any(kind != "bifurcation" for kind, _ in relaxed.changes)
     return path_events(relaxed.changes, middle, error, released, doubt) if surely or released > SAFETY * doubt else ()
 

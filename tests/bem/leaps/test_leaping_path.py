@@ -128,3 +128,14 @@ def test_under_a_given_load_the_path_is_exact():
         replace(event, error_estimate=None) for event in exact.events
     ]
     np.testing.assert_allclose(other.targets[0].edges, exact.targets[0].edges, rtol=1e-8)
+
+
+def test_a_leap_into_a_higher_minimum_is_an_error_of_its_event():
+    """An event gained energy beyond its error, and the target was refused."""
+    uniform = {"work_of_adhesion": 0.05, "slope_term": False}
+    profile = {"kind": "self_affine", "period": 0.01, "hurst": 0.8, "rms_height": 50e-6, "harmonics": 400, "seed": 12}
+    result = solve(rough_scene([2e-5], adhesion=uniform, profile=profile, accuracy={"tolerance": 1e-2}))
+    assert result.status == "converged"
+    gained = [event for event in result.events if event.energy_released < 0]
+    assert all(-event.energy_released <= event.error_estimate.energy_released for event in gained)
+    assert gained  # 3.2e-4 of 0.05 J/m^2
