@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rough_surfaces import rough_scene
+from scene_tables import rough, tables
 
 from bem.continuation import locating
+from bem.scene.scene import parse_scene
 from bem.solver import solve
 
 TARGETS = [70e-6, 50e-6, 35e-6, 60e-6, 90e-6]
@@ -132,9 +134,8 @@ def test_under_a_given_load_the_path_is_exact():
 
 def test_a_leap_into_a_higher_minimum_is_an_error_of_its_event():
     """An event gained energy beyond its error, and the target was refused."""
-    uniform = {"work_of_adhesion": 0.05, "slope_term": False}
-    profile = {"kind": "self_affine", "period": 0.01, "hurst": 0.8, "rms_height": 50e-6, "harmonics": 400, "seed": 12}
-    result = solve(rough_scene([2e-5], adhesion=uniform, profile=profile, accuracy={"tolerance": 1e-2}))
+    data = tables(rough(400, 12, hurst=0.8), "separation", [2e-5], 0.05, accuracy={"tolerance": 1e-2})
+    result = solve(parse_scene(data))
     assert result.status == "converged"
     gained = [event for event in result.events if event.energy_released < 0]
     assert all(-event.energy_released <= event.error_estimate.energy_released for event in gained)
