@@ -19,7 +19,6 @@ from validation.challenge.record_standings import estimated, extrapolated
 from validation.challenge.solver_process import returned
 from validation.challenge.worker import LONGEST, plain
 from validation.harness.route import Answer
-from validation.report import challenge_page
 
 SOLVERS = """
 import math, os, subprocess, sys, time
