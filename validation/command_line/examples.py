@@ -3,8 +3,6 @@
 What a scene is about stands in its title, of a script in its first line.
 """
 
-from __future__ import annotations
-
 import ast
 import tomllib
 from importlib import resources

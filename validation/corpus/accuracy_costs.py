@@ -4,8 +4,6 @@ accuracy_costs.json is what `python -m validation study work-precision` writes u
 are those of the machine that is named in it and gate nothing; the errors are against a closed form or another code.
 """
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
 from importlib import resources

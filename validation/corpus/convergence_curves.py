@@ -13,8 +13,6 @@
 - ensemble: spread of means over groups of n realisations; order 1/2 (the realisations are independent).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

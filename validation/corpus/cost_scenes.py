@@ -11,8 +11,6 @@ and CPU seconds with compiled kernels and in NumPy, divided by the pace of the m
 which measures with the kernels in use what the file does not hold yet: run it again with LINECONTACT_KERNELS=numpy.
 """
 
-from __future__ import annotations
-
 import copy
 import json
 import math

@@ -4,8 +4,6 @@ The profile is the registry's self-affine one, loaded to two separations.  An ef
 cost nothing: a bare scene, in a process of its own, names the modules of absent effects that it loads.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import subprocess

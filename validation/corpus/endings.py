@@ -15,8 +15,6 @@ Apart from that it is correct or not: certificates, events, closed forms, second
 case that converged and is not correct is the worst kind, and counted.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby

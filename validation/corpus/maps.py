@@ -24,8 +24,6 @@ Source of the problem: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 
 Carbone, Mangialardi, J. Mech. Phys. Solids 56 (2008) 684.  Limits: one period, plane strain.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence

@@ -5,8 +5,6 @@ fitted on the logarithm of the error alone.  Points on the plateau, where roundi
 before the error starts to fall are left out of a fit, and which were used is part of the answer.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal

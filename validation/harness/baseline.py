@@ -8,8 +8,6 @@ failure, and so is one that no case owns.  An update needs a reason, rewrites on
 and is refused from changed sources or from a report of other sources.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import math

@@ -7,8 +7,6 @@ The registry holds all of them.  A case without question, equations, group or so
 is a second case of the same name.  What a case compares is checked when it has run (schema.Row).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from fnmatch import fnmatch

@@ -3,8 +3,6 @@
 A value that is missing or not a number makes the error nan, and nan never passes.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -11,8 +11,6 @@ A member depends on its scene alone, not on the number of workers: phases come f
 (numpy.random.SeedSequence).  Results carry the commit and the digest of the sources that made them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace

@@ -5,8 +5,6 @@ memory, a signal) is run again, alone, after all others, so that only the guilty
 workers at once; Ctrl-C in a terminal reaches the parent only, which decides.
 """
 
-from __future__ import annotations
-
 import time
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Sequence

@@ -9,8 +9,6 @@ a local one ends with BrokenProcessPool, and nobody else's does.  (pebble, whose
 that ends its process with exit code 0 is never reported there.)
 """
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import signal

@@ -1,7 +1,5 @@
 """Figures of cases from labels and numbers, with what most of them share."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from functools import partial
 from typing import Any

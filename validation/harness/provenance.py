@@ -1,7 +1,5 @@
 """Where a report comes from: commit, versions, machine, BLAS; nothing that names a person, a host or a folder."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import platform

@@ -4,8 +4,6 @@ A tolerance is 2.5 times the error measured, which stands in the row; or it is `
 measured; or it is given as (tolerance, measured).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal

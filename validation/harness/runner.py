@@ -7,8 +7,6 @@ that crashes is a record with its message (traceback in OUT/cases/ID.log), never
 cases are counted and compared.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import time

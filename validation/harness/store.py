@@ -8,8 +8,6 @@ computed again.  Exceptions are not kept: what failed is tried again.  Members o
 results of the solver, in the files that its own commands read and go by their scene (ensemble.py).
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import math

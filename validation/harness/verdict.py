@@ -5,8 +5,6 @@ a known discrepancy.  changed: outside that band, on either side: agreeing too w
 tolerance.  not converged, error: with a message; a value that is not a number is an error.  not run: with a reason.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from typing import Literal, get_args

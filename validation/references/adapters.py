@@ -3,8 +3,6 @@
 A code takes the tables that it provides (`taken`), and a scene with any other that says what is in contact is refused.
 """
 
-from __future__ import annotations
-
 import copy
 import tomllib
 from collections.abc import Mapping

@@ -16,8 +16,6 @@ SI units.  Limits: one contact a period; near psi = pi/2 the formulas lose digit
 that matter).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

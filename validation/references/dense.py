@@ -20,8 +20,6 @@ Dimensionless (scaling.py).  Limits: time n^3, memory two n x n matrices for n n
 contact not complete.  Nodes, moments and kernels are this file's own, nothing is shared with the compressed route.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

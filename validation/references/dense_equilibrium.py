@@ -8,8 +8,6 @@ height a, stresses E* q0 a / 2.
 Far from an answer (routes/dense_algebra.py) steps are limited to a third of the edge scale.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

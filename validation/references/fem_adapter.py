@@ -3,8 +3,6 @@
 Nothing that either code derived from these crosses over: no E*, no slope, no edge, no stress intensity.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

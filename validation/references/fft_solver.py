@@ -8,8 +8,6 @@ area compared is the extrapolation 2 A(2n) - A(n) from the two finest grids, its
 and the one before.  The separation, the mean gap, has no such error.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from importlib import import_module
 

@@ -21,8 +21,6 @@ the limit c -> 0; terms left out are of the relative order (Q - p_0)/Q, times th
 SI units.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -22,8 +22,6 @@ The gap opens beside the edge by dg/dx = -2 Q(y) / (E* sqrt((cos a - cos y) / 2)
 SI units.  Limits: symmetric profiles, one patch, no slope term; Delta counts from the height in the middle.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

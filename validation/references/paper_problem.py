@@ -3,8 +3,6 @@
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.  SI units.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any
 

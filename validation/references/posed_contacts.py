@@ -12,8 +12,6 @@ integrals, load and energy: with edges that differ, pointwise pressures have inf
 weighted square norm that is the same for all methods.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any

@@ -7,8 +7,6 @@ leaves out is of the order of the missing load, what rounding leaves is 1e-16 ov
 two equal gaps one is taken for contact: the certificate has to find the tension that is left there.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

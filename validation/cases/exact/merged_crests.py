@@ -6,8 +6,6 @@ it, nor of the path.  SI units.
 Limits: symmetric profiles, one patch; where patches merge is the solver's own.
 """
 
-from __future__ import annotations
-
 from itertools import chain
 
 import numpy as np

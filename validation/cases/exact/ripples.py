@@ -14,8 +14,6 @@ closed form knows nothing of the path of the solver: a jump that ends beyond the
 is seen as a number.  SI units.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial

@@ -3,8 +3,6 @@
 And a rough profile pressed flat.  Closed forms: validation/references/closed_forms.py.  SI units.
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

@@ -13,8 +13,6 @@
 The true error over the uncertainty that the reference states of it is a quantity of its own: at most 1. SI units.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any
 

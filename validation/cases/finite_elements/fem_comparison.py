@@ -18,8 +18,6 @@ the inner 0.8 of each patch.
 SI units.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 

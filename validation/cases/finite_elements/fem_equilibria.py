@@ -4,8 +4,6 @@ One case for every kind of scene at the coarse elements (quick) and at the fine 
 with all Poisson's ratios (full). How both are compared: fem_comparison.py.
 """
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any
 

@@ -13,8 +13,6 @@ of these places by themselves, and what each releases as the difference of their
 SI units.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -9,8 +9,6 @@ boundary elements, find theirs by their own closure, and say whether that is a m
 compared: fem_comparison.py. SI units.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import bem

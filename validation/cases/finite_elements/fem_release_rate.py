@@ -9,8 +9,6 @@ which is the work of adhesion w = gamma sqrt(1 + h'^2) there: a closure imposes 
 energies. SI units.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -7,8 +7,6 @@ phases. So it is compared with the mean over realisations of the boundary elemen
 discrepancy; and the realisation of the finite elements with the theory within the spread of that ensemble. SI units.
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

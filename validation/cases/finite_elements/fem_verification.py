@@ -16,8 +16,6 @@
 How P2 and P4 converge on uniform and on graded meshes: case convergence-rates. SI units.
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import Any
 

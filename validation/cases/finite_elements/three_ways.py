@@ -5,8 +5,6 @@ edges.  The closed form is that of references/closed_forms.py.  Points: the inne
 tenth of its width off the edge.  SI units.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

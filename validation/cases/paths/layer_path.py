@@ -4,8 +4,6 @@ The reference is dense algebra with twice the nodes it needs (dense_equilibrium.
 complete contact the pressure of the layer, and for a layer as thick as to be left out the half-space itself.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

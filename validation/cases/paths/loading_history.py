@@ -7,8 +7,6 @@ Seven equal waves in equal contact stay equal while the smallest eigenvalue is p
 and no wave alone has one.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from bem.scene.result import Event, Result

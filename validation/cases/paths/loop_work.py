@@ -15,8 +15,6 @@ The case: a rough profile on a layer is loaded and unloaded under every control;
 patches nearly detach, since the load turns sharply there.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise

@@ -5,8 +5,6 @@ A path that is interrupted and taken up, or begun from a stored state, goes thro
 bit, also between targets.  SI units.
 """
 
-from __future__ import annotations
-
 import tempfile
 import tomllib
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """The path does not depend on its increments: a quarter of the increment changes nothing beyond the tolerance."""
 
-from __future__ import annotations
-
 import numpy as np
 
 import bem

@@ -11,8 +11,6 @@ from the state before in small explicit steps until the forces are a ten-thousan
 of w, and ends with Newton.  A patch is gone when it is narrower than a thousandth of what it was.  SI units.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -5,8 +5,6 @@ the solver itself. Where the extra `peers` is not installed, its grids are those
 `record` wrote where it was, with its version, the date and the problem.
 """
 
-from __future__ import annotations
-
 import json
 from dataclasses import asdict
 from functools import partial

@@ -5,8 +5,6 @@ The full study (validation/studies/maps.py) takes 40 core minutes, so what it fo
 mean over its realisations, and some of its members are solved again: what is stored must be what the code still gives.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from bem.scene.scene import parse_scene

@@ -1,7 +1,5 @@
 """Contact area against load: one rough profile with and without adhesion, beside the theory with and without."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

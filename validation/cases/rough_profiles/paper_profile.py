@@ -4,8 +4,6 @@ The paper has about half the area in the theory, with adhesion as in the computa
 load is a known discrepancy with a band that fails on both sides.  The loads and the realisation are ours.
 """
 
-from __future__ import annotations
-
 import bem
 from bem.scene.scene import Scene
 from persson import AdhesiveContact

@@ -1,7 +1,5 @@
 """A case in words, scenes solved, and numbers of their states; rows against one reference are those of `Against`."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from typing import Any, Literal

@@ -8,8 +8,6 @@ reference, 1e-14 of the largest value, count as that.  Estimates of a path that 
 have come to another branch: they bound, and are not asked to be close.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any

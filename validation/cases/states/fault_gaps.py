@@ -5,8 +5,6 @@ forms, a profile shifted over the end of the period, and phases of realisations.
 equations, with none of the codes compared.  SI units.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import chain, combinations
 

@@ -1,7 +1,5 @@
 """Statements that hold for any profile: energy release rate, mean gap and dissipation along a path with events."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

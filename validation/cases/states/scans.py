@@ -5,8 +5,6 @@ samples, less their mean; a mirrored line of n samples carries n - 1.  Contact b
 trigonometric interpolant of the samples about their own first position, summed term by term.  SI units.
 """
 
-from __future__ import annotations
-
 import statistics
 import tempfile
 from pathlib import Path

@@ -17,8 +17,6 @@ nowhere else.  It is accepted for B below g, refused for B beyond it by twice th
 is named.  A series cut short, a penetration that is no number, patches a little too narrow or too deep are refused too.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any
 

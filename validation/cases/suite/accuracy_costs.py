@@ -5,8 +5,6 @@ again here, so that stored and present stand beside each other, the paper's prof
 Seconds are of one thread and gate nothing.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterable
 

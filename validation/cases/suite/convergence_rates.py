@@ -1,7 +1,5 @@
 """Rates of convergence against those that theory predicts, bounded on both sides: too fast is as wrong as too slow."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 

@@ -4,8 +4,6 @@ The number of wrong answers is compared with none; it is also pinned, since a ju
 accept its own errors, but not move the baseline.
 """
 
-from __future__ import annotations
-
 import hashlib
 import math
 import tempfile

@@ -4,8 +4,6 @@ Measured costs of many scenes are stored (cost_scenes.py); predictions are made 
 solved again: their evaluations must still be the stored ones, to the 20 % in which counts of work may change.
 """
 
-from __future__ import annotations
-
 import math
 
 from validation.cases.shared.checks import Against, case, column

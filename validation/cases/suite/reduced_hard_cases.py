@@ -7,8 +7,6 @@ standard level the others; the table of the first lists them too, so that the ma
 `python -m validation study stability`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 

@@ -7,8 +7,6 @@ S_m / 4.  With adhesion reference points of the paper's case, two routes that sh
 gains a (-dA/dV).  SI units.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

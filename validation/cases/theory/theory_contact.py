@@ -4,8 +4,6 @@ Area and effective work of adhesion over magnification, stress distribution with
 separation, power spectra of displacement and pressure, and contact at short wavelengths.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 import persson

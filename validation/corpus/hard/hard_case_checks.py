@@ -4,8 +4,6 @@ A check takes the scene and its result and returns findings, one text for each t
 nothing was found against the result.  Tolerances are stated beside the error measured.  SI units.
 """
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Callable
 from dataclasses import replace

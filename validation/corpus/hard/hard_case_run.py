@@ -1,7 +1,5 @@
 """One hard case solved and judged: converged and correct are two answers, a refusal is neither."""
 
-from __future__ import annotations
-
 import tempfile
 import time
 from collections.abc import Callable

@@ -4,8 +4,6 @@ The rough profile is that of Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (
 rms height 50 um, E = 1 MPa, nu = 0.5, 0.03 J/m^2.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

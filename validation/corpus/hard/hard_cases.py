@@ -6,8 +6,6 @@ the statuses expected at the targets) and correct (the certificate of every targ
 here, which live in hard_case_checks.py).  SI units.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from validation.corpus.hard.hard_case_scenes import (

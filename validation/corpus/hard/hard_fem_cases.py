@@ -7,8 +7,6 @@ the default resolution, P4/P3.  Correct means: within twice the uncertainty that
 boundary elements at the same edges and penetration.  SI units.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -6,8 +6,6 @@ routes of the diffusion, each with its own fixed point, agree; without adhesion 
 adds area and takes away separation, which is not negative.  SI units.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import partial
 

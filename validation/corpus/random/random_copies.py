@@ -11,8 +11,6 @@ crests or troughs comes first is nobody's fault.  Events agree in kind and order
 avalanche in any order), in position, penetration, pressure and energy released.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace

@@ -12,8 +12,6 @@ SI units.  Limits: few harmonics (`most_harmonics`), so that many scenes are aff
 one order and of phases that are multiples of pi/2.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal

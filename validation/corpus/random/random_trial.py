@@ -6,8 +6,6 @@ targets are solved by dense algebra (references/dense_equilibrium.py), whose dis
 must bound.  Scenes taken to an extreme are judged by their own result alone: an answer or a refusal by name.
 """
 
-from __future__ import annotations
-
 import math
 import re
 import tempfile

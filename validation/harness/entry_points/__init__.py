@@ -4,8 +4,6 @@ Nothing is imported here: a solver that cannot be imported is a matter for whoev
 own_cases.py imports cases.
 """
 
-from __future__ import annotations
-
 from importlib.metadata import entry_points
 
 from validation.harness.case import CaseError

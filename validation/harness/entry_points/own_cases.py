@@ -6,8 +6,6 @@ suite.  The digest covers the files beside the cases, not what they import from 
 are always computed again.
 """
 
-from __future__ import annotations
-
 import hashlib
 import sys
 from collections.abc import Iterable

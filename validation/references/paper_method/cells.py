@@ -11,8 +11,6 @@ C_jk the mean of log|t - t'| over both cells: exact, and the same at any width o
 Limits: gaps not narrower than the cells beside them.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache
 

@@ -16,8 +16,6 @@ Source: E. Polak, G. Ribiere, Rev. Fr. Inform. Rech. Oper. 3-R1 (1969) 35.  Limi
 energy is flat where it is least.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 

@@ -14,8 +14,6 @@ the quadratic form stationary, the discrete energy changes by exactly
 F of `attraction`.  It tends to -+ (w - G), the energy release rate less the work of adhesion.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -10,8 +10,6 @@ and contact fractions equal to 7e-8 (residual 1e-5).
 Source: G. Carbone, M. Scaraggi, U. Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.  SI at the edge.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

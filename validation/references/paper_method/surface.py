@@ -13,8 +13,6 @@ Carbone, Mangialardi, J. Mech. Phys. Solids 56 (2008) 684:
 Heights are sums of cosines, term by term.  Limits: small slopes in the elasticity, any in the adhesive area.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 
