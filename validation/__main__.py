@@ -4,6 +4,8 @@ Exit codes: 0 done and nothing gating failed, 1 something failed (named), 2 bad 
 Progress and what failed go to stderr, one summary line to stdout.
 """
 
+from __future__ import annotations
+
 import argparse
 import json
 import os

@@ -2,10 +2,10 @@
 
 import pytest
 from in_this_process import Here, forking
-from validation.report.challenge import challenge_page
 
 from validation.harness import executors, store
 from validation.harness.execution import Ended
+from validation.report import challenge_page
 
 
 @pytest.fixture
