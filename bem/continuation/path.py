@@ -256,7 +256,10 @@ class Path:
             yield self._behind_broken_symmetry(piece, end, way)
 
     def _behind_broken_symmetry(self, piece: Piece, limit: LimitPoint, way: Way) -> Point:
-        """The branch that begins where a symmetry breaks, if it is stable and leads on; else where forces lead."""
+        """The branch that begins where a symmetry breaks, if it is stable and leads on; else where forces lead.
+
+        Where none is found nearby the control is stepped.
+        """
         motion, at = alone(limit), limit.at
         other = other_branch(self.system, limit, motion, way)
         if isinstance(other, Refused):

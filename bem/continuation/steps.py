@@ -102,14 +102,14 @@ def growth(piece: Piece) -> float:
 
 
 def evaluated_at_itself(system: System, at: CurvePoint, way: Way) -> CurvePoint | Refused:
-    """The same point from finer evaluations at itself, until what is left to it is short: with better derivatives."""
+    """The same point from fine evaluations at itself, until what is left to it is short: with better derivatives."""
     while True:
         normal = at.rate / at.unit**2
         here = evaluated_finely(system.sloped, Start(at.patches, at.numbers.penetration, at.value), way.tolerance)
         there = _point_of(system, here, at.value, normal, float(normal @ at.rate))
         if isinstance(there, Refused) or there.off <= SHORT:
             return there
-        if there.off >= at.off:
+        if not there.off < at.off:
             return Refused.DIVERGED
         at = there
 

@@ -29,7 +29,7 @@ from bem.loading.increments import COARSE, Accuracy
 
 STEPS = 12  # limit: of Newton with the Jacobians of windows; five do
 LONGEST_STEP = 0.3  # limit: edge scales
-DIFFERENCE = 1e-5  # derived: rms heights: step of the differences along the branch
+DIFFERENCE = 1e-5  # derived: rms heights: step of the differences along the branch at most
 CLOSE = 1e-5  # derived: change of the stiffness by a correction of the motion, after which no other comes
 
 
@@ -114,8 +114,9 @@ class Settling:
             if self._at_rest(state, root, accuracy.residual):
                 after = jacobians if jacobians.stable else self.jacobians(patches, value)
                 return (state, after) if after is not None and after.stable else None
-            size = float(np.max(np.abs(mixing.step(jacobians.motion(2 * root - state.stress_intensity) / unit))))
-            if not size <= LONGEST_STEP:
+            asked = jacobians.motion(2 * root - state.stress_intensity) / unit
+            size = float(np.max(np.abs(mixing.step(asked)))) if np.all(np.isfinite(asked)) else np.inf
+            if size > LONGEST_STEP:
                 return None
             kept = state.resolution if size < SHORT_STEP else None
             patches = first.moved(mixing.place * unit)
@@ -188,7 +189,7 @@ class Settling:
     def _farther(self, state: Evaluation, rate: FloatArray) -> tuple[Evaluation | None, float]:
         """The state a little farther along the branch, its edges moving at a rate, and how much farther."""
         fastest = float(np.max(np.abs(rate) / state.patches.edge_scale))
-        change = min(DIFFERENCE, SHORT_STEP / fastest)
+        change = SHORT_STEP / max(fastest, SHORT_STEP / DIFFERENCE)
         ahead = state.patches.moved(change * rate)
         return self.evaluated(ahead, state.penetration + change, 0.0, state.resolution), change
 
@@ -206,7 +207,7 @@ class Settling:
         return np.asarray(2 - state.stress_intensity / np.sqrt(self._work(state.patches)))
 
     def _at_rest(self, state: Evaluation, root: FloatArray, residual: float) -> bool:
-        """Whether G = w at all edges, to a residual or to the rounding of K."""
+        """Whether G = w at all edges, to a residual or to three roundings of K."""
         missing = np.abs((state.stress_intensity / (2 * root)) ** 2 - 1)
         return bool(np.all((missing <= residual) | (missing <= ROUNDINGS * state.rounding(1.0) / root)))
 
