@@ -14,10 +14,10 @@ others              a shorter step tells
 Where a symmetry is restored (none, back) the branch goes on as its mirror image: shorter steps are tried until none is
 left, and a step of the control finds the symmetric branch (path.py).
 
-Folds and broken symmetries are located as equilibria with a neutral mode (locating.py), whose error comes with them.  Modes that break a
-symmetry are held meanwhile; if that takes a force, the profile has not quite the symmetry, and shorter steps
-lead to the fold near the bifurcation.  Eigenvalues are those of the Hessian in units of the root of edge scale over
-work of adhesion, of order 1.  Dimensionless.
+Folds and broken symmetries are located as equilibria with a neutral mode (locating.py), whose error comes with them.
+Modes that break a symmetry are held meanwhile; if that takes a force, the profile has not quite the symmetry, and
+shorter steps lead to the fold near the bifurcation.  Eigenvalues are those of the Hessian in units of the root of edge
+scale over work of adhesion, of order 1.  Dimensionless.
 """
 
 from __future__ import annotations
