@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -30,6 +31,7 @@ from bem.command_line.console import (
     discard_stdout,
     effects_text,
     groups_text,
+    positive,
     preparation_text,
     reporter,
     scene_text,
@@ -107,6 +109,9 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     present.add_argument("--overwrite", action="store_true", help="replace the result DIR holds")
     run.add_argument("--plot", action="store_true", help="also draw curves and stored shapes as PNG")
     run.add_argument("--quiet", action="store_true", help="no progress")
+    cores = os.cpu_count() or 1
+    many = f"processes for large contacts with adhesion, at a tolerance of 1e-4 or more (default: {cores})"
+    run.add_argument("--jobs", type=positive, default=cores, metavar="N", help=many)
     said = run.add_mutually_exclusive_group()
     said.add_argument("--json", action="store_true", help="print the summary as JSON")
     said.add_argument("--table", action="store_true", help="print the answer too: a column of numbers for each target")
@@ -180,10 +185,7 @@ def _run_alone(scene: Scene, options: argparse.Namespace, new: bool) -> int:
         for caution in cautions_of(scene, groups_of(scene)):
             print(f"warning: {caution.about}: {caution.message}", file=sys.stderr)
     stored = None if new else stored_result(scene, options.out, options.resume, options.overwrite)
-    if stored is not None and stored.status in FINAL_STATUSES:
-        result = stored
-    else:
-        result = _solved(scene, options.out, stored, options.quiet)
+    result = stored if stored is not None and stored.status in FINAL_STATUSES else _solved(scene, stored, options)
     if options.overwrite:
         for old in (*(options.out / f"{name}.png" for name in CURVES), *options.out.glob("shape_[0-9]*.png")):
             old.unlink(missing_ok=True)
@@ -209,12 +211,12 @@ def _keep_start(scene: Scene, options: argparse.Namespace) -> None:
         raise SceneError([Mistake("loading.initial.result", "is the folder --out would overwrite", "another folder")])
 
 
-def _solved(scene: Scene, folder: Path, stored: Result | None, quiet: bool) -> Result:
+def _solved(scene: Scene, stored: Result | None, options: argparse.Namespace) -> Result:
     """Solve, keeping what converges as it does, and write the result."""
-    checkpoint = Checkpoint(folder)
-    report = reporter(sys.stderr, quiet, cost_of(scene))
+    checkpoint = Checkpoint(options.out)
+    report = reporter(sys.stderr, options.quiet, cost_of(scene))
     try:
-        result = solve(scene, progress=report, on_state=checkpoint.keep, resume=stored)
+        result = solve(scene, progress=report, on_state=checkpoint.keep, resume=stored, jobs=options.jobs)
         if scene.scan is not None:
             result = replace(result, cut_sensitivity=cut_sensitivity(scene, result))
         with uninterrupted():

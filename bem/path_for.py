@@ -12,6 +12,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from bem.loading.complete_contact import CompleteContact, complete_contact
+from bem.loading.crew import Crew
 from bem.loading.loading_path import LoadingPath
 from bem.problem import Problem, increments_of, pose
 from bem.scene.scene import Scene
@@ -32,8 +33,10 @@ def check_path(scene: Scene) -> None:
         path_for(scene, problem, complete_contact(problem.profile, problem.law, problem.elastic.compliance))
 
 
-def path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> LoadingPath[Any, Any]:
-    """The path that the effects of the scene call for.
+def path_for(
+    scene: Scene, problem: Problem, complete: CompleteContact, crew: Crew | None = None
+) -> LoadingPath[Any, Any]:
+    """The path that the effects of the scene call for; parts of it that are independent are its crew's.
 
     Raises
     ------
@@ -71,6 +74,8 @@ def path_for(scene: Scene, problem: Problem, complete: CompleteContact) -> Loadi
     if scene.leaps:
         from bem.leaps.leaping_path import LeapingPath
 
-        leaping: LoadingPath[AnyPoint, Equilibrium | Spread] = LeapingPath(exact, scene.accuracy.tolerance)
+        leaping: LoadingPath[AnyPoint, Equilibrium | Spread] = LeapingPath(
+            exact, scene.accuracy.tolerance, crew or Crew()
+        )
         return leaping
     return adhesive

@@ -256,7 +256,8 @@ class Recorder:
 
     def _cost(self, unknowns: int) -> Cost:
         """Evaluations and CPU seconds since the last state."""
-        evaluations, cpu = self.path.effort.evaluations, time.process_time()
+        effort = self.path.effort
+        evaluations, cpu = effort.evaluations, time.process_time() + effort.cpu_elsewhere
         cost = Cost(unknowns, evaluations - self.record.evaluations, cpu - self.record.cpu)
         self.record.evaluations, self.record.cpu = evaluations, cpu
         return cost

@@ -28,6 +28,7 @@ from bem import missed
 from bem.flat_path import solve_flat
 from bem.geometry.patches import ordered
 from bem.loading.complete_contact import complete_contact
+from bem.loading.crew import Crew
 from bem.loading.path_point import Complete, Separated
 from bem.missed import FAILURES, NUMERICAL_FAILURES, MissedTargetError
 from bem.path_for import path_for
@@ -45,6 +46,9 @@ MOST_BETWEEN = 500  # limit: states stored between two targets
 DEEPER = 0.05  # speed: rms heights of penetration between states stored, or the largest increment if that is less
 ALMOST = 0.9  # of that: steps under load are as long as the stiffness where they begin says
 
+OnProgress = Callable[[Progress], None] | None
+OnState = Callable[[Record], None] | None
+
 
 @dataclass(frozen=True)
 class Goal:
@@ -57,9 +61,10 @@ class Goal:
 
 def solve(
     scene: Described = None,
-    progress: Callable[[Progress], None] | None = None,
-    on_state: Callable[[Record], None] | None = None,
+    progress: OnProgress = None,
+    on_state: OnState = None,
     resume: Result | None = None,
+    jobs: int = 1,
     **tables: Unpack[Tables],
 ) -> Result:
     """Solve a scene.
@@ -74,8 +79,10 @@ def solve(
         Called with all that is kept so far whenever a state is added: its last entry is new, `result("interrupted")`
         makes a result of all.
     resume : Result, optional
-        An interrupted result of the same scene: its states are kept up to the last target, and the path continues
-        from there.
+        An interrupted result of the same scene: its states are kept up to the last target, and the path goes on there.
+    jobs : int
+        Processes for the parts of a large contact with adhesion, at a tolerance of 1e-4 or more; results do not depend
+        on it.  More than one need `if __name__ == "__main__":` in a script.  ChildProcessError if one is killed.
     **tables
         `profile`, `solid`, `loading`, `layer`, ...: objects or mappings, where no scene is given.
 
@@ -99,9 +106,9 @@ def solve(
     if surface.is_flat:
         return solve_flat(scene)
     record = Record(scene)
-    with threadpool_limits(limits=1, user_api="blas"):
+    with threadpool_limits(limits=1, user_api="blas"), Crew(jobs) as crew:
         try:
-            run = _Run(scene, pose(scene, surface), record, progress, on_state)
+            run = _Run(scene, pose(scene, surface), record, progress, on_state, crew)
             if resume is not None:
                 run.take_over(resume)
             status, failure = run.follow()
@@ -114,16 +121,11 @@ class _Run:
     """One path through the targets of a scene."""
 
     def __init__(
-        self,
-        scene: Scene,
-        problem: Problem,
-        record: Record,
-        progress: Callable[[Progress], None] | None,
-        on_state: Callable[[Record], None] | None,
+        self, scene: Scene, problem: Problem, record: Record, progress: OnProgress, on_state: OnState, crew: Crew
     ) -> None:
         self.scene, self.problem, self.progress, self.record = scene, problem, progress, record
         self.complete = complete_contact(problem.profile, problem.law, problem.elastic.compliance)
-        self.path = path_for(scene, problem, self.complete)
+        self.path = path_for(scene, problem, self.complete, crew)
         self.recorder = Recorder(scene, problem, self.complete, self.path, record, on_state)
         self.control = scene.loading.control
         self.goals = [

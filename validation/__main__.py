@@ -18,13 +18,13 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from bem.command_line.console import discard_stdout, usable_streams
+from bem.command_line.console import discard_stdout, positive, usable_streams
 from bem.command_line.folder_lock import FolderError, locked
 from bem.scene.atomic_file import write_atomically
 from bem.scene.result_file import RESULT_FILE, CorruptResultError
 from bem.scene.scene import SceneError
 from validation.challenge import commands as challenge
-from validation.challenge.commands import positive, say
+from validation.challenge.commands import say
 from validation.harness import baseline
 from validation.harness.case import Case, CaseError, registry, select
 from validation.harness.entry_points.own_cases import own_cases

@@ -7,6 +7,7 @@ corrected by the pace seen.
 
 from __future__ import annotations
 
+import argparse
 import io
 import json
 import math
@@ -32,6 +33,13 @@ INSTANT = 0.1  # format: s to go, of which fewer are not counted
 def discard_stdout() -> None:
     """Let what is still buffered for stdout go nowhere, once its reader has gone."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def positive(text: str) -> int:
+    """An argument that is a whole number > 0."""
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r}: an integer >= 1 is needed")
+    return int(text)
 
 
 def usable_streams() -> None:

@@ -29,6 +29,7 @@ from bem.leaps.brackets import brackets, unbracketed
 from bem.leaps.leap import Leapt, leap, newton, quiet_leap
 from bem.leaps.spread import Spread, Spreading
 from bem.loading.assessment import Assessment, Quantities
+from bem.loading.crew import Crew
 from bem.loading.increments import Accuracy, Effort, Increments
 from bem.loading.path_point import Complete, Failed, Separated
 
@@ -57,10 +58,13 @@ class LeapingPath:
         That of the same scene event by event.
     tolerance : float
         Of what is reported: it says how long leaps are.
+    crew : Crew
+        Processes in which windows leap.
     """
 
     exact: Path
     tolerance: float
+    crew: Crew
     has_history: ClassVar[bool] = True
 
     @cached_property
@@ -88,7 +92,7 @@ class LeapingPath:
     @cached_property
     def spreading(self) -> Spreading:
         """What leads many patches."""
-        return Spreading(self.exact.system, self.increments.fine)
+        return Spreading(self.exact.system, self.increments.fine, self.crew)
 
     def _spreads(self, count: int) -> bool:
         """Whether so many patches leap in windows: on a half-space, at a given penetration."""

@@ -22,6 +22,7 @@ from bem.elastic.far_field import Charges, far_fields
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
+from bem.leaps.landing import inside
 from bem.leaps.leap import SHORT_STEP
 from bem.leaps.windows import Window, windows_of
 from bem.loading.assessment import UNKNOWN, Assessment, Quantities, quantities_of
@@ -131,7 +132,7 @@ class Settling:
         for window, far in zip(
             windows, far_fields([window.arc for window in windows], charges_of(state), moved_in(state)), strict=True
         ):
-            system = System(replace(self.system.elastic, far=far), self.system.law, self.system.control)
+            system = inside(self.system, far)
             here = if_solvable(balance, system, window.of(patches), value, value, COARSE.tolerance)
             if here is None:
                 return None

@@ -8,27 +8,25 @@ evaluated as a whole; a window that finds nothing is made wider.  States that ar
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 
-from bem.adhesive.branch import tangent
 from bem.adhesive.equilibrium import System, edge_positions
-from bem.continuation.locating import Start
 from bem.elastic.collocation import Evaluation
-from bem.elastic.far_field import FarField, far_fields
+from bem.elastic.far_field import far_fields
 from bem.elastic.gap import gap_field, low_minima
-from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI, Patches, ordered
-from bem.leaps.brackets import brackets
-from bem.leaps.leap import PREDICTED, leap, quiet_leap
+from bem.leaps.landing import Departure, Goal, Landing, landed
+from bem.leaps.leap import PREDICTED
 from bem.leaps.settling import Jacobians, Settling, charges_of, moved_in
 from bem.leaps.windows import Window, in_core, seams, wider, windows_of
 from bem.loading.assessment import Assessment
+from bem.loading.crew import Crew
 from bem.loading.increments import Accuracy
 from bem.loading.path_events import PathEvent, PathStatus
 from bem.loading.path_point import PathPoint
@@ -72,16 +70,6 @@ class Spread(PathPoint):
 
 
 @dataclass(frozen=True, eq=False)
-class Landing:
-    """Where a window ended: its patches and the motion of their edges by the control, (2 L,) arrays, and events."""
-
-    patches: Patches
-    rate: FloatArray
-    bend: FloatArray
-    events: tuple[PathEvent, ...]
-
-
-@dataclass(frozen=True, eq=False)
 class Spreading:
     """Leads many patches from equilibrium to equilibrium.
 
@@ -90,10 +78,13 @@ class Spreading:
     system : System
     fine : Accuracy
         Of states that are kept.
+    crew : Crew
+        Processes in which windows leap.
     """
 
     system: System
     fine: Accuracy
+    crew: Crew
 
     @cached_property
     def settling(self) -> Settling:
@@ -156,9 +147,9 @@ class Spreading:
         it, by default in the leap.  It may be asked that nothing happens in it.
         """
         events: tuple[PathEvent, ...] = ()
-        goal = value, accuracy, value - point.value if width is None else width
+        goal = Goal(point.value, value, accuracy, value - point.value if width is None else width, quiet)
         for _ in range(1 if quiet else ROUNDS):
-            behind = self._once(point, goal, quiet)
+            behind = self._once(point, replace(goal, start=point.value))
             if behind is None:
                 break
             events = (*events, *behind.events)
@@ -167,57 +158,44 @@ class Spreading:
             point = behind
         return None
 
-    def _once(self, point: Spread, goal: tuple[float, Accuracy, float], quiet: bool) -> Spread | None:
+    def _once(self, point: Spread, goal: Goal) -> Spread | None:
         """What all windows find, each in the far field of the state before, joined."""
-        value, accuracy, _ = goal
-        change = value - point.value
+        change = goal.value - point.value
         here, most = charges_of(point.state), PREDICTED * point.patches.edge_scale
         motion = np.clip(change * point.rate + change**2 / 2 * point.bend, -most, most)
-        there = self.settling.evaluated(point.patches.moved(motion), value, accuracy.tolerance) if change else None
-        windows = windows_of(point.patches)
+        evaluated = self.settling.evaluated
+        there = evaluated(point.patches.moved(motion), goal.value, goal.accuracy.tolerance) if change else None
         ahead = moved_in(point.state) if there is None else charges_of(there)
-        found: list[Landing] = []
-        for k, (window, far) in enumerate(
-            zip(windows, far_fields([window.arc for window in windows], here, ahead), strict=True)
-        ):
-            landing = self._landed(window, far, point, motion, goal, quiet)
-            for more in WIDER if landing is None and not quiet else ():
+
+        def departures(windows: Sequence[Window]) -> list[Departure]:
+            return [
+                Departure(far, window.of(point.patches), window.edges(point.rate), window.edges(motion), goal)
+                for window, far in zip(
+                    windows, far_fields([window.arc for window in windows], here, ahead), strict=True
+                )
+            ]
+
+        windows, found = windows_of(point.patches), []
+        for k, landing in enumerate(self._landings(departures(windows))):
+            for more in WIDER if landing is None and not goal.quiet else ():
                 again = wider(point.patches, k, more)
                 if again is None:
                     break
-                (far,) = far_fields([again.arc], here, ahead)
-                landing = self._landed(again, far, point, motion, goal)
+                (landing,) = self._landings(departures([again]))
                 if landing is not None:
                     windows[k] = again
                     break
             if landing is None:
                 return None
             found.append(landing)
-        return self._joined(windows, found, value, accuracy.tolerance)
+        return self._joined(windows, found, goal.value, goal.accuracy.tolerance)
 
-    def _landed(
-        self,
-        window: Window,
-        far: FarField,
-        point: Spread,
-        motion: FloatArray,
-        goal: tuple[float, Accuracy, float],
-        quiet: bool = False,
-    ) -> Landing | None:
-        """Where the leap of a window ends."""
-        value, accuracy, width = goal
-        change = value - point.value
-        system = self.inside(far)
-        start = Start(window.of(point.patches), point.value, point.value)
-        landed = if_solvable(quiet_leap if quiet else leap, system, start, window.edges(motion), value, accuracy)
-        self.system.effort.local_evaluations += system.effort.evaluations + system.effort.local_evaluations
-        if landed is None or landed.relaxed.balance is None or landed.relaxed.status != "converged":
-            return None
-        there = landed.relaxed.balance
-        rate = tangent(system, there)
-        smooth = change != 0 and landed.before is None and np.any(point.rate)
-        bend = (rate - window.edges(point.rate)) / change if smooth else np.zeros(rate.size)
-        return Landing(there.state.patches, rate, bend, brackets(system, landed, point.value, width))
+    def _landings(self, departures: Sequence[Departure]) -> Iterator[Landing | None]:
+        """Where the leaps of windows end."""
+        for landing, evaluations in self.crew.each(landed, self.system, departures):
+            self.system.effort.local_evaluations += evaluations
+            self.system.effort.cpu_elsewhere = self.crew.cpu_seconds
+            yield landing
 
     def _joined(
         self, windows: Sequence[Window], found: Sequence[Landing], value: float, tolerance: float
@@ -242,7 +220,3 @@ class Spreading:
         if state is None:
             return None
         return Spread(value, state, rate[:, order].ravel(), bend[:, order].ravel(), events=events)
-
-    def inside(self, far: FarField) -> System:
-        """The system of a window."""
-        return System(replace(self.system.elastic, far=far), self.system.law, self.system.control)

@@ -71,6 +71,8 @@ class Effort:
         Steps; those that were too long are among the rejected.
     unlocated : int
         Ends of branches that were not located.
+    cpu_elsewhere : float
+        Seconds of other processes.
     """
 
     evaluations: int = 0
@@ -79,3 +81,4 @@ class Effort:
     accepted: int = 0
     rejected: int = 0
     unlocated: int = 0
+    cpu_elsewhere: float = 0.0

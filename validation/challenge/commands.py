@@ -11,6 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from bem.command_line.console import positive
 from bem.command_line.folder_lock import locked
 from validation.challenge import standings
 from validation.challenge.judging import MOST_DIGITS
@@ -191,13 +192,6 @@ def _gigabytes(text: str) -> float:
     if importlib.util.find_spec("resource") is None:
         raise argparse.ArgumentTypeError("this system has no limits of memory (resource.setrlimit)")
     return _positive(MOST_MEMORY, f"a number of GB > 0, at most {MOST_MEMORY:g}", text)
-
-
-def positive(text: str) -> int:
-    """An argument that is a whole number > 0."""
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r}: an integer >= 1 is needed")
-    return int(text)
 
 
 def say(note: Note) -> None:

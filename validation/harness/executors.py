@@ -11,8 +11,6 @@ that ends its process with exit code 0 is never reported there.)
 
 import multiprocessing
 import os
-import signal
-import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -24,6 +22,8 @@ from multiprocessing.process import BaseProcess
 from typing import Any, TypeVar
 
 from threadpoolctl import threadpool_limits
+
+from bem.loading.workers import obey_parent
 
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 LOCAL, DASK = "local", "dask://"
@@ -108,7 +108,7 @@ class Processes(Executor):
         context = multiprocessing.get_context("spawn")
         others, slot = (
             set(multiprocessing.active_children()),
-            ProcessPoolExecutor(1, mp_context=context, initializer=_begin_worker),
+            ProcessPoolExecutor(1, mp_context=context, initializer=obey_parent),
         )
         future = self._given(slot, slot.submit(function, *args, **named))
         self._process[slot] = set(multiprocessing.active_children()) - others
@@ -171,20 +171,6 @@ def on_one_thread(function: Callable[[Item], Answer], item: Item) -> Answer:
     """In a worker: libraries loaded before the limit, such as by unpickling, are limited too."""
     threadpool_limits(limits=1)
     return function(item)
-
-
-def _begin_worker() -> None:
-    """In a new process: an interrupted solver would hand back a part of its path as if it were the whole."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-
-
-def _end_with_parent() -> None:
-    """A worker whose parent was killed would wait for ever for work that nobody hands out."""
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
 
 
 @contextmanager
