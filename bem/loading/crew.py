@@ -16,11 +16,13 @@ Part = TypeVar("Part")
 Answer = TypeVar("Answer")
 Shared = TypeVar("Shared")
 
-MANY = 8  # speed: parts of a step with which processes start
+MANY = 6  # speed: parts of a step with which processes start
 
 
 class Crew(AbstractContextManager["Crew"]):
-    """Those that work at parts of steps, to be closed; worker processes start with the first step of many parts.
+    """Those that work at parts of steps, to be closed.
+
+    Worker processes start with the first step of many parts, and work as soon as they are ready.
 
     Parameters
     ----------
@@ -48,7 +50,9 @@ class Crew(AbstractContextManager["Crew"]):
         """
         if self._workers is None and self.size > 1 and len(parts) >= MANY:
             self._workers = import_module("bem.loading.workers").Workers(self.size, shared)
-        return map(partial(function, shared), parts) if self._workers is None else self._workers.each(function, parts)
+        if self._workers is None or not self._workers.ready:
+            return map(partial(function, shared), parts)
+        return self._workers.each(function, parts)
 
     @property
     def cpu_seconds(self) -> float:

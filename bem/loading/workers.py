@@ -19,6 +19,8 @@ Part = TypeVar("Part")
 Answer = TypeVar("Answer")
 Shared = TypeVar("Shared")
 
+ENDED = "a worker process ended: it was killed, memory ran out, or a script asks for jobs outside of `__main__`"
+
 _kept: Any = None  # in a worker: what the parts share
 
 
@@ -34,6 +36,12 @@ class Workers(Generic[Shared]):
     def __init__(self, size: int, shared: Shared) -> None:
         self.cpu_seconds = 0.0
         self._executor = ProcessPoolExecutor(size, get_context("spawn"), _begin, (shared,))
+        self._beginning = [self._executor.submit(os.getpid) for _ in range(size)]
+
+    @property
+    def ready(self) -> bool:
+        """Whether all have begun."""
+        return all(one.done() for one in self._beginning)
 
     def each(self, function: Callable[[Shared, Part], Answer], parts: Iterable[Part]) -> Iterator[Answer]:
         """Yield function(shared, part) of each part, in their order.
@@ -48,7 +56,7 @@ class Workers(Generic[Shared]):
                 self.cpu_seconds += seconds
                 yield answer
         except BrokenProcessPool as error:
-            raise ChildProcessError("a worker process was ended from outside, perhaps for want of memory") from error
+            raise ChildProcessError(ENDED) from error
 
     def end(self) -> None:
         """End them."""

@@ -13,6 +13,7 @@ from rough_surfaces import banded_scene
 
 from bem.loading import crew
 from bem.loading.crew import MANY, Crew
+from bem.loading.workers import Workers
 from bem.solver import solve
 
 PARENT = """
@@ -36,16 +37,34 @@ def killed(shared, part):
     os.kill(os.getpid(), signal.SIGKILL)
 
 
-@pytest.mark.parametrize("size", [1, 2])
-def test_answers_keep_the_order_of_the_parts(size):
-    with Crew(size) as some:
+def where(shared, part):
+    return os.getpid()
+
+
+@pytest.fixture
+def _at_once(monkeypatch):
+    """Workers work from the first step of two parts on."""
+    monkeypatch.setattr(crew, "MANY", 2)
+    monkeypatch.setattr(Workers, "ready", True)
+
+
+@pytest.mark.usefixtures("_at_once")
+def test_answers_keep_the_order_of_the_parts():
+    with Crew(2) as some:
         assert list(some.each(power, 2, range(20))) == [2**k for k in range(20)]
         assert list(some.each(power, 2, [5])) == [32]
+        assert os.getpid() not in some.each(where, 2, range(4))
 
 
+@pytest.mark.usefixtures("_at_once")
 def test_a_worker_that_is_killed_is_named():
-    with Crew(2) as some, pytest.raises(ChildProcessError, match="a worker process was ended from outside"):
-        list(some.each(killed, None, range(MANY)))
+    with Crew(2) as some, pytest.raises(ChildProcessError, match="a worker process ended: it was killed"):
+        list(some.each(killed, None, range(4)))
+
+
+def test_until_workers_are_ready_the_work_is_done_at_home():
+    with Crew(2) as some:
+        assert set(some.each(where, None, range(MANY))) == {os.getpid()}
 
 
 @pytest.mark.parametrize("size", [0, -1])
@@ -74,8 +93,8 @@ def _runs(process):
     return True
 
 
-def test_windows_in_two_processes_are_those_of_one(monkeypatch):
-    monkeypatch.setattr(crew, "MANY", 2)
+@pytest.mark.usefixtures("_at_once")
+def test_windows_in_two_processes_are_those_of_one():
     alone, seen = solve(banded_scene([4e-6, 3e-6])), set()
 
     def look(progress):
