@@ -27,7 +27,7 @@ class Crew(AbstractContextManager["Crew"]):
     Parameters
     ----------
     size : int
-        Processes; with one the work is done where it is asked for.
+        Processes at most; with one the work is done where it is asked for.
 
     Raises
     ------
@@ -49,7 +49,8 @@ class Crew(AbstractContextManager["Crew"]):
         ChildProcessError where a worker is killed.
         """
         if self._workers is None and self.size > 1 and len(parts) >= MANY:
-            self._workers = import_module("bem.loading.workers").Workers(self.size, shared)
+            size = min(self.size, len(parts))
+            self._workers = import_module("bem.loading.workers").Workers(size, shared)
         if self._workers is None or not self._workers.ready:
             return map(partial(function, shared), parts)
         return self._workers.each(function, parts)
