@@ -2,6 +2,7 @@
 
 import io
 import json
+import os
 import shutil
 import signal
 from dataclasses import replace
@@ -42,7 +43,8 @@ class FakeSolver:
     def __init__(self, stop_at=None, how="interrupted"):
         self.stop_at, self.how, self.visited = stop_at, how, []
 
-    def __call__(self, scene, progress=None, on_state=None, resume=None):
+    def __call__(self, scene, progress=None, on_state=None, resume=None, jobs=None):
+        self.jobs = jobs
         record, states = Record(scene), [] if resume is None else list(resume.states)
         for state in states:
             record.add(state, {})
@@ -178,6 +180,19 @@ def test_interrupted_run_saves_what_converged(scene, tmp_path, solver):
     assert run(scene, tmp_path / "out") == 130
     stored = read_result(tmp_path / "out")
     assert (stored.status, len(stored.states)) == ("interrupted", 2)
+
+
+@pytest.mark.parametrize(("words", "jobs"), [((), os.cpu_count()), (("--jobs", "3"), 3)], ids=["all cores", "three"])
+def test_a_scene_is_solved_by_so_many_processes(words, jobs, scene, tmp_path, solver):
+    assert run(scene, tmp_path / "out", *words) == 0
+    assert solver.jobs == jobs
+
+
+@pytest.mark.parametrize("jobs", ["0", "-1", "two", "1.5"])
+def test_a_number_of_processes_is_whole(jobs, scene, tmp_path, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        run(scene, tmp_path / "out", "--jobs", jobs)
+    assert f"argument --jobs: {jobs!r}: an integer >= 1 is needed" in capsys.readouterr().err
 
 
 def test_resume_visits_only_what_is_missing(scene, tmp_path, solver):
@@ -356,7 +371,7 @@ def test_what_is_not_certified_ends_with_exit_code_1(scene, tmp_path, monkeypatc
 def test_a_folder_that_is_removed_while_a_run_writes_there_is_one_error(scene, tmp_path, solver, monkeypatch, capsys):
     fake, out = solver(), tmp_path / "out"
 
-    def removing(scene, progress=None, on_state=None, resume=None):
+    def removing(scene, progress=None, on_state=None, resume=None, jobs=None):
         def keep(record):
             on_state(record)
             shutil.rmtree(out)
