@@ -136,9 +136,10 @@ class Settling:
             here = if_solvable(balance, system, window.of(patches), value, value, COARSE.tolerance)
             if here is None:
                 return None
-            lu, pivots, _ = lapack.dgetrf(
-                imbalance_by_edges(system, here, here.state.patches.edge_scale), overwrite_a=1
-            )
+            unit = here.state.patches.edge_scale
+            lu, pivots, singular = lapack.dgetrf(imbalance_by_edges(system, here, unit), overwrite_a=1)
+            if singular:
+                return None
             solved.append(Solved(window, system, here, (lu, pivots)))
         return Jacobians(solved)
 
