@@ -80,6 +80,7 @@ def test_an_avalanche_goes_on_in_the_next_window():
     assert result.status == "converged"
     assert [state.n_patches for state in result.targets] == [95, 25]
     assert result.targets[1].contact_fraction == pytest.approx(0.0810663682522771, rel=1e-10)  # event by event; 1e-12
+    assert len(result.events) == pytest.approx(351, rel=0.02)  # of all patches together; 348: none is told twice
 
 
 def test_a_soft_mode_of_patches_in_two_windows_comes_to_rest():
