@@ -6,8 +6,10 @@ import pytest
 from validation.cases.finite_elements import fem_comparison, fem_matrix
 from validation.cases.finite_elements.fem_closed_forms import layer_compliance
 from validation.cases.finite_elements.fem_equilibria import EDGES, PENETRATION, SCENES
+from validation.harness.compare import combined_tolerance, combined_uncertainty
 from validation.harness.verdict import verdict_of
 from validation.references import adapters, fem_adapter
+from validation.report.verification.allowances import budget_of
 
 WAVE = {"adhesion": None, "loading": {"targets": [20e-6]}}
 
@@ -36,11 +38,13 @@ def test_a_half_space_is_refused():
         fem_adapter.fem_arguments(adapters.scene("layer_two_crests", {"layer": None}))
 
 
-def test_rows_of_the_comparison_record_what_was_measured(given_edges):
+def test_the_combined_uncertainty_decides_without_a_factor_and_nothing_is_called_measured(given_edges):
     judged = [row for row in fem_comparison.rows(given_edges) if row.reference.uncertainty]
     assert judged
-    assert all(0 < row.tolerance.measured < row.tolerance.value for row in judged)
+    assert {row.tolerance.measured for row in judged} == {None}
     assert all(row.uncertainty > 0 for row in judged)
+    assert {combined_tolerance(row) / combined_uncertainty(row) for row in judged} == {1.0}
+    assert {budget_of(row).decides for row in judged} == {"the uncertainty"}
 
 
 def test_random_scenes_of_the_matrix_are_those_drawn():

@@ -56,7 +56,7 @@ def _matrix(elements: str, chosen: Iterable[int] | None) -> Outcome:
         "adhesive states that are minima of the energy by finite elements", len(stable), sum(map(bool, stable))
     )
     table = Table(
-        caption=f"Scenes of seed {SEED}: adhesion of any strength, or none; |BEM - FEM| over what is allowed, at most.",
+        caption=f"Scenes of seed {SEED}: any adhesion, or none; |BEM - FEM| over u, the combined uncertainty, at most.",
         columns=["scene", "profile", "control", "targets", "d/lambda", "nu", "adhesion", "patches", "largest share"],
         rows=[_line(index, comparison) for index, comparison in found.items()],
     )

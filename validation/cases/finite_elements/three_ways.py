@@ -125,9 +125,9 @@ def _rows(found: list[ThreeAnswers], unknowns: int) -> list[Row]:
         rows += [
             JOHNSON.row(f"{q.name}, boundary elements", q.unit, q.exact, q.bem, MEASURED[q.name], "absolute", q.scale,
                         uncertainty=ours),
-            JOHNSON.row(f"{q.name}, finite elements", q.unit, q.exact, q.fem, 0.0, "absolute", q.scale,
+            JOHNSON.row(f"{q.name}, finite elements", q.unit, q.exact, q.fem, None, "absolute", q.scale,
                         required=ROUNDING, uncertainty=theirs, code="fem"),
-            fem.row(q.name, q.unit, q.fem, q.bem, 0.0, "absolute", q.scale, required=ROUNDING, uncertainty=ours),
+            fem.row(q.name, q.unit, q.fem, q.bem, None, "absolute", q.scale, required=ROUNDING, uncertainty=ours),
         ]  # fmt: skip
     return rows
 

@@ -44,7 +44,7 @@ class Loose:
     target: str
     name: str
     tolerance: float
-    measured: float
+    measured: float | None
     error: float
     ratio: float
     basis: str
