@@ -6,6 +6,7 @@ import pytest
 from validation.cases.finite_elements import fem_comparison, fem_matrix
 from validation.cases.finite_elements.fem_closed_forms import layer_compliance
 from validation.cases.finite_elements.fem_equilibria import EDGES, PENETRATION, SCENES
+from validation.harness.case import registry
 from validation.harness.compare import combined_tolerance, combined_uncertainty
 from validation.harness.verdict import verdict_of
 from validation.references import adapters, fem_adapter
@@ -67,6 +68,24 @@ def test_middle_pressure_is_the_weighted_mean_of_westergaards():
     exact = 2 * full * np.cos(at) * np.sqrt(sine - np.sin(at) ** 2)
     expected = np.sum(weight * exact) / np.sum(weight)
     np.testing.assert_allclose(fem_adapter.middle_pressure(state), expected, rtol=1e-8)  # measured 3.8e-9: the layer
+
+
+BY_NAME = {one.id: one for one in registry()}
+OF_FEM_ALONE = ("code verification of the finite elements", "finite elements against closed forms")
+
+
+@pytest.mark.parametrize("name", [one.id for one in BY_NAME.values() if one.group in OF_FEM_ALONE])
+def test_a_case_of_the_finite_elements_alone_says_so(name):
+    assert BY_NAME[name].code == "fem"
+
+
+@pytest.mark.parametrize("name", ["layer-two-patches-fem", "fem-fold-coarse"])
+def test_rows_that_do_not_hold_both_codes_are_of_the_code_that_was_computed(name):
+    rows = BY_NAME[name].compute().rows
+    others = [row for row in rows if row.reference.kind != "FEM"]
+    assert len(others) >= 1
+    assert {row.code for row in others} == {"fem"}
+    assert {row.code or "bem" for row in rows if row.reference.kind == "FEM"} == {"bem"}
 
 
 @pytest.fixture(scope="module")

@@ -99,11 +99,17 @@ class Against:
                         uncertainty=uncertainty, code=code)  # fmt: skip
 
     def count(
-        self, quantity: str, expected: Values, computed: Values, tolerance: float = 0.5, message: str = ""
+        self,
+        quantity: str,
+        expected: Values,
+        computed: Values,
+        tolerance: float = 0.5,
+        message: str = "",
+        code: Code | None = None,
     ) -> Row:
         """A comparison of counts, or of yes (1) and no (0), which baselines pin exactly; within half a count."""
         row = compared(quantity, "", self.reference, _listed(expected), _listed(computed), tolerance, 0.0, "absolute",
-                       basis="required")  # fmt: skip
+                       basis="required", code=code)  # fmt: skip
         return row.model_copy(update={"pinned": "exact", "message": message})
 
     def ratio(

@@ -17,7 +17,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 SCHEMA = "linecontact-report/1"
 
-ReferenceKind = Literal["exact", "manufactured", "FEM", "theory", "independent code", "self"]
+ReferenceKind = Literal["exact", "manufactured", "FEM", "theory", "predicted order", "paper's method", "dense algebra",
+                        "independent code", "self"]  # fmt: skip
 Code = Literal["bem", "fem", "persson", "paper's method", "suite"]  # whose answer is judged; the suite's own numbers
 Norm = Literal["absolute", "relative", "maximum over states", "ratio"]
 Level = Literal["quick", "standard", "full"]

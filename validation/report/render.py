@@ -76,7 +76,7 @@ def render(report: Report, jobs: int = 1) -> str:
         raise ReportError(f"the provenance of the report has no {' and no '.join(absent)}")
     lines = {case.id: [_line(case, place, row) for place, row in enumerate(case.rows)] for case in report.cases}
     groups = list(dict.fromkeys(case.group for case in report.cases))
-    hard = first_screen.hard_map(report.cases)
+    hard, compared = first_screen.hard_map(report.cases), matrix.matrix_of(report.cases)
     drawn, overview = _drawn(report.cases, jobs), first_screen.scatter(report)
     return filled(
         "page.jinja",
@@ -103,9 +103,9 @@ def render(report: Report, jobs: int = 1) -> str:
         },
         hard=hard,
         hard_counts=first_screen.counted_endings(hard),
-        matrix=matrix.matrix_of(report.cases),
+        matrix=compared,
         columns=list(matrix.COLUMNS),
-        signs=list(matrix.SIGNS.items()),
+        signs=list(compared.signs.items()),
         tally=matrix.tally(report.cases),
         tallied=matrix.TALLIED,
         kinds=matrix.KINDS,

@@ -98,7 +98,7 @@ def _complete_rows(order: int, nu: float, fem: Result, exact: float, observed: f
     ]  # fmt: skip
     if order == 4 or nu < CHANGES_SIGN:
         predicted, apart = ORDERS[order]
-        rows.append(Against("theory", "energy norm of order m, squared").row(
+        rows.append(Against("predicted order", "energy norm of order m, squared").row(
             f"observed order of the energy, {name}", "", predicted, observed, apart, "absolute"))  # fmt: skip
     return rows
 

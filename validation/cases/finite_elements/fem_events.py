@@ -64,7 +64,7 @@ def _waves(elements: str) -> Outcome:
         found = fold(before if turning == "penetration" else _wave(0.0, by), turning)
         rows += _fold_rows(turning, found, by)
         figures.append(_figure(turning, found, before))
-    rows.append(JOHNSON.count("just before pull-off: stable", 1.0, bool(before.stable)))
+    rows.append(JOHNSON.count("just before pull-off: stable", 1.0, bool(before.stable), code="fem"))
     counts = {"unknowns of the finite elements": before.unknowns}
     return Outcome(rows=tuple(rows), figures=tuple(figures[:1]), counts=counts)
 

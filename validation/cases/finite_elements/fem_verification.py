@@ -47,7 +47,7 @@ LADDERS = {  # sizes in the ratio 3/2 and about 3/4, tips keeping pace
 SAFETY = 1.25  # of the grid convergence index on three meshes
 PERIOD, AMPLITUDE, MODULUS = 0.01, 50e-6, 1e6
 JOHNSON = Against("exact", "Johnson 1995")
-ENERGY = Against("theory", "energy norm of order m, the load an energy: 2 m on graded meshes")
+ENERGY = Against("predicted order", "energy norm of order m, the load an energy: 2 m on graded meshes")
 SEED = 47
 MEASURED_ORDER = {2: (0.053, 0.017), 4: (0.065, 0.084)}
 # order of the load, asymptotic ratio, Richardson's value, true error over stated uncertainty, and over the GCI
@@ -103,7 +103,7 @@ def _manufactured() -> Outcome:
                 errors = found[nu][:, place].tolist()
                 observed.append(pairwise_orders([1 / count for count in cells], errors)[0])
                 curves.append(trace(f"{NAMES[order]}, {name}, nu = {nu:g}", cells, errors))
-            rows.append(Against("manufactured", "the plane wave").row(
+            rows.append(Against("predicted order", "m + 1 and m in L2 on a manufactured plane wave").row(
                 f"observed order of the {name} in L2, {NAMES[order]}, nu = -0.5, 0.3, 0.499999, 0.5", "",
                 [predicted] * len(RATIOS), observed, MEASURED_ORDER[order][place], "absolute"))  # fmt: skip
     figure = drawn("fem-manufactured", "Manufactured plane wave on uniform meshes: errors in L2 against cells.",
@@ -199,12 +199,13 @@ GROUP, SOURCES = "code verification of the finite elements", "roache1998 taylor1
 CASES = (
     case("fem-manufactured", GROUP, _manufactured,
          "Do the elements converge at their order on a manufactured solution, for any Poisson's ratio?",
-         r"$\|u - u_h\|_{L_2} \propto h^{m+1}$, $\|p - p_h\|_{L_2} \propto h^m$", SOURCES, "layer"),
+         r"$\|u - u_h\|_{L_2} \propto h^{m+1}$, $\|p - p_h\|_{L_2} \propto h^m$", SOURCES, "layer", code="fem"),
     *in_forms({"fem-richardson-coarse": ("quick", 2), "fem-richardson": ("standard", 4)}, GROUP, _richardson,
               "Are the meshes in the asymptotic range, and how do Richardson's value and the GCI stand to the "
               "uncertainty?",
-              r"$q_R = q_4 + (q_4 - q_3) / (r^p - 1)$, GCI $= 1.25 |q_4 - q_3| / (r^p - 1)$", SOURCES, "layer"),
+              r"$q_R = q_4 + (q_4 - q_3) / (r^p - 1)$, GCI $= 1.25 |q_4 - q_3| / (r^p - 1)$", SOURCES, "layer",
+              code="fem"),
     *in_forms({"fem-coverage-coarse": ("quick", 2, 8), "fem-coverage": ("full", 2, 100)}, GROUP, _coverage,
               "Is the true error within the uncertainty that the finite elements state of themselves?",
-              r"$|q - q_{exact}| \le U$", SOURCES, "layer"),
+              r"$|q - q_{exact}| \le U$", SOURCES, "layer", code="fem"),
 )  # fmt: skip
