@@ -88,6 +88,13 @@ def test_rows_that_do_not_hold_both_codes_are_of_the_code_that_was_computed(name
     assert {row.code or "bem" for row in rows if row.reference.kind == "FEM"} == {"bem"}
 
 
+def test_order_and_asymptotic_range_on_graded_meshes_are_bounded_within_a_tenth():
+    order, asymptotic, *_ = BY_NAME["fem-richardson-coarse"].compute().rows
+    assert {verdict_of(row) for row in (order, asymptotic)} == {"agrees"}
+    assert max(row.tolerance.value for row in (order, asymptotic)) < 0.1
+    assert verdict_of(order.model_copy(update={"computed": [3.5]})) == "deviates"
+
+
 @pytest.fixture(scope="module")
 def given_edges(posed):
     return fem_comparison.compare_prescribed("", posed, "P2/P1", EDGES, PENETRATION)
