@@ -8,9 +8,12 @@ from validation.cases.finite_elements.fem_closed_forms import layer_compliance
 from validation.cases.finite_elements.fem_equilibria import EDGES, PENETRATION, SCENES
 from validation.harness.case import registry
 from validation.harness.compare import combined_tolerance, combined_uncertainty
+from validation.harness.runner import record_of
 from validation.harness.verdict import verdict_of
 from validation.references import adapters, fem_adapter
 from validation.report.verification.allowances import budget_of
+from validation.report.verification.first_screen import place_of
+from validation.report.verification.matrix import matrix_of
 
 WAVE = {"adhesion": None, "loading": {"targets": [20e-6]}}
 
@@ -86,6 +89,17 @@ def test_rows_that_do_not_hold_both_codes_are_of_the_code_that_was_computed(name
     assert len(others) >= 1
     assert {row.code for row in others} == {"fem"}
     assert {row.code or "bem" for row in rows if row.reference.kind == "FEM"} == {"bem"}
+
+
+def test_all_three_codes_meet_on_one_line_and_one_realisation_judges_no_theory():
+    rough = BY_NAME["fem-rough-coarse"]
+    record = record_of(rough, rough.compute(), 0.0)
+    (line,) = matrix_of([record]).lines
+    assert line.pairs == {"BF", "BT"}
+    assert {row.code for row in record.rows if row.reference.kind == "theory"} == {None}
+    assert all(not row.band.low <= 1 <= row.band.high for row in record.rows if row.band)
+    assert BY_NAME["fem-rough"].problem == rough.problem
+    assert [figure.id for figure in record.figures if place_of(figure) == "centre"] == ["centre-rough"]
 
 
 def test_order_and_asymptotic_range_on_graded_meshes_are_bounded_within_a_tenth():

@@ -277,6 +277,14 @@ def test_kinds_of_references_have_signs_of_their_own():
     assert len(set(signs.values())) == len(signs)
 
 
+def test_panels_of_a_centre_figure_are_apart_and_the_last_case_of_two_forms_has_the_place():
+    page = render(report(*(case(name, figures=[figure("centre-rough")]) for name in ("rough-coarse", "rough"))))
+    first, after = page[: page.index('id="summary"')], page[page.index('id="summary"') :]
+    assert [part.count("<svg") for part in (first, after)] == [2, 3]  # all results stand behind the first screen
+    assert 'id="figure-rough-centre-rough"' in first
+    assert 'id="figure-rough-coarse-centre-rough"' in after
+
+
 def test_an_order_of_convergence_is_in_no_column():
     predicted = Reference(kind="predicted order", source="s")
     found = matrix_of([case("one", row(quantity="order: load of a curve", reference=predicted))])

@@ -35,7 +35,11 @@ from validation.harness.schema import Code, Figure, Row
 from validation.references import fem_adapter
 
 COARSER = {"P2/P1": Resolution(2, 10, 10), "P4/P3": Resolution(4, 6, 16)}  # of many meshes: folds, moved edges
-RESOLUTIONS = {"P2/P1": Resolution(2, 10, 10), "P4/P3": Resolution(4, 8, 18)}
+RESOLUTIONS = {
+    "P2/P1": Resolution(2, 10, 10),
+    "P2/P1, 12 cells": Resolution(2, 12, 10),
+    "P4/P3": Resolution(4, 8, 18),
+}
 NAMES = {2: "P2/P1", 4: "P4/P3"}
 ROUNDING = 1e-11  # of the scale: what a comparison of doubles that differ by nothing else leaves
 AWAY = 0.1  # of the patch or gap beside an edge

@@ -41,10 +41,8 @@ MEASURED = {
 }
 JOHNSON = Against("exact", "Johnson 1995")
 CAPTION = (
-    "One adhesive wave under given load, three ways: pressure on the contact and gap beside it by boundary elements "
-    "(line), finite elements (points) and Johnson's closed form (dashed). Below, how far apart any two of them are, "
-    "pressure over p*, gap over the amplitude; and the uncertainty that the finite elements state of themselves. The "
-    "boundary elements state none at single points."
+    "One adhesive wave: boundary elements (line), finite elements (points), Johnson's closed form (dashed); "
+    "then how far any two are apart."
 )
 
 
