@@ -167,6 +167,20 @@ def test_verdict_is_on_the_first_screen(screen):
     assert min(box) >= 0
 
 
+def test_verdict_figures_and_head_of_the_matrix_are_on_one_screen(tmp_path):
+    names = ("centre-wave", "centre-rough")
+    cases = [case(name, "closed forms", row(1.01, quantity="edges"), figures=[figure(name)]) for name in names]
+    facts = {"date": "2026-11-21T10:00:00+00:00", "commit": "0123abc"}
+    made = Report(level="quick", command="run", planned=2, provenance=facts, cases=cases)
+    (tmp_path / "page.html").write_text(render(with_checksum(made)), "utf-8")
+    with tab(tmp_path / "page.html") as opened:
+        opened.show(1280, 900)
+        bottoms = opened.find("""["#verdict", ".panels:nth-of-type(1)", ".panels:nth-of-type(2)", ".matrix tbody tr"]
+          .map((place) => document.querySelector(place).getBoundingClientRect().bottom)""")
+    assert bottoms == sorted(bottoms)
+    assert bottoms[-1] < 900
+
+
 def test_no_column_is_cut_off(screen):
     cut = screen.find("""[...document.querySelectorAll("main table")]
       .filter((table) => table.offsetHeight && table.scrollWidth > table.parentElement.clientWidth + 1)

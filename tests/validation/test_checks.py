@@ -26,6 +26,11 @@ def test_a_tolerance_below_the_error_measured_is_refused():
         KNOWN.row("load", "N/m", 1.0, 1.0, 0.02, required=0.01)
 
 
+def test_a_row_without_a_tolerance_is_refused():
+    with pytest.raises(ValueError, match="neither an error measured nor one required"):
+        KNOWN.row("load", "N/m", 1.0, 1.0, None)
+
+
 @pytest.mark.parametrize(("computed", "verdict"), [(2.0, "expected deviation"), (1.0, "changed")])
 def test_a_known_discrepancy_fails_where_it_is_gone(computed, verdict):
     row = KNOWN.ratio("area", "", 1.0, computed, (1.5, 3.0), "made up", "this test")

@@ -6,8 +6,14 @@ import pytest
 from validation.cases.finite_elements import fem_comparison, fem_matrix
 from validation.cases.finite_elements.fem_closed_forms import layer_compliance
 from validation.cases.finite_elements.fem_equilibria import EDGES, PENETRATION, SCENES
+from validation.harness.case import registry
+from validation.harness.compare import combined_tolerance, combined_uncertainty
+from validation.harness.runner import record_of
 from validation.harness.verdict import verdict_of
 from validation.references import adapters, fem_adapter
+from validation.report.verification.allowances import budget_of
+from validation.report.verification.first_screen import place_of
+from validation.report.verification.matrix import matrix_of
 
 WAVE = {"adhesion": None, "loading": {"targets": [20e-6]}}
 
@@ -36,11 +42,13 @@ def test_a_half_space_is_refused():
         fem_adapter.fem_arguments(adapters.scene("layer_two_crests", {"layer": None}))
 
 
-def test_rows_of_the_comparison_record_what_was_measured(given_edges):
+def test_the_combined_uncertainty_decides_without_a_factor_and_nothing_is_called_measured(given_edges):
     judged = [row for row in fem_comparison.rows(given_edges) if row.reference.uncertainty]
     assert judged
-    assert all(0 < row.tolerance.measured < row.tolerance.value for row in judged)
+    assert {row.tolerance.measured for row in judged} == {None}
     assert all(row.uncertainty > 0 for row in judged)
+    assert {combined_tolerance(row) / combined_uncertainty(row) for row in judged} == {1.0}
+    assert {budget_of(row).decides for row in judged} == {"the uncertainty"}
 
 
 def test_random_scenes_of_the_matrix_are_those_drawn():
@@ -63,6 +71,42 @@ def test_middle_pressure_is_the_weighted_mean_of_westergaards():
     exact = 2 * full * np.cos(at) * np.sqrt(sine - np.sin(at) ** 2)
     expected = np.sum(weight * exact) / np.sum(weight)
     np.testing.assert_allclose(fem_adapter.middle_pressure(state), expected, rtol=1e-8)  # measured 3.8e-9: the layer
+
+
+BY_NAME = {one.id: one for one in registry()}
+OF_FEM_ALONE = ("code verification of the finite elements", "finite elements against closed forms")
+
+
+@pytest.mark.parametrize("name", [one.id for one in BY_NAME.values() if one.group in OF_FEM_ALONE])
+def test_a_case_of_the_finite_elements_alone_says_so(name):
+    assert BY_NAME[name].code == "fem"
+
+
+@pytest.mark.parametrize("name", ["layer-two-patches-fem", "fem-fold-coarse"])
+def test_rows_that_do_not_hold_both_codes_are_of_the_code_that_was_computed(name):
+    rows = BY_NAME[name].compute().rows
+    others = [row for row in rows if row.reference.kind != "FEM"]
+    assert len(others) >= 1
+    assert {row.code for row in others} == {"fem"}
+    assert {row.code or "bem" for row in rows if row.reference.kind == "FEM"} == {"bem"}
+
+
+def test_all_three_codes_meet_on_one_line_and_one_realisation_judges_no_theory():
+    rough = BY_NAME["fem-rough-coarse"]
+    record = record_of(rough, rough.compute(), 0.0)
+    (line,) = matrix_of([record]).lines
+    assert line.pairs == {"BF", "BT"}
+    assert {row.code for row in record.rows if row.reference.kind == "theory"} == {None}
+    assert all(not row.band.low <= 1 <= row.band.high for row in record.rows if row.band)
+    assert BY_NAME["fem-rough"].problem == rough.problem
+    assert [figure.id for figure in record.figures if place_of(figure) == "centre"] == ["centre-rough"]
+
+
+def test_order_and_asymptotic_range_on_graded_meshes_are_bounded_within_a_tenth():
+    order, asymptotic, *_ = BY_NAME["fem-richardson-coarse"].compute().rows
+    assert {verdict_of(row) for row in (order, asymptotic)} == {"agrees"}
+    assert max(row.tolerance.value for row in (order, asymptotic)) < 0.1
+    assert verdict_of(order.model_copy(update={"computed": [3.5]})) == "deviates"
 
 
 @pytest.fixture(scope="module")

@@ -2,6 +2,7 @@
 
 import re
 from html.parser import HTMLParser
+from typing import get_args
 
 import pytest
 from report_parts import BAND, case, figure, report, row
@@ -9,13 +10,13 @@ from report_parts import BAND, case, figure, report, row
 from validation.harness.baseline import FOLDER, read_baseline
 from validation.harness.case import registry
 from validation.harness.compare import combined_tolerance
-from validation.harness.schema import Figure, Reference, Table, Tolerance, with_checksum
+from validation.harness.schema import Code, Figure, Reference, ReferenceKind, Table, Tolerance, with_checksum
 from validation.replicate import TOPICS
 from validation.report.figures import svg_of
 from validation.report.render import ReportError, number, render
 from validation.report.verification.allowances import budget_of, loose, unstated
 from validation.report.verification.first_screen import first_sentence, hard_map, scatter
-from validation.report.verification.matrix import column_of, kind_of, matrix_of, tally
+from validation.report.verification.matrix import CODES, REFERENCES, column_of, kind_of, matrix_of, tally
 from validation.report.verification.typesetting import typeset, unset
 from validation.studies.theory_correction.page import EQUATIONS
 
@@ -260,6 +261,36 @@ def test_a_new_comparison_is_in_the_matrix_by_what_it_says():
     assert found.outside == [("row-new-case-coarse-1", "colour")]
 
 
+@pytest.mark.parametrize("kind", sorted(set(get_args(ReferenceKind)) - {"self", "predicted order"}))
+@pytest.mark.parametrize("code", sorted(set(get_args(Code)) - {"suite"}))
+def test_every_sign_that_the_matrix_shows_is_in_its_legend(kind, code):
+    cases = [case("one", row(quantity="edges", reference=Reference(kind=kind, source="s"), code=code))]
+    (pair,) = matrix_of(cases).lines[0].pairs
+    assert pair == CODES[code][0] + REFERENCES[kind][0]
+    legend = Page(render(report(*cases))).text
+    for sign in pair:
+        assert f"{sign} {dict([*REFERENCES.values(), *CODES.values()])[sign]}" in legend
+
+
+def test_kinds_of_references_have_signs_of_their_own():
+    signs = {kind: sign for kind, (sign, _) in REFERENCES.items() if kind != "manufactured"}  # it is exact
+    assert len(set(signs.values())) == len(signs)
+
+
+def test_panels_of_a_centre_figure_are_apart_and_the_last_case_of_two_forms_has_the_place():
+    page = render(report(*(case(name, figures=[figure("centre-rough")]) for name in ("rough-coarse", "rough"))))
+    first, after = page[: page.index('id="summary"')], page[page.index('id="summary"') :]
+    assert [part.count("<svg") for part in (first, after)] == [2, 3]  # all results stand behind the first screen
+    assert 'id="figure-rough-centre-rough"' in first
+    assert 'id="figure-rough-coarse-centre-rough"' in after
+
+
+def test_an_order_of_convergence_is_in_no_column():
+    predicted = Reference(kind="predicted order", source="s")
+    found = matrix_of([case("one", row(quantity="order: load of a curve", reference=predicted))])
+    assert (found.lines, len(found.outside)) == ([], 1)
+
+
 def test_cases_of_one_problem_share_a_line_and_the_worst_row_stands_for_a_pair():
     cases = [
         case("a", row(1.01, quantity="edges"), problem="wave"),
@@ -299,8 +330,8 @@ def test_kinds_of_rows(changes, kind):
 def test_rows_are_counted_by_what_they_compare():
     rows = (row(), row(code="fem"), row(pinned="exact"), row(reference=Reference(kind="self", source="itself")))
     assert tally([case("one", *rows)]) == [
-        ("boundary elements", [1, 0, 0, 0, 1, 1]),
-        ("finite elements", [1, 0, 0, 0, 0, 0]),
+        ("boundary elements", [1, 0, 0, 0, 0, 0, 0, 1, 1]),
+        ("finite elements", [1, 0, 0, 0, 0, 0, 0, 0, 0]),
     ]
 
 

@@ -1,8 +1,8 @@
 """Two results, or two verification reports, number by number: differences in units of their combined uncertainty.
 
 Results meet at targets (same control, branch and value) and at events (same sequence of kinds).  There the combined
-uncertainty is the sum u_a + u_b of the estimated errors, never below rounding, and numbers differ beyond twice that, as
-for the verdicts.
+uncertainty is the sum u_a + u_b of the estimated errors, never below rounding, and numbers differ beyond twice that: an
+estimate of a path is no bound (verdicts of reports take the combined uncertainty itself).
 Reports meet at the quantities of their cases; there it is what a baseline would let the number move (baseline.py).
 Differences are told in percent of the larger number.  Counts and words differ where they are not the same.
 

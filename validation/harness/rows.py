@@ -1,7 +1,8 @@
 """Rows of comparisons, with the scales and tolerances that most of them share.
 
 A tolerance is 2.5 times the error measured, which stands in the row; or it is `required`, as asked for whatever was
-measured; or it is given as (tolerance, measured).
+measured; or it is given as (tolerance, measured).  Where the uncertainty of both sides decides, nothing was measured:
+None, and what is required is rounding.
 """
 
 from collections.abc import Iterable
@@ -25,7 +26,7 @@ def compared(
     expected: Iterable[float | None],
     computed: Iterable[float | None],
     tolerance: float,
-    measured: float,
+    measured: float | None,
     norm: Norm = "relative",
     scale: float | None = None,
     *,
@@ -76,7 +77,7 @@ class Against:
         unit: str,
         expected: Values,
         computed: Values,
-        measured: float | tuple[float, float],
+        measured: float | tuple[float, float] | None,
         norm: Norm = "relative",
         scale: float | None = None,
         *,
@@ -85,19 +86,30 @@ class Against:
         pinned: Pinned = "converged",
         code: Code | None = None,
     ) -> Row:
-        """A comparison with a tolerance, scaled as `compared` does."""
-        allowed, known = measured if isinstance(measured, tuple) else (SAFETY * measured, measured)
-        return compared(quantity, unit, self.reference, _listed(expected), _listed(computed),
-                        allowed if required is None else required, known, norm, scale,
-                        basis="measured" if required is None else "required", pinned=pinned, uncertainty=uncertainty,
-                        code=code)  # fmt: skip
+        """A comparison with a tolerance, scaled as `compared` does; ValueError where none is given."""
+        allowed, known = measured if isinstance(measured, tuple) else (None, measured)
+        if required is not None:
+            allowed = required
+        elif allowed is None:
+            if known is None:
+                raise ValueError(f"{quantity}: neither an error measured nor one required")
+            allowed = SAFETY * known
+        return compared(quantity, unit, self.reference, _listed(expected), _listed(computed), allowed, known, norm,
+                        scale, basis="measured" if required is None else "required", pinned=pinned,
+                        uncertainty=uncertainty, code=code)  # fmt: skip
 
     def count(
-        self, quantity: str, expected: Values, computed: Values, tolerance: float = 0.5, message: str = ""
+        self,
+        quantity: str,
+        expected: Values,
+        computed: Values,
+        tolerance: float = 0.5,
+        message: str = "",
+        code: Code | None = None,
     ) -> Row:
         """A comparison of counts, or of yes (1) and no (0), which baselines pin exactly; within half a count."""
         row = compared(quantity, "", self.reference, _listed(expected), _listed(computed), tolerance, 0.0, "absolute",
-                       basis="required")  # fmt: skip
+                       basis="required", code=code)  # fmt: skip
         return row.model_copy(update={"pinned": "exact", "message": message})
 
     def ratio(

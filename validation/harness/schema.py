@@ -17,7 +17,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 SCHEMA = "linecontact-report/1"
 
-ReferenceKind = Literal["exact", "manufactured", "FEM", "theory", "independent code", "self"]
+ReferenceKind = Literal["exact", "manufactured", "FEM", "theory", "predicted order", "paper's method", "dense algebra",
+                        "independent code", "self"]  # fmt: skip
 Code = Literal["bem", "fem", "persson", "paper's method", "suite"]  # whose answer is judged; the suite's own numbers
 Norm = Literal["absolute", "relative", "maximum over states", "ratio"]
 Level = Literal["quick", "standard", "full"]
@@ -46,15 +47,21 @@ class Reference(_Strict):
 
 
 class Tolerance(_Strict):
-    """Largest accepted error, and where it comes from: 2 to 3 times the error measured, or provisional."""
+    """Largest accepted error, and where it comes from: 2 to 3 times the error measured, required, or provisional.
+
+    Nothing is `measured` where the uncertainty of both sides decides.
+    """
 
     value: Finite = Field(gt=0)
-    measured: Finite = Field(ge=0)
+    measured: Finite | None = Field(None, ge=0)
     basis: Literal["measured", "required", "provisional"] = "measured"
 
     @model_validator(mode="after")
     def _not_below_measured(self) -> Tolerance:
-        if self.measured > self.value:
+        if self.measured is None:
+            if self.basis == "measured":
+                raise ValueError(f"tolerance {self.value:g} is to be measured, and no measured error is given")
+        elif self.measured > self.value:
             raise ValueError(f"tolerance {self.value:g} is below the measured error {self.measured:g}")
         return self
 

@@ -84,6 +84,7 @@ def stale(rows: Sequence[Row]) -> Row:
         for row in rows
         if row.status == "run"
         and row.tolerance is not None
+        and row.tolerance.measured is not None
         and abs(error_of(row) - row.tolerance.measured) > STALE * row.tolerance.value
     ]
     stored = Against("self", "the differences stored beside the tolerances")

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 KINDS = ("svg", "pdf", "csv")  # of files
 COLOURS = ("#0b5fa5", "#c8511b", "#2b7a4b", "#7a3e9d", "#8a6d00", "#444444")  # distinguished by colour-blind readers
 MARKERS = ("o", "s", "^", "D", "v", "x")
+LOW = 2.9  # inches: the height of a panel that stands beside another
 MOST_INSIDE = 7  # series in a legend within the axes; more are listed below them
 MOST_BESIDE = 3  # the same of two axes one above the other, the lower one logarithmic
 SETTINGS: Any = {
@@ -57,16 +58,16 @@ def styled(**settings: Any) -> AbstractContextManager[None]:
     return rc_context(SETTINGS | settings)
 
 
-def canvas_of(figure: Figure) -> Canvas:
-    """The figure drawn."""
+def canvas_of(figure: Figure, height: float = 3.9) -> Canvas:
+    """The figure drawn; the height in inches is that of one panel alone, without a legend below it."""
     from matplotlib.figure import Figure as Canvas
 
     with styled():
         if figure.error is None:
             count = len(figure.solution.series)
             rows = -(-count // 2) if count > MOST_INSIDE else 0
-            canvas = Canvas(figsize=(6.4, 3.9 + 0.19 * rows), layout="constrained")
-            _draw(canvas.subplots(), figure.solution)
+            canvas = Canvas(figsize=(6.4, height + 0.19 * rows), layout="constrained")
+            _draw(canvas.subplots(), figure.solution, small=height == LOW)
             return canvas
         tall = figure.error.yscale == "log"
         canvas = Canvas(figsize=(6.4, 6.6 if tall else 5.6), layout="constrained")
@@ -78,6 +79,13 @@ def canvas_of(figure: Figure) -> Canvas:
         if figure.error.yscale == "linear":
             below.ticklabel_format(axis="y", style="sci", scilimits=(-3, 3))
     return canvas
+
+
+def panels_of(figure: Figure, prefix: str) -> Markup:
+    """The panels of a figure as SVG elements of their own, one after the other, low ones: they stand side by side."""
+    parts = [figure.solution] if figure.error is None else [figure.solution, figure.error]
+    alone = [figure.model_copy(update={"solution": panel, "error": None}) for panel in parts]
+    return Markup("").join(svg_of(one, f"{prefix}-{k}", LOW) for k, one in enumerate(alone))
 
 
 def save(canvas: Canvas, path: Path) -> None:
@@ -114,12 +122,12 @@ def _make_drawable(canvas: Canvas) -> None:
                 text.set_parse_math(False)
 
 
-def svg_of(figure: Figure, prefix: str) -> Markup:
+def svg_of(figure: Figure, prefix: str, height: float = 3.9) -> Markup:
     """The figure as an SVG element with a role, a title (its caption) and a description (its axes and curves).
 
     The prefix makes its ids unique on the page.
     """
-    return inline_svg(canvas_of(figure), prefix, figure.caption, described(figure))
+    return inline_svg(canvas_of(figure, height), prefix, figure.caption, described(figure))
 
 
 def inline_svg(canvas: Canvas, prefix: str, title: str, description: str) -> Markup:
@@ -170,7 +178,7 @@ def described(figure: Figure) -> str:
     return " ".join(f"{one.ylabel} against {one.xlabel}: {', '.join(s.label for s in one.series)}." for one in panels)
 
 
-def _draw(axes: Axes, panel: Panel, most_inside: int = MOST_INSIDE) -> None:
+def _draw(axes: Axes, panel: Panel, most_inside: int = MOST_INSIDE, small: bool = False) -> None:
     from validation.report.tick_labels import label_plainly
 
     for index, series in enumerate(panel.series):
@@ -185,7 +193,7 @@ def _draw(axes: Axes, panel: Panel, most_inside: int = MOST_INSIDE) -> None:
     if len(panel.series) > most_inside:
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, fontsize=8.0)
     else:
-        axes.legend()
+        axes.legend(fontsize=7.5 if small else None)
 
 
 def _scale(asked: str, values: list[float | None]) -> str:

@@ -115,7 +115,9 @@ def _values(report: Report) -> dict[Key, _Value]:
             seen[row.quantity] += 1
             if row.tolerance is not None and row.status != "not run":
                 name = row.quantity + (f" #{seen[row.quantity]}" if seen[row.quantity] > 1 else "")
-                found[case.id, name, "error"] = _Value(error_of(row), combined_tolerance(row), row.tolerance.measured)
+                found[case.id, name, "error"] = _Value(
+                    error_of(row), combined_tolerance(row), row.tolerance.measured or 0.0
+                )
         for name, count in case.counts.items():
             found[case.id, name, "count"] = _Value(count)
     return found

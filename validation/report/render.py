@@ -21,7 +21,7 @@ from validation.harness.compare import combined_tolerance, error_of, error_over_
 from validation.harness.execution import answers_in_order
 from validation.harness.schema import CaseRecord, Figure, Report, Row, is_intact
 from validation.harness.verdict import GATING, VERDICTS, case_verdicts, counted, counts, fails, verdict_of
-from validation.report.figures import svg_of
+from validation.report.figures import panels_of, svg_of
 from validation.report.verification import first_screen, matrix
 from validation.report.verification.allowances import LOOSE, budget_of, loose, unstated
 from validation.report.verification.typesetting import printable, subscripts, typeset, unset, with_links
@@ -76,7 +76,7 @@ def render(report: Report, jobs: int = 1) -> str:
         raise ReportError(f"the provenance of the report has no {' and no '.join(absent)}")
     lines = {case.id: [_line(case, place, row) for place, row in enumerate(case.rows)] for case in report.cases}
     groups = list(dict.fromkeys(case.group for case in report.cases))
-    hard = first_screen.hard_map(report.cases)
+    hard, compared = first_screen.hard_map(report.cases), matrix.matrix_of(report.cases)
     drawn, overview = _drawn(report.cases, jobs), first_screen.scatter(report)
     return filled(
         "page.jinja",
@@ -103,9 +103,9 @@ def render(report: Report, jobs: int = 1) -> str:
         },
         hard=hard,
         hard_counts=first_screen.counted_endings(hard),
-        matrix=matrix.matrix_of(report.cases),
+        matrix=compared,
         columns=list(matrix.COLUMNS),
-        signs=list(matrix.SIGNS.items()),
+        signs=list(compared.signs.items()),
         tally=matrix.tally(report.cases),
         tallied=matrix.TALLIED,
         kinds=matrix.KINDS,
@@ -253,19 +253,21 @@ def _short(commit: str) -> str:
 def _drawn(cases: Sequence[CaseRecord], jobs: int) -> dict[str, list[tuple[DrawnFigure, str | None]]]:
     """The figures of every case, each with its place on the first screen; many are drawn in processes of their own."""
     asked = [(case.id, figure) for case in cases for figure in case.figures]
+    last = {figure.id: case for case, figure in asked}  # of cases in two forms the latter is on the first screen
     processes = jobs if len(asked) >= MANY else 1
     found = list(map(_in_svg, asked)) if processes == 1 else answers_in_order(_in_svg, asked, processes)
     given: dict[str, list[tuple[DrawnFigure, str | None]]] = {case.id: [] for case in cases}
     for (case, figure), one in zip(asked, found, strict=True):
         if isinstance(one, Exception):
             raise one
-        given[case].append((one, first_screen.place_of(figure)))
+        given[case].append((one, first_screen.place_of(figure) if last[figure.id] == case else None))
     return given
 
 
 def _in_svg(asked: tuple[str, Figure]) -> DrawnFigure:
     case, figure = asked
-    return DrawnFigure(case, figure.id, figure.caption, svg_of(figure, f"{case}-{figure.id}"), figure.files)
+    draw = panels_of if first_screen.place_of(figure) == "centre" else svg_of
+    return DrawnFigure(case, figure.id, figure.caption, draw(figure, f"{case}-{figure.id}"), figure.files)
 
 
 def _worst(case: CaseRecord) -> str:

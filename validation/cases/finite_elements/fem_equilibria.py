@@ -66,7 +66,7 @@ def _prescribed(elements: str) -> Outcome:
 def _layers() -> Outcome:
     found = {(d, nu): compare_equilibria(*_crests(d, nu), "P4/P3", 2) for d in THICKNESSES for nu in RATIOS}
     captions = {
-        "share": "Largest |BEM - FEM| over 2 (u_BEM + u_FEM) of all quantities: at most 1 where the codes agree.",
+        "share": "Largest |BEM - FEM| over the combined uncertainty of all quantities: at most 1 where codes agree.",
         "uncertainty": "Largest combined uncertainty over its scale, displacement at single points left out.",
     }
     tables = (

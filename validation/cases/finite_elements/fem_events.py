@@ -59,12 +59,12 @@ def _waves(elements: str) -> Outcome:
     for name, (unit, exact, scale) in _johnson(psi).items():
         if name != "penetration":
             rows.append(within(f"just before pull-off: {_said(name)}", unit, JOHNSON, exact, getattr(before, name),
-                               float(np.max(before.uncertainty[name])), scale, elements))  # fmt: skip
+                               float(np.max(before.uncertainty[name])), scale, "fem"))  # fmt: skip
     for turning, by in TURNING[elements].items():
         found = fold(before if turning == "penetration" else _wave(0.0, by), turning)
         rows += _fold_rows(turning, found, by)
         figures.append(_figure(turning, found, before))
-    rows.append(JOHNSON.count("just before pull-off: stable", 1.0, bool(before.stable)))
+    rows.append(JOHNSON.count("just before pull-off: stable", 1.0, bool(before.stable), code="fem"))
     counts = {"unknowns of the finite elements": before.unknowns}
     return Outcome(rows=tuple(rows), figures=tuple(figures[:1]), counts=counts)
 
@@ -78,11 +78,11 @@ def _fold_rows(turning: Turning, found: Fold, elements: str) -> list[Row]:
     event, rows = _pull_off(turning), []
     for name, (unit, exact, scale) in _johnson(WAVE.fold() if turning == "penetration" else _load_fold()).items():
         label, uncertain = f"fold under {_said(turning)}: {_said(name)}", found.uncertainty[name]
-        rows.append(within(label, unit, JOHNSON, exact, found.values[name], uncertain, scale, elements))
+        rows.append(within(label, unit, JOHNSON, exact, found.values[name], uncertain, scale, "fem"))
         if name != "contact_fraction":
             error = max(getattr(event.error_estimate, name) or 0.0, TOLERANCE * scale)
             rows.append(within(f"{label}, boundary elements", unit, _fem(elements, uncertain), found.values[name],
-                               getattr(event, name), error, scale, elements))  # fmt: skip
+                               getattr(event, name), error, scale))  # fmt: skip
     return rows
 
 
@@ -206,10 +206,10 @@ def _loop(elements: str) -> Outcome:
         ):
             if uncertain:  # the first touch is at zero penetration by definition
                 rows.append(within(f"{_said(jump.kind)}: {name}", unit, _fem(elements, uncertain), value, computed,
-                                   max(error or 0.0, TOLERANCE * scale), scale, elements))  # fmt: skip
+                                   max(error or 0.0, TOLERANCE * scale), scale))  # fmt: skip
     lost = sum(event.energy_released or 0.0 for event in ours)
     total = _fem(elements, sum(jump.released[1] for jump in theirs))
-    rows.append(within("energy lost in the loop", "J/m^2", total, loss, lost, TOLERANCE * loss, loss, elements))
+    rows.append(within("energy lost in the loop", "J/m^2", total, loss, lost, TOLERANCE * loss, loss))
     table = Table(
         caption="Events of the loop by both codes; penetration in um, energy released in mJ/m^2.",
         columns=["event", "penetration, FEM", "+-", "BEM", "released, FEM", "+-", "BEM"],

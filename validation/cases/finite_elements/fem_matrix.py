@@ -53,10 +53,13 @@ def _matrix(elements: str, chosen: Iterable[int] | None) -> Outcome:
     found = {k: compare_equilibria(f"scene {k}", posed(k), elements, None) for k in indices}
     stable = [one.fem.stable for one in found.values() if one.fem is not None and one.fem.stable is not None]
     states = Against("FEM", "fem_reference").count(
-        "adhesive states that are minima of the energy by finite elements", len(stable), sum(map(bool, stable))
+        "adhesive states that are minima of the energy by finite elements",
+        len(stable),
+        sum(map(bool, stable)),
+        code="fem",
     )
     table = Table(
-        caption=f"Scenes of seed {SEED}: adhesion of any strength, or none; |BEM - FEM| over what is allowed, at most.",
+        caption=f"Scenes of seed {SEED}: any adhesion, or none; |BEM - FEM| over u, the combined uncertainty, at most.",
         columns=["scene", "profile", "control", "targets", "d/lambda", "nu", "adhesion", "patches", "largest share"],
         rows=[_line(index, comparison) for index, comparison in found.items()],
     )

@@ -58,13 +58,12 @@ def _rates(elements: str, label: str) -> Outcome:
     by_energies = Against("FEM", f"fem_reference, {elements}, by its energies", spread)
     ours = f"{label}: G of the boundary elements"
     rows = (
-        within(f"{ours}, K^2 / 2 E*", "J/m^2", by_energies, found, elastic.energy_release_rate, BEM_ERROR * work, work,
-               elements),
+        within(f"{ours}, K^2 / 2 E*", "J/m^2", by_energies, found, elastic.energy_release_rate, BEM_ERROR * work, work),
         within(f"{ours}, by differences of energies", "J/m^2", by_energies, found,
-               _difference_of_bem(scene, edges, state.penetration), BEM_ERROR * work, work, elements),
+               _difference_of_bem(scene, edges, state.penetration), BEM_ERROR * work, work),
         within(f"{label}: G of the finite elements, by differences of energies", "J/m^2",
                Against("exact", "the work of adhesion at the edges"), work * np.sqrt(1 + slope**2), found, spread, work,
-               elements),
+               "fem"),
     )  # fmt: skip
     return Outcome(rows=rows, counts={"unknowns of the finite elements": fem.unknowns})
 

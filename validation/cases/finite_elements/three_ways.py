@@ -41,10 +41,8 @@ MEASURED = {
 }
 JOHNSON = Against("exact", "Johnson 1995")
 CAPTION = (
-    "One adhesive wave under given load, three ways: pressure on the contact and gap beside it by boundary elements "
-    "(line), finite elements (points) and Johnson's closed form (dashed). Below, how far apart any two of them are, "
-    "pressure over p*, gap over the amplitude; and the uncertainty that the finite elements state of themselves. The "
-    "boundary elements state none at single points."
+    "One adhesive wave: boundary elements (line), finite elements (points), Johnson's closed form (dashed); "
+    "then how far any two are apart."
 )
 
 
@@ -125,9 +123,9 @@ def _rows(found: list[ThreeAnswers], unknowns: int) -> list[Row]:
         rows += [
             JOHNSON.row(f"{q.name}, boundary elements", q.unit, q.exact, q.bem, MEASURED[q.name], "absolute", q.scale,
                         uncertainty=ours),
-            JOHNSON.row(f"{q.name}, finite elements", q.unit, q.exact, q.fem, 0.0, "absolute", q.scale,
+            JOHNSON.row(f"{q.name}, finite elements", q.unit, q.exact, q.fem, None, "absolute", q.scale,
                         required=ROUNDING, uncertainty=theirs, code="fem"),
-            fem.row(q.name, q.unit, q.fem, q.bem, 0.0, "absolute", q.scale, required=ROUNDING, uncertainty=ours),
+            fem.row(q.name, q.unit, q.fem, q.bem, None, "absolute", q.scale, required=ROUNDING, uncertainty=ours),
         ]  # fmt: skip
     return rows
 

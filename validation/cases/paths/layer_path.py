@@ -31,7 +31,7 @@ Pairs = dict[str, tuple[list[float], list[float]]]  # computed and expected valu
 
 
 def _layer_path() -> Outcome:
-    doubled = Against("independent code", "dense algebra with doubled resolution")
+    doubled = Against("dense algebra", "doubled resolution")
     results: dict[str, Result] = {}
     found: dict[str, Pairs] = {}
     rows = []

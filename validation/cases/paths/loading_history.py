@@ -60,7 +60,7 @@ def _symmetry() -> tuple[Row, Row]:
         float(np.interp(event.penetration, _wave(7).penetration(psi), psi) * 2 / np.pi) for event in _bifurcations(7)
     ]
     return (
-        Against("theory", "dense prototype, two digits: unstable above 0.76", 0.005).row(
+        Against("dense algebra", "a prototype, two digits: unstable above 0.76", 0.005).row(
             "contact fraction at which seven equal contacts lose their symmetry on loading", "", 0.76,
             found[:1] or None, (0.01, 0.006), "absolute"),
         Against("exact", "Johnson 1995: one branch up to complete contact").count(

@@ -80,11 +80,11 @@ def _outcome(name: str, state: State, states: list[PaperState], cells: Sequence[
     if set(patches) == {state.n_patches}:
         edges = [_listed(found.edges, period) for found in states]
         compared.append(("edges over the period", "m", period, _listed(np.array(state.edges), period), edges))
-    rows = [Against("independent code", METHOD).count("patches on every grid", patches,
+    rows = [Against("paper's method", METHOD).count("patches on every grid", patches,
                                                       [state.n_patches] * len(states))]  # fmt: skip
     for (quantity, unit_name, scale, computed, found), measured in zip(compared, MEASURED[name], strict=False):
         limit = Limit.of(*map(np.asarray, found))
-        rows.append(Against("independent code", f"{METHOD}; extrapolated", limit.uncertainty).row(
+        rows.append(Against("paper's method", f"{METHOD}; extrapolated", limit.uncertainty).row(
             quantity, unit_name, np.ravel(limit.value), np.ravel(computed), measured, OVER_STATES, scale))  # fmt: skip
     apart, sizes = [abs(fraction - state.contact_fraction) for fraction in fractions], column(states, "unknowns")
     figure = drawn(

@@ -83,10 +83,10 @@ def _layer_by_fem() -> Outcome:
     rows += [
         Against("exact", "Betti: c(0) times the mean pressure").row(
             "mean displacement of the face, finite elements", "m", _uniform(thickness, nu) * fem.mean_pressure,
-            fem.total_displacement - fem.penetration, (2e-12, 6.8e-13)),
+            fem.total_displacement - fem.penetration, (2e-12, 6.8e-13), code="fem"),
         Against("exact", "an exact solution has none: as sharp as when it was measured").row(
             "uncertainty of the load of the finite elements, over the load", "", 0.0,
-            float(fem.uncertainty["load"]) / fem.load, (4.5e-3, 1.9e-3), "absolute"),
+            float(fem.uncertainty["load"]) / fem.load, (4.5e-3, 1.9e-3), "absolute", code="fem"),
     ]  # fmt: skip
     return Outcome(rows=tuple(rows), counts={"unknowns": fem.unknowns})
 

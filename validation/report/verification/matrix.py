@@ -34,6 +34,9 @@ REFERENCES: dict[ReferenceKind, tuple[str, str]] = {
     "manufactured": ("X", "closed form or exact law"),
     "FEM": ("F", "finite elements"),
     "theory": ("T", "theory"),
+    "predicted order": ("P", "predicted order of convergence"),
+    "paper's method": ("M", "the paper's method"),
+    "dense algebra": ("D", "dense algebra or prototype"),
     "independent code": ("O", "another code"),
     "self": ("S", "itself"),
 }
@@ -80,6 +83,13 @@ class Matrix:
     lines: list[ProblemLine]
     outside: list[tuple[str, str]]  # id of the row, its quantity
 
+    @property
+    def signs(self) -> dict[str, str]:
+        """Names of all signs that its entries show."""
+        used = {sign for line in self.lines for pair in line.pairs for sign in pair}
+        known = (*REFERENCES.values(), *CODES.values())
+        return {sign: name for sign, name in known if sign in used}
+
 
 def kind_of(row: Row) -> Kind:
     """Whether a row compares two answers, a code with itself, or a number with the limit asked of it.
@@ -118,7 +128,6 @@ def tally(cases: Iterable[CaseRecord]) -> list[tuple[str, list[int]]]:
     return [(CODES[code][1], list(line.values())) for code, line in found.items() if any(line.values())]
 
 
-SIGNS = {sign: name for sign, name in (*REFERENCES.values(), *CODES.values()) if sign != "S"}  # of the matrix
 TALLIED = [*dict.fromkeys(name for _, name in REFERENCES.values()), KINDS["limit"]]
 
 
@@ -151,7 +160,8 @@ def matrix_of(cases: Iterable[CaseRecord]) -> Matrix:
     for case, place, row in every:
         if kind_of(row) != "comparison" or row.status != "run":
             continue
-        column = None if code_of(case, row) == "suite" else column_of(row.quantity)
+        order = row.reference.kind == "predicted order"
+        column = None if order or code_of(case, row) == "suite" else column_of(row.quantity)
         target = row_id(case, place)
         if column is None:
             outside.append((target, row.quantity))
