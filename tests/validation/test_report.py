@@ -162,6 +162,16 @@ def test_the_first_sentence_says_what_fails(failing, part):
     assert part in sentence
 
 
+def test_a_marginal_row_is_told_and_seen():
+    made = with_checksum(report(case("close", row(1.02), row(1.095))))
+    assert first_sentence(made).startswith("Passed: 2 of 2 comparisons with something else agree; 1 of these marginal")
+    page = render(made)
+    assert '<td class="verdict marginal" data-label="verdict">≲ marginal' in page
+    assert '<li class="marginal"><b>1</b> ≲ marginal</li>' in page
+    assert '<a href="#close" class="marginal">≲ close</a>' in page
+    assert {series.label for series in scatter(made).solution.series} >= {"agrees", "marginal"}
+
+
 def test_the_sentence_stands_before_any_figure(text):
     assert text.index('id="verdict"') < text.index("<svg")
     landing = text[text.index('id="landing"') :]
