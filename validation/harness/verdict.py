@@ -13,7 +13,9 @@ from typing import Literal, get_args
 from validation.harness.compare import combined_tolerance, error_of
 from validation.harness.schema import CaseRecord, Report, Row
 
-Verdict = Literal["agrees", "marginal", "expected deviation", "changed", "deviates", "not converged", "error", "not run"]
+Verdict = Literal[
+    "agrees", "marginal", "expected deviation", "changed", "deviates", "not converged", "error", "not run"
+]
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
 MARGINAL = 0.9  # of what is allowed: words of the report, no result depends on it
 PASSING: frozenset[Verdict] = frozenset({"agrees", "marginal", "expected deviation"})

@@ -1,7 +1,7 @@
 """What opens a report: a sentence, one figure of all results, what cases put there, and the hard cases.
 
 The sentence says how many comparisons hold, the figure shows all of them at one look.  Figures and tables of cases
-stand there by the first word of their id: a figure `centre-...` beside the matrix, `cost-...` under what accuracy
+stand there by the first word of their id: a figure `problem-...` at the head, `centre-...` beside the matrix, `cost-...` under what accuracy
 costs, `landing-...` under what was found; a table `price-...` lists what an effect costs, the rows of `hard-...` are
 the map of the hard cases.
 """
@@ -17,7 +17,7 @@ from validation.harness.schema import CaseRecord, Figure, Report, Row, Table, is
 from validation.harness.verdict import GATING, PASSING, counted, counts, fails, verdict_of
 from validation.report.verification.matrix import KINDS, kind_of, worst_place
 
-PLACES = ("centre", "cost", "landing")
+PLACES = ("problem", "centre", "cost", "landing")
 HARD, PRICE = "hard", "price"
 _Cell = str | float | int | None
 ENDINGS = {  # of a hard case, with whether it is correct: mark, verdict, in words
@@ -121,7 +121,12 @@ def scatter(report: Report) -> Figure | None:
 
     Each comparison is drawn where its two sides differ most, in SI units whatever they are of.
     """
-    places: dict[str, list[tuple[float, float, float]]] = {"agrees": [], "marginal": [], "known deviation": [], "fails": []}
+    places: dict[str, list[tuple[float, float, float]]] = {
+        "agrees": [],
+        "marginal": [],
+        "known deviation": [],
+        "fails": [],
+    }
     total = 0
     for row, x, y in _pairs(report):
         total += 1
