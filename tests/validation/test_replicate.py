@@ -157,6 +157,7 @@ def test_a_factor_that_depends_on_the_window_is_no_test(sample):
     factor, _, _ = Sample(0.02, SIGMA, np.array([tail, tail]), 0.05, 0.13).rows("")
     assert verdict_of(factor) == "not run"
     assert factor.message.startswith("no test: ")
+    assert re.search(r"the paper states no window and no weights: \d\.\d\d to \d\.\d\d over ours", factor.message)
     assert factor.uncertainty > 0.3  # 0.73: half the spread, where two equal realisations have no standard error
 
 
@@ -212,7 +213,7 @@ def test_adhesion_vanishes_as_its_square_root(power, verdicts):
         return SimpleNamespace(value_at=lambda load, number: load * (1 + gain))
 
     faint = [[of(work, seed) for work in members.FAINT_WORKS] for seed in range(3)]
-    outcome = vanishing_adhesion.compute(SimpleNamespace(faint=faint, shortfall="", size=TINY))
+    outcome = vanishing_adhesion.compute(SimpleNamespace(faint=faint, shortfall=""))
     assert [verdict_of(row) for row in outcome.rows] == verdicts
 
 

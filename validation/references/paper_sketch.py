@@ -60,7 +60,8 @@ def sketches(found: Result, layer_id: str, heights_id: str) -> tuple[Figure, Fig
         layer_id,
         "The problem: an elastic layer of thickness d, bonded to a rigid plate, touches a rigid profile of period "
         f"λ in {state.n_patches} strips; adhesion pulls its face down beside them. A solution, drawn to scale.",
-        axes(r"$x/\lambda$", "height / mm", rigid, _between("elastic layer", x, face, np.full(face.size, plate), 0), contact,
+        axes(r"$x/\lambda$", "height / mm", rigid,
+             _between("elastic layer", x, face, np.full(face.size, plate), 0), contact,
              trace("rigid plate", [x[0], x[-1]], [plate * 1e3] * 2, hue=5),
              _height("$d$", x[0] + 0.05, heights["free"], plate, 2)),
     )  # fmt: skip

@@ -73,7 +73,7 @@ def statement(
     accepted = combined_tolerance(row)
     if row.status == "run" and accepted > distance / 2:
         why = f"no test: {accepted:.2g} is accepted, {against.value:.4g} ({against.words}) is {distance:.2g} away"
-        return row.model_copy(update={"status": "not run", "message": why})
+        return row.model_copy(update={"status": "not run", "message": "; ".join(filter(None, (why, reported)))})
     return row
 
 

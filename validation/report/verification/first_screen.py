@@ -1,9 +1,9 @@
 """What opens a report: a sentence, one figure of all results, what cases put there, and the hard cases.
 
 The sentence says how many comparisons hold, the figure shows all of them at one look.  Figures and tables of cases
-stand there by the first word of their id: a figure `problem-...` at the head, `centre-...` beside the matrix, `cost-...` under what accuracy
-costs, `landing-...` under what was found; a table `price-...` lists what an effect costs, the rows of `hard-...` are
-the map of the hard cases.
+stand there by the first word of their id: a figure `problem-...` at the head, `centre-...` beside the matrix,
+`cost-...` under what accuracy costs, `landing-...` under what was found; a table `price-...` lists what an effect
+costs, the rows of `hard-...` are the map of the hard cases.
 """
 
 import math

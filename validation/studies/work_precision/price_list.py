@@ -1,7 +1,8 @@
 """The price list: what each effect costs in seconds on a rough scene, and how many digits it holds on an exact one.
 
 Seconds: the self-affine profile of the registry, loaded to two separations; CPU seconds, the least of a few runs in
-alternation, against the scene without the effect (corpus/effects.py).  Digits: the same effect on one sinusoid, where its answer is known,
+alternation, against the scene without the effect (corpus/effects.py).  Digits: the same effect on one sinusoid, where
+its answer is known,
 
 - bare: Westergaard's contact; adhesion and unloading: Johnson's; slope term: Johnson's with the work of adhesion
   gamma sqrt(1 + h'^2) at the edge;
