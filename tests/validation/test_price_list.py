@@ -12,6 +12,7 @@ import bem.elastic.collocation
 import bem.elastic.hierarchical
 from validation.cases.suite import accuracy_costs
 from validation.corpus import effects
+from validation.corpus.accuracy_costs import CostPoint, stored
 from validation.corpus.effects import EFFECTS, Cost, Times, costs_of, loaded_alone, rough
 from validation.studies.stages import REST, timed_stages
 from validation.studies.work_precision.price_list import DIGITS, Price, digits_of, sentences
@@ -95,6 +96,26 @@ def test_no_price_is_told_of_an_effect_that_takes_no_longer(seconds, monkeypatch
     lines = {str(line[0]): dict(zip(table.columns, line, strict=True)) for line in table.rows}
     assert str(lines["slope term"]["times the scene without it"]).startswith("no more, ± ")
     assert all(not isinstance(cell, float | int) or cell >= 0 for line in table.rows for cell in line)
+
+
+def point(route, setting, seconds):
+    return CostPoint("rough", route, setting, 100, seconds, 1e-3, 1e-9, "another code")
+
+
+def test_a_route_with_one_point_is_left_out_with_a_sentence():
+    points = [point("bem", "1e-2", 1.0), point("bem", "1e-4", 2.0), point("fft, c = 8", "1024", 3.0)]
+    points += [point("fem", "(2, 4, 4)", 4.0), point("fem", "(4, 4, 6)", 5.0), point("fem", "(4, 4, 8)", 6.0)]
+    curves, sentence = accuracy_costs.curves_of(points)
+    assert [curve.label for curve in curves if curve.label] == ["boundary elements", "finite elements, P4"]
+    alone = "finite elements, P2, FFT grid, cohesion along 8 spacings"
+    assert sentence == f" Left out, as one point is no curve: {alone}."
+    assert accuracy_costs.curves_of(points[:2])[1] == ""
+
+
+def test_both_orders_of_finite_elements_are_drawn_on_the_rough_profile():
+    curves, _ = accuracy_costs.curves_of(point for point in stored().points if point.scene == "rough")
+    assert {"finite elements, P2", "finite elements, P4"} <= {curve.label for curve in curves}
+    assert all(len(curve.x) > 1 for curve in curves)
 
 
 def test_bare_scene_loads_no_module_of_absent_effects():

@@ -58,7 +58,7 @@ def compute(evidence: Evidence) -> Outcome:
                   shortfall=evidence.shortfall),
         Against("exact", "edges move by a length ~ sqrt(gamma)").row(
             f"exponent of the gain of area, {WORKS[FITTED][0]:g} to {WORKS[FITTED][-1]:g} J/m^2", "", 0.5, power,
-            (0.1, 0.04), "absolute", uncertainty=power_error),
+            (0.012, 0.0041), "absolute", uncertainty=power_error),
     )  # fmt: skip
     table = Table(
         caption="Gain of contact area by adhesion at the same load, mean of 0.005 to 0.02 E*.",
