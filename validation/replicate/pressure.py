@@ -32,7 +32,7 @@ from validation.replicate.evidence import (
     theory_with_adhesion,
 )
 from validation.replicate.members import SPECTRA_AT
-from validation.replicate.statements import Alternative, statement
+from validation.replicate.statements import Alternative, statement, unless_short
 
 BOUNDS = np.linspace(-0.3, 0.7, 51)  # of E*
 CENTRES = (BOUNDS[1:] + BOUNDS[:-1]) / 2
@@ -145,8 +145,7 @@ def _tensile_row(evidence: Evidence, load: float) -> Row:
     row = Against("exact", "JKR edges: P -> (2 E*/(pi lambda)) sum w_e |sigma|^-3").row(
         f"tensile tail P |sigma|^3 over its limit, -6 to -2 E*, at {load:g} E*", "", 1.0, ratio, (0.01, 0.0035),
         "absolute", uncertainty=error)  # fmt: skip
-    few = evidence.shortfall  # two realisations have no standard error to speak of
-    return row.model_copy(update={"status": "not run", "message": few}) if few else row
+    return unless_short(row, evidence.shortfall)
 
 
 def _figures(

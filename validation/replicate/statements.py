@@ -77,6 +77,11 @@ def statement(
     return row
 
 
+def unless_short(row: Row, shortfall: str) -> Row:
+    """The row, not run where the ensemble is not the paper's: two short realisations have no error to speak of."""
+    return row.model_copy(update={"status": "not run", "message": shortfall}) if shortfall else row
+
+
 def stale(rows: Sequence[Row]) -> Row:
     """How many statements differ from the paper otherwise than was stored beside their tolerance."""
     moved = [
