@@ -87,7 +87,7 @@ def departures(area_at: Callable[[float], float]) -> list[float]:
     """
     first = area_at(LOADS[0]) / LOADS[0]
     reached = [brentq(lambda load, area=area: area_at(load) - area, LOADS[0], 1.0) for area in STRAIGHT_TO]
-    return [area / load / first - 1 for area, load in zip(STRAIGHT_TO, reached, strict=True)]
+    return [float(area / load / first - 1) for area, load in zip(STRAIGHT_TO, reached, strict=True)]
 
 
 def _straightness(evidence: Evidence) -> Row:
