@@ -7,21 +7,32 @@ import json
 import os
 import re
 from importlib import import_module
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from in_this_process import here
 
+import bem
 from persson import double_gaussian
 from validation import __main__ as command_line
 from validation.harness.ensemble import Gathered
 from validation.harness.schema import CaseRecord, Figure, Panel, Reference, Report, Series
 from validation.harness.verdict import verdict_of
 from validation.references.paper_problem import MODULUS
-from validation.replicate import gather, members, realisations, scene_text, statements
-from validation.replicate.area import line_through
+from validation.references.paper_sketch import mean_displacement, sketch_scene
+from validation.replicate import (
+    gather,
+    members,
+    posed_problem,
+    realisations,
+    scene_text,
+    statements,
+    vanishing_adhesion,
+)
+from validation.replicate.area import departures, line_through
 from validation.replicate.double_gaussian_fit import WAYS, Sample, window_figure, window_table
-from validation.replicate.evidence import jackknife, joined, mean_and_error
+from validation.replicate.evidence import Realisation, jackknife, joined, mean_and_error
 from validation.replicate.members import LOADS, PAPER, Size
 from validation.replicate.paper_spectra import (
     _power_law,
@@ -54,7 +65,7 @@ def test_shapes_are_of_the_first_profile_above_90_micrometres():
 
 def test_names_of_members_differ():
     names = [one.name for one in members.all_members(PAPER)]
-    assert len(set(names)) == len(names) == 11 + 1 + 1 + 12
+    assert len(set(names)) == len(names) == 11 + 1 + 1 + 12 + 36 + 1
 
 
 def test_exponent_of_noisy_lines_is_within_its_error():
@@ -138,7 +149,72 @@ def test_scatter_in_size_alone_is_no_error_of_the_end(sample):
 def test_the_factor_is_judged_by_what_is_nearer(end, verdict):
     shape = double_gaussian(SIGMA, 0.02, end, 0.018 / (2 * 0.02**2))
     one = Sample(0.02, SIGMA, np.array([shape, shape]), 0.05, 0.13)
-    assert verdict_of(one.row("")) == verdict
+    assert verdict_of(one.rows("")[0]) == verdict
+
+
+def test_a_factor_that_depends_on_the_window_is_no_test(sample):
+    tail = sample.mean + 0.05 * np.exp(10 * SIGMA) * (SIGMA < 0.05)
+    factor, _, _ = Sample(0.02, SIGMA, np.array([tail, tail]), 0.05, 0.13).rows("")
+    assert verdict_of(factor) == "not run"
+    assert factor.message.startswith("no test: ")
+    assert re.search(r"the paper states no window and no weights: \d\.\d\d to \d\.\d\d over ours", factor.message)
+    assert factor.uncertainty > 0.3  # 0.73: half the spread, where two equal realisations have no standard error
+
+
+def test_a_double_gaussian_is_a_good_approximation_of_itself_and_not_of_twice_itself(sample):
+    _, close, carried = sample.rows("")
+    assert verdict_of(close) == "changed"  # it agrees too well
+    load = np.sum(SIGMA * sample.mean) * (SIGMA[1] - SIGMA[0])
+    assert carried.computed == pytest.approx([load / 0.02] * len(carried.computed), rel=1e-3)
+    twice = Sample(0.02, SIGMA, 2 * sample.values, 0.05, 0.13).rows("")[1]
+    assert verdict_of(twice) == "expected deviation"
+
+
+def test_a_straight_line_departs_from_none():
+    assert departures(lambda load: 7 * load) == pytest.approx([0.0, 0.0], abs=1e-12)
+
+
+@pytest.fixture(scope="module")
+def drawn_problem():
+    return Realisation("sketch", bem.solve(sketch_scene()))
+
+
+def posed(one):
+    return posed_problem.compute(SimpleNamespace(sketch=one, shortfall="", missing={}))
+
+
+def test_the_problem_is_drawn_from_a_solution_that_has_its_heights(drawn_problem):
+    outcome = posed(drawn_problem)
+    assert [verdict_of(row) for row in outcome.rows] == ["agrees"] * 3
+    layer, heights = outcome.figures
+    bars = {
+        series.label: (series.y[0], series.upper[0]) for series in heights.solution.series if series.style == "bars"
+    }
+    assert bars["$s$"][1] == bars["$u_m$"][1] == bars[r"$\Delta$"][0] == pytest.approx(0.16)  # mm
+    assert bars["$h_{max}$"][1] == bars[r"$\Delta$"][1] == pytest.approx(0.3585, abs=1e-4)
+    assert bars["$u_m$"][1] - bars["$u_m$"][0] == pytest.approx(0.022, abs=1e-4)
+    face, profile = (
+        next(s for s in layer.solution.series if s.label.startswith(name)) for name in ("elastic", "rigid")
+    )
+    gaps = np.subtract(face.y, profile.upper)
+    assert gaps.min() > -1e-12 and gaps.max() > 0.3
+
+
+def test_a_layer_that_may_spread_has_another_mean_displacement(drawn_problem, monkeypatch):
+    free = posed_problem.SPREADING
+    monkeypatch.setattr(posed_problem, "mean_displacement", lambda pressure: free * mean_displacement(pressure))
+    assert verdict_of(posed(drawn_problem).rows[0]) == "deviates"
+
+
+@pytest.mark.parametrize(("power", "verdicts"), [(0.5, ["agrees", "agrees"]), (0.1, ["deviates", "deviates"])])
+def test_adhesion_vanishes_as_its_square_root(power, verdicts):
+    def of(work, seed):
+        gain = (3.0 + 0.1 * seed) * work**power if work else 0.0
+        return SimpleNamespace(value_at=lambda load, number: load * (1 + gain))
+
+    faint = [[of(work, seed) for work in members.FAINT_WORKS] for seed in range(3)]
+    outcome = vanishing_adhesion.compute(SimpleNamespace(faint=faint, shortfall=""))
+    assert [verdict_of(row) for row in outcome.rows] == verdicts
 
 
 def test_window_is_drawn_and_listed_with_the_theory_fitted_alike(sample):
@@ -171,7 +247,8 @@ def claimed(ours, error=0.0, **more):
     [
         (claimed(-2.65), "agrees"),
         (claimed(-2.5), "deviates"),
-        (claimed(-2.6, error=0.14), "agrees"),
+        (claimed(-2.6, error=0.15), "agrees"),
+        (claimed(-2.6, error=0.14), "marginal"),
         (claimed(-2.6, error=0.04), "deviates"),
         (claimed(-2.6, error=0.17), "not run"),
         (claimed(-2.65, shortfall="only 3 of 11 realisations"), "not run"),
@@ -182,6 +259,7 @@ def claimed(ours, error=0.0, **more):
         "within",
         "outside",
         "within its error",
+        "just within its error",
         "beyond its error",
         "no test",
         "short",
@@ -356,7 +434,7 @@ def test_short_form_runs_from_end_to_end(replicated):
     folder, report, code = replicated
     assert code == 0
     assert report["level"] == "replicate, short form"
-    assert [case["status"] for case in report["cases"]] == ["run"] * 9
+    assert [case["status"] for case in report["cases"]] == ["run"] * 11
     assert (folder / "report.html").stat().st_size > 1e5
 
 
@@ -426,7 +504,7 @@ def test_realisation_that_is_missing_makes_the_row_not_run(replicated):
     outcome = realisations.compute(evidence)
     assert verdict_of(outcome.rows[0]) == "not run"
     assert outcome.rows[0].message == f"only 0 of 11 realisations reached {LOADS[-1]:g} E*"
-    assert len(evidence.missing) == len(members.all_members(PAPER))
+    assert len(evidence.missing) == len(members.all_members(PAPER)) - 1  # the sketch is of no size
 
 
 def test_unknown_executor_is_bad_input(tmp_path):
@@ -439,4 +517,4 @@ def test_topics_without_an_ensemble_are_not_run_with_the_reason(tmp_path, monkey
     report = replicate.replicate(tmp_path, TINY, 1, here, lambda note: None, "replicate")
     assert {case.status for case in report.cases[2:]} == {"not run"}
     assert all("2 at least are needed" in case.message for case in report.cases[2:])
-    assert [line[7] for line in report.cases[0].tables[0].rows] == ["not run"] * 7
+    assert [line[7] for line in report.cases[0].tables[0].rows] == ["not run"] * 9

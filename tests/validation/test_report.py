@@ -10,7 +10,17 @@ from report_parts import BAND, case, figure, report, row
 from validation.harness.baseline import FOLDER, read_baseline
 from validation.harness.case import registry
 from validation.harness.compare import combined_tolerance
-from validation.harness.schema import Code, Figure, Reference, ReferenceKind, Table, Tolerance, with_checksum
+from validation.harness.schema import (
+    Code,
+    Figure,
+    Panel,
+    Reference,
+    ReferenceKind,
+    Series,
+    Table,
+    Tolerance,
+    with_checksum,
+)
 from validation.replicate import TOPICS
 from validation.report.figures import svg_of
 from validation.report.render import ReportError, number, render
@@ -161,6 +171,26 @@ def test_the_first_sentence_says_what_fails(failing, part):
     sentence = first_sentence(with_checksum(report(case("fine"), failing)))
     assert sentence.startswith("Failed: ")
     assert part in sentence
+
+
+def test_a_marginal_row_is_told_and_seen():
+    made = with_checksum(report(case("close", row(1.02), row(1.095))))
+    assert first_sentence(made).startswith("Passed: 2 of 2 comparisons with something else agree; 1 of these marginal")
+    page = render(made)
+    assert '<td class="verdict marginal" data-label="verdict">≲ marginal' in page
+    assert '<li class="marginal"><b>1</b> ≲ marginal</li>' in page
+    assert '<a href="#close" class="marginal">≲ close</a>' in page
+    assert {series.label for series in scatter(made).solution.series} >= {"agrees", "marginal"}
+
+
+def test_the_problem_stands_at_the_head_where_it_is_drawn():
+    panel = Panel(xlabel="x", ylabel="y", series=[Series(label="one", x=[0.0, 1.0], y=[0.0, 1.0])])
+    sketch = Figure(id="problem-layer", caption="A layer on a profile.", solution=panel)
+    page = render(with_checksum(report(case("drawn", row(), figures=[sketch]))))
+    place = page.index('id="figure-drawn-problem-layer"')
+    assert page.index('id="verdict"') < place < page.index('id="centre"') < page.index('id="summary"')
+    assert 'href="#problem"' in page
+    assert 'id="problem"' not in render(with_checksum(report(case("bare", row()))))
 
 
 def test_the_sentence_stands_before_any_figure(text):

@@ -54,7 +54,16 @@ def test_known_rows_of_the_harness_are_judged_right():
 
 @pytest.mark.parametrize(
     ("computed", "verdict"),
-    [(1.0, "agrees"), (1.0999, "agrees"), (0.9001, "agrees"), (1.1001, "deviates"), (0.8999, "deviates")],
+    [
+        (1.0, "agrees"),
+        (1.0899, "agrees"),
+        (0.9101, "agrees"),
+        (1.0901, "marginal"),
+        (1.0999, "marginal"),
+        (0.9001, "marginal"),
+        (1.1001, "deviates"),
+        (0.8999, "deviates"),
+    ],
 )
 def test_tolerance_bounds_both_sides(computed, verdict):
     assert verdict_of(row(computed=[computed])) == verdict
@@ -109,6 +118,12 @@ def test_agreement_is_never_claimed_finer_than_the_uncertainties():
     assert combined_tolerance(compared) == 5.0 / 10.0  # no factor on what the codes state
     assert error_over_tolerance(compared) == pytest.approx(0.8)
     assert verdict_of(compared) == "agrees"
+
+
+def test_an_error_that_uses_up_the_uncertainty_is_marginal_and_gates_nothing():
+    close = row(uncertainty=4.0, computed=[4.7], expected=[1.0])
+    assert verdict_of(close) == "marginal"
+    assert not fails(report(case(close)))
 
 
 @pytest.mark.parametrize("status", ["not run", "not converged", "error"])

@@ -1,16 +1,19 @@
 """Effects that a scene may call for, priced on one rough profile: the scene with each, and that without.
 
-The profile is the registry's self-affine one, loaded to two separations.  An effect that a scene does not call for must
-cost nothing: a bare scene, in a process of its own, names the modules of absent effects that it loads.
+The profile is the registry's self-affine one, loaded to two separations.  Scenes run one after the other, and that
+several times, so that what slows the machine slows all of them; the least CPU time of each counts.  The median above
+the least is what repetition changes: a ratio is told to that digit, and one that does not exceed 1 by it is no price.
+An effect that a scene does not call for must cost nothing: a bare scene, in a process of its own, names the modules of
+absent effects that it loads.
 """
 
 import json
-import math
 import subprocess
 import sys
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
+from statistics import median
 from typing import Any
 
 import bem
@@ -75,15 +78,62 @@ def rough(changes: Changes, harmonics: int) -> Any:
     return adapters.scene("rough_100", usual | changes)
 
 
-def seconds_of(scene: Any, runs: int) -> tuple[float, int]:
-    """Least CPU seconds of a few runs after a warm-up, and evaluations."""
-    result = solved(scene)
-    least = math.inf
+@dataclass(frozen=True)
+class Cost:
+    """What a scene took: CPU seconds of every run, (n,), and evaluations of one."""
+
+    seconds: tuple[float, ...]
+    evaluations: int
+
+    @property
+    def least(self) -> float:
+        """CPU seconds of the quickest run."""
+        return min(self.seconds)
+
+    @property
+    def noise(self) -> float:
+        """The median run above the quickest, over it."""
+        return median(self.seconds) / self.least - 1
+
+
+@dataclass(frozen=True)
+class Times:
+    """How many times the scene without an effect the one with it takes, and what repetition changes of that."""
+
+    ratio: float
+    noise: float
+
+    @classmethod
+    def of(cls, own: Cost, base: Cost) -> "Times":
+        """Of two scenes that ran in alternation."""
+        ratio = own.least / base.least
+        return cls(ratio, ratio * (own.noise + base.noise))
+
+    def __str__(self) -> str:
+        """To the first digit of the noise.
+
+        Examples
+        --------
+        >>> str(Times(6.4571, 0.0312)), str(Times(12.61, 2.3)), str(Times(1.04, 0.06)), str(Times(0.785, 0.02))
+        ('6.46 ± 0.03', '13 ± 2', 'no more, ± 0.06', 'no more, ± 0.02')
+        """
+        if self.ratio - self.noise <= 1:
+            return f"no more, ± {self.noise:.1g}"
+        places = max(0, -int(f"{self.noise:.0e}".partition("e")[2]))
+        return f"{self.ratio:.{places}f} ± {self.noise:.{places}f}"
+
+
+def costs_of(scenes: Mapping[str, Any], runs: int) -> dict[str, Cost]:
+    """What each scene takes by its name: so many rounds, each of one run of every scene."""
+    seconds: dict[str, list[float]] = {name: [] for name in scenes}
+    evaluations: dict[str, int] = {}
     for _ in range(runs):
-        begun = time.process_time()
-        result = solved(scene)
-        least = min(least, time.process_time() - begun)
-    return least, sum(state.evaluations for state in result.states)
+        for name, scene in scenes.items():
+            begun = time.process_time()
+            result = solved(scene)
+            seconds[name].append(time.process_time() - begun)
+            evaluations[name] = sum(state.evaluations for state in result.states)
+    return {name: Cost(tuple(took), evaluations[name]) for name, took in seconds.items()}
 
 
 def solved(scene: Any) -> Result:

@@ -1,6 +1,7 @@
 """The verdict of a row, from its numbers alone.
 
-agrees: within the tolerance, or within the combined uncertainty of both sides.  expected deviation: inside the band of
+agrees: within the tolerance, or within the combined uncertainty of both sides; marginal: so, but with nine tenths of it
+used up.  expected deviation: inside the band of
 a known discrepancy.  changed: outside that band, on either side: agreeing too well fails too.  deviates: outside the
 tolerance.  not converged, error: with a message; a value that is not a number is an error.  not run: with a reason.
 """
@@ -12,8 +13,12 @@ from typing import Literal, get_args
 from validation.harness.compare import combined_tolerance, error_of
 from validation.harness.schema import CaseRecord, Report, Row
 
-Verdict = Literal["agrees", "expected deviation", "changed", "deviates", "not converged", "error", "not run"]
+Verdict = Literal[
+    "agrees", "marginal", "expected deviation", "changed", "deviates", "not converged", "error", "not run"
+]
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
+MARGINAL = 0.9  # of what is allowed: words of the report, no result depends on it
+PASSING: frozenset[Verdict] = frozenset({"agrees", "marginal", "expected deviation"})
 GATING: frozenset[Verdict] = frozenset({"changed", "deviates", "not converged", "error"})
 
 
@@ -26,7 +31,10 @@ def verdict_of(row: Row) -> Verdict:
         return "error"
     if row.band is not None:
         return "expected deviation" if row.band.low <= error <= row.band.high else "changed"
-    return "agrees" if error <= combined_tolerance(row) else "deviates"
+    allowed = combined_tolerance(row)
+    if error > allowed:
+        return "deviates"
+    return "marginal" if error > MARGINAL * allowed else "agrees"
 
 
 def case_verdicts(case: CaseRecord) -> list[Verdict]:

@@ -30,14 +30,18 @@ from validation.replicate import (
     paper_separation,
     paper_shapes,
     paper_spectra,
+    posed_problem,
     pressure,
     realisations,
     statements,
+    vanishing_adhesion,
 )
 from validation.replicate.evidence import Evidence, Realisation
 from validation.replicate.members import LOADS, PAPER, Size, all_members, high_load, loading
+from validation.replicate.members import faint as faint_members
 from validation.replicate.members import hurst as hurst_members
 from validation.replicate.members import shapes as shapes_member
+from validation.replicate.members import sketch as sketch_member
 from validation.report.figures import linked, write_figure
 
 GROUP = "the paper replicated"
@@ -65,6 +69,11 @@ TOPICS: tuple[tuple[str, str, str, Callable[[Evidence], Outcome]], ...] = (
      r"$s = \frac{1}{\lambda} \int \text{gap} \, dx$", paper_shapes.compute),
     ("replicate-heights", "Are the heights of the profiles Gaussian?",
      r"$\sum_m h_m^2 / 2 = h_{\text{rms}}^2$", heights.compute),
+    ("replicate-vanishing-adhesion", "Does loading with vanishing adhesion tend to that without?",
+     r"$A(\gamma) - A(0) \propto \sqrt{\gamma}$ at the same load", vanishing_adhesion.compute),
+    ("replicate-problem", "What is the problem?",
+     r"$s = h_{\text{max}} - \Delta$, $u_m = d \frac{(1 - 2 \nu) (1 + \nu)}{E (1 - \nu)} \sigma_0$",
+     posed_problem.compute),
 )  # fmt: skip
 
 
@@ -152,6 +161,12 @@ def gather(size: Size, folder: Path, failed: Mapping[str, str]) -> Evidence:
             exponent: tuple(one for member in group if (one := read(member)) is not None)
             for exponent, group in hurst_members(size).items()
         },
+        faint=tuple(
+            whole
+            for group in faint_members(size)
+            if len(whole := tuple(one for member in group if (one := read(member)) is not None)) == len(group)
+        ),
+        sketch=read(sketch_member()),
         missing=missing,
     )
 

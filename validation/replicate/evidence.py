@@ -41,6 +41,13 @@ class Realisation:
         table = self.result.scene["profile"]
         return Profile.self_affine(*(table[name] for name in ("period", "hurst", "rms_height", "harmonics", "seed")))
 
+    @cached_property
+    def highest(self) -> float:
+        """Height of the highest crest above the mean plane, m."""
+        table = self.result.scene["profile"]
+        waves = table["orders"], table["amplitudes"], table["phases"]
+        return float(Profile.from_harmonics(table["period"], *waves).max_height)
+
     @property
     def touching(self) -> list[State]:
         """States that carry a load > 0."""
@@ -91,6 +98,8 @@ class Evidence:
     shapes: Realisation | None
     high_load: Realisation | None
     hurst: dict[float, tuple[Realisation, ...]]
+    faint: tuple[tuple[Realisation, ...], ...]  # of every seed that is whole: one for each of FAINT_WORKS
+    sketch: Realisation | None
     missing: dict[str, str]  # members without a result, and why
 
     @property
@@ -142,6 +151,12 @@ def theory_with_adhesion(one: Realisation, load: float, detached_width: float = 
     found = solve(lines_of(one), load * MODULUS, work_of_adhesion=work, detached_width=detached_width, **scene["solid"])
     assert isinstance(found, AdhesiveContact)
     return found
+
+
+def mean_over_period(one: Realisation, k: int, values: FloatArray) -> float:
+    """Mean of values at the places of the shape k, by the trapezoidal rule around the period."""
+    x, period = one.result.fields[f"x_{k}"], float(one.result.scene["profile"]["period"])
+    return float(np.trapezoid(np.append(values, values[0]), np.append(x, x[0] + period)) / period)
 
 
 def mean_and_error(values: ArrayLike) -> tuple[FloatArray, FloatArray]:

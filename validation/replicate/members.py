@@ -5,6 +5,9 @@ loading    the paper's profile (H = 0.7, h_rms = 50 um, period 0.01 m, E = 1 MPa
 shapes     one of them whose highest crest lies above 90 um, through s = 86, 48, 38 and 9.6 um
 high load  one profile with fewer harmonics, pressed until contact is all but complete
 Hurst      H = 0.8 and H = 0.3 with fewer harmonics, each to the same load over its rms slope
+faint      profiles with 100 harmonics and a work of adhesion that vanishes, beside the same without adhesion (with 250
+           one of 24 such paths, seed 3 at 1e-6 J/m^2, ends with an EnergyGainedError at a coalescence)
+sketch     a layer on a profile of few waves, by which the problem is drawn
 
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.  The quick form has the same
 scenes with fewer realisations and harmonics: it shows that everything runs, and replicates nothing.
@@ -25,6 +28,7 @@ from validation.references.paper_problem import (
     self_affine,
     up_to,
 )
+from validation.references.paper_sketch import sketch_scene
 
 LOADS = (0.001, 0.0025, 0.005, 0.0075, 0.01, 0.0125, 0.015, 0.0175, 0.02, 0.0225, 0.025)  # of E*
 SPECTRA_AT = (0.005, 0.02)  # of E*
@@ -34,6 +38,10 @@ NEARLY_FLAT = (1e-6, 0.2e-6, 0.04e-6, 8e-9, 2e-9)  # separations, m
 HURSTS = (0.8, 0.3)
 HURST_LOAD = 0.08  # of E* times the rms slope
 
+FAINT_WORKS = (0.0, 1e-7, 1e-6, 1e-5, 1e-4, WORK_OF_ADHESION)  # J/m^2; 0: without adhesion
+FAINT_HARMONICS = 100
+FAINT_AT = (0.005, 0.01, 0.015, 0.02)  # of E*
+
 
 @dataclass(frozen=True)
 class Size:
@@ -42,7 +50,7 @@ class Size:
     seeds: int  # realisations 0, 1, .. of the loading ensemble
     harmonics: int  # of the loading ensemble and of the shapes
     fewer_harmonics: int  # at high load, and of the profiles of other Hurst exponents
-    hurst_seeds: int  # realisations of each of these
+    hurst_seeds: int  # realisations of each of these, and with vanishing adhesion
 
 
 PAPER = Size(seeds=11, harmonics=1000, fewer_harmonics=250, hurst_seeds=6)
@@ -82,14 +90,31 @@ def hurst(size: Size) -> dict[float, list[Member]]:
     }  # fmt: skip
 
 
+def faint(size: Size) -> list[list[Member]]:
+    """For every seed its profile with each of `FAINT_WORKS`, to the highest of `FAINT_AT`."""
+    pressures, harmonics = [load * MODULUS for load in FAINT_AT], min(FAINT_HARMONICS, size.fewer_harmonics)
+    return [[_member(f"faint-{work:g}-{seed:02d}", seed, HURST, harmonics, up_to(pressures, 1e-6), {}, work)
+             for work in FAINT_WORKS]
+            for seed in range(size.hurst_seeds)]  # fmt: skip
+
+
+def sketch() -> Member:
+    """What the problem is drawn by."""
+    return Member("sketch", sketch_scene())
+
+
 def all_members(size: Size) -> list[Member]:
     """Everything, the long runs first."""
     groups = hurst(size)
     others = [member for exponent in sorted(groups) for member in groups[exponent]]  # the roughest take longest
-    return [*loading(size), shapes(size), high_load(size), *others]
+    vanishing = [member for group in faint(size) for member in group]
+    return [*loading(size), shapes(size), high_load(size), *others, *vanishing, sketch()]
 
 
-def _member(name: str, seed: int, exponent: float, harmonics: int, loading: Table, output: Table) -> Member:
-    adhesion = {"work_of_adhesion": WORK_OF_ADHESION, "slope_term": True}
+def _member(
+    name: str, seed: int, exponent: float, harmonics: int, loading: Table, output: Table, work: float = WORK_OF_ADHESION
+) -> Member:
+    tables: dict[str, Table] = {"adhesion": {"work_of_adhesion": work, "slope_term": True}} if work else {}
+    tables |= {"output": output} if output else {}
     title = f"self-affine profile, H = {exponent:g}, seed {seed}"
-    return Member(name, scene(title, self_affine(seed, harmonics, exponent), loading, adhesion=adhesion, output=output))
+    return Member(name, scene(title, self_affine(seed, harmonics, exponent), loading, None, **tables))

@@ -15,7 +15,7 @@ from validation.harness.case import Outcome
 from validation.harness.figure_data import axes, drawn, trace
 from validation.harness.schema import Figure, Reference, Row, Series, Table, Tolerance
 from validation.references.paper_problem import MODULUS, RMS_HEIGHT
-from validation.replicate.evidence import Evidence, Realisation
+from validation.replicate.evidence import Evidence, Realisation, mean_over_period
 from validation.replicate.members import SHAPES_AT
 
 MOST_POINTS = 2400  # of a curve in a figure
@@ -28,7 +28,7 @@ def compute(evidence: Evidence) -> Outcome:
     if one is None:
         return Outcome(skipped=f"no realisation for the shapes: {'; '.join(evidence.missing.values())}")
     states = one.result.targets
-    gaps = [_mean_gap(one, k) for k in range(len(SHAPES_AT))]
+    gaps = [mean_over_period(one, k, one.result.fields[f"gap_{k}"]) for k in range(len(SHAPES_AT))]
     row = Row(
         quantity="mean gap of the shapes over the separation asked for",
         unit="",
@@ -49,13 +49,6 @@ def compute(evidence: Evidence) -> Outcome:
         figures=(_together(one), *(_near_highest_crest(one, k, s) for k, s in enumerate(SHAPES_AT))),
         tables=(table,),
     )
-
-
-def _mean_gap(one: Realisation, k: int) -> float:
-    """Trapezoidal rule over the period."""
-    x, gap = one.result.fields[f"x_{k}"], one.result.fields[f"gap_{k}"]
-    around = np.append(x, x[0] + one.surface.period)
-    return float(np.trapezoid(np.append(gap, gap[0]), around) / one.surface.period)
 
 
 def _together(one: Realisation) -> Figure:

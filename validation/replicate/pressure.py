@@ -32,7 +32,7 @@ from validation.replicate.evidence import (
     theory_with_adhesion,
 )
 from validation.replicate.members import SPECTRA_AT
-from validation.replicate.statements import Alternative, statement
+from validation.replicate.statements import Alternative, statement, unless_short
 
 BOUNDS = np.linspace(-0.3, 0.7, 51)  # of E*
 CENTRES = (BOUNDS[1:] + BOUNDS[:-1]) / 2
@@ -81,7 +81,7 @@ def compute(evidence: Evidence) -> Outcome:
         samples.append(sample)
         rows.append(_gaussian_row(load, values, spread, evidence.shortfall))
         rows.append(_tensile_row(evidence, load))
-        rows.append(sample.row(evidence.shortfall))
+        rows += sample.rows(evidence.shortfall)
         figures += _figures(sample, theories[1.0], theories[FACTOR])
     rows.append(_factor_row(evidence, samples))
     figures += [window_figure(samples), _tail_figure(evidence)]
@@ -142,9 +142,10 @@ def _tensile_row(evidence: Evidence, load: float) -> Row:
         exact = limit * (TAIL_BOUNDS[1:] ** -2 - TAIL_BOUNDS[:-1] ** -2) / 2 / np.diff(TAIL_BOUNDS)
         ratios.append(float(np.mean((density(one, load, TAIL_BOUNDS) / exact)[inside])))
     ratio, error = estimate(ratios)
-    return Against("exact", "JKR edges: P -> (2 E*/(pi lambda)) sum w_e |sigma|^-3").row(
+    row = Against("exact", "JKR edges: P -> (2 E*/(pi lambda)) sum w_e |sigma|^-3").row(
         f"tensile tail P |sigma|^3 over its limit, -6 to -2 E*, at {load:g} E*", "", 1.0, ratio, (0.01, 0.0035),
         "absolute", uncertainty=error)  # fmt: skip
+    return unless_short(row, evidence.shortfall)
 
 
 def _figures(

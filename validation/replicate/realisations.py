@@ -32,7 +32,7 @@ def compute(evidence: Evidence) -> Outcome:
         Table(caption="Loading ensemble: every realisation, with its harmonics and the load it reached.",
               columns=COLUMNS,
               rows=[_line(one) for one in everyone]),
-        Table(caption="Other realisations: shapes, high load, other Hurst exponents.",
+        Table(caption="Other realisations: shapes, high load, other Hurst exponents, vanishing adhesion.",
               columns=COLUMNS,
               rows=[_line(one) for one in _all(evidence) if one not in everyone]),
     ]  # fmt: skip
@@ -50,7 +50,8 @@ COLUMNS = [
 
 def _all(evidence: Evidence) -> list[Realisation]:
     single = [one for one in (evidence.shapes, evidence.high_load) if one is not None]
-    return [*evidence.loading, *evidence.short, *single, *(one for group in evidence.hurst.values() for one in group)]
+    groups = [*evidence.hurst.values(), *evidence.faint]
+    return [*evidence.loading, *evidence.short, *single, *(one for group in groups for one in group)]
 
 
 def _line(one: Realisation) -> Cells:

@@ -73,8 +73,13 @@ def statement(
     accepted = combined_tolerance(row)
     if row.status == "run" and accepted > distance / 2:
         why = f"no test: {accepted:.2g} is accepted, {against.value:.4g} ({against.words}) is {distance:.2g} away"
-        return row.model_copy(update={"status": "not run", "message": why})
+        return row.model_copy(update={"status": "not run", "message": "; ".join(filter(None, (why, reported)))})
     return row
+
+
+def unless_short(row: Row, shortfall: str) -> Row:
+    """The row, not run where the ensemble is not the paper's: two short realisations have no error to speak of."""
+    return row.model_copy(update={"status": "not run", "message": shortfall}) if shortfall else row
 
 
 def stale(rows: Sequence[Row]) -> Row:

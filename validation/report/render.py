@@ -34,6 +34,7 @@ POLICY = (  # attributes with a style are those of figures
 )
 MARKS = {
     "agrees": "✓",
+    "marginal": "≲",
     "expected deviation": "≈",
     "changed": "△",
     "deviates": "✗",

@@ -1,14 +1,16 @@
-"""Contact area against load: one rough profile with and without adhesion, beside the theory with and without."""
+"""Contact area against load: one rough profile with and without adhesion, beside the theory; the problem drawn."""
 
 from typing import Any
 
 import numpy as np
 
+import bem
 from validation.cases.shared.checks import Against, case, column, posed, solved
 from validation.harness.case import Outcome
 from validation.harness.figure_data import axes, drawn, trace
 from validation.harness.schema import Series
 from validation.references import adapters
+from validation.references.paper_sketch import sketch_scene, sketches
 
 MODULUS, WORK = 1e6 / (1 - 0.5**2), 0.03
 LOADS = (0.002, 0.005, 0.01, 0.02)  # of E*
@@ -44,7 +46,8 @@ def _area() -> Outcome:
              trace("theory, no adhesion", THEORY_LOADS, [theory(load, None) for load in THEORY_LOADS], "dashed")),
     )  # fmt: skip
     counts = {"evaluations": sum(state.evaluations for state in (*dry.states, *wet))}
-    return Outcome(rows=(row,), figures=(figure,), counts=counts)
+    _, heights = sketches(bem.solve(sketch_scene()), "problem-layer", "landing-problem")
+    return Outcome(rows=(row,), figures=(heights, figure), counts=counts)
 
 
 def _points(label: str, states: Any) -> Series:

@@ -17,10 +17,10 @@ from bem.scene.scene import parse_scene
 from validation.cases.finite_elements.fem_closed_forms import given
 from validation.cases.shared.checks import OVER_STATES, Against, case, work
 from validation.corpus.accuracy_costs import CostPoint, stored
-from validation.corpus.effects import EFFECTS, loaded_alone, rough, seconds_of
+from validation.corpus.effects import EFFECTS, Times, costs_of, loaded_alone, rough
 from validation.harness.case import Outcome
 from validation.harness.figure_data import drawn, loglog, marks, trace
-from validation.harness.schema import Figure, Row, Series, Table
+from validation.harness.schema import Cells, Figure, Row, Series, Table
 from validation.references.closed_forms import Sinusoid
 from validation.references.posed_contacts import Posed, answer_of, exact_sinusoid, scene_tables, scenes
 
@@ -40,22 +40,27 @@ ROUTES = {  # of the stored points: their label and colour, in the order of the 
     "persson, by separation": ("Persson's theory", 4),
 }
 DASHED = ("bem, dense", "fem (4", "fft, c = 16")
-HARMONICS, RUNS = 30, 1
+HARMONICS, RUNS = 30, 3
 
 
-def _curves(points: Iterable[CostPoint]) -> list[Series]:
+def curves_of(points: Iterable[CostPoint]) -> tuple[list[Series], str]:
+    """A curve for every route with two points or more, and which others are left out, in a sentence."""
     by_route: dict[str, list[CostPoint]] = {}
     for point in points:  # finite elements by their order
         route = f"{point.route} {point.setting[:2]}" if point.route == "fem" else point.route
         by_route.setdefault(route, []).append(point)
-    curves = []
+    curves: list[Series] = []
+    alone = []
     for route, (label, hue) in ROUTES.items():
-        if chosen := by_route.get(route):
+        chosen = by_route.get(route, [])
+        if len(chosen) == 1:
+            alone.append(label)
+        if len(chosen) > 1:
             seconds = [point.cpu_seconds for point in chosen]
             errors = [max(point.error, point.floor, SMALLEST_SHOWN) for point in chosen]
             style = "dashed" if route in DASHED else "line"
             curves += [trace(label, seconds, errors, style, hue), marks("", seconds, errors, hue)]
-    return curves
+    return curves, f" Left out, as one point is no curve: {', '.join(alone)}." if alone else ""
 
 
 def _again(posed: Posed, tolerance: float = TOLERANCE) -> tuple[Result, float]:
@@ -71,12 +76,12 @@ def _figure(
 ) -> Figure:
     """The stored points of a scene, and (seconds, error) of this run as crosses."""
     known = stored()
+    curves, left_out = curves_of(point for point in known.points if point.scene == scene)
     caption = (
         f"{title}: error of contact fraction or mean pressure, the larger, against CPU seconds on one thread; every "
         f"route finds its own contact. Against {reference}; no point is drawn below the uncertainty of its reference. "
-        f"Curves were measured on {known.date} on {known.machine}; crosses in this run."
+        f"Curves were measured on {known.date} on {known.machine}; crosses in this run.{left_out}"
     )
-    curves = _curves(point for point in known.points if point.scene == scene)
     seconds, errors = zip(*again, strict=True)
     crossed = marks(crosses, seconds, [max(error, SMALLEST_SHOWN) for error in errors], hue=5)
     return drawn(name, caption, loglog("CPU seconds", "error", *curves, crossed))
@@ -156,28 +161,26 @@ def _given_edges() -> tuple[tuple[Row, ...], int]:
 
 def _prices() -> Outcome:
     """Seconds and evaluations of the rough scene with each effect; what an absent one costs."""
-    found = {effect.name: seconds_of(rough(effect.changes, HARMONICS), RUNS) for effect in EFFECTS}
-    lines = []
+    found = costs_of({effect.name: rough(effect.changes, HARMONICS) for effect in EFFECTS}, RUNS)
+    lines: list[Cells] = []
     for effect in EFFECTS:
-        seconds, evaluations = found[effect.name]
-        base = found.get(effect.on_top_of, (seconds, evaluations))
-        lines.append(
-            [effect.name, effect.on_top_of or "–", round(seconds, 3), float(f"{seconds / base[0]:.3g}"), evaluations,
-             evaluations - base[1]]
-        )  # fmt: skip
+        own, base = found[effect.name], found.get(effect.on_top_of)
+        times, without = (str(Times.of(own, base)), base.evaluations) if base else ("–", None)
+        lines.append([effect.name, effect.on_top_of or "–", float(f"{own.least:.2g}"), times, own.evaluations, without])
     loaded = loaded_alone(HARMONICS)
     absent = "0: no module of theirs is loaded" if not loaded else f"loads {', '.join(loaded)}"
-    lines.append(["any effect, absent", "bare", absent, 1.0, found["bare"][1], 0])
+    lines.append(["any effect, absent", "bare", absent, "–", found["bare"].evaluations, found["bare"].evaluations])
     table = Table(
         id="price-effects",
         caption=f"CPU seconds of a rough scene of {HARMONICS} harmonics with each effect, on one thread of this run, "
-        "over those of the scene that it is put on top of; evaluations depend on no machine.",
-        columns=["effect", "on top of", "seconds", "times the scene without it", "evaluations", "more than without"],
+        f"the least of {RUNS} runs in alternation, over those of the scene that it is put on top of. After ±: what "
+        "repetition changes; no more: the scene with it takes no longer than that. Evaluations depend on no machine.",
+        columns=["effect", "on top of", "seconds", "times the scene without it", "evaluations", "without it"],
         rows=lines,
     )
     row = Against("exact", "none is called").count("modules of absent effects that a bare scene loads", 0.0,
                                                    len(loaded))  # fmt: skip
-    counts = {f"evaluations, {name}": evaluations for name, (_, evaluations) in found.items()}
+    counts = {f"evaluations, {name}": cost.evaluations for name, cost in found.items()}
     return Outcome(rows=(row,), tables=(table,), counts=counts)
 
 

@@ -1,9 +1,9 @@
 """What opens a report: a sentence, one figure of all results, what cases put there, and the hard cases.
 
 The sentence says how many comparisons hold, the figure shows all of them at one look.  Figures and tables of cases
-stand there by the first word of their id: a figure `centre-...` beside the matrix, `cost-...` under what accuracy
-costs, `landing-...` under what was found; a table `price-...` lists what an effect costs, the rows of `hard-...` are
-the map of the hard cases.
+stand there by the first word of their id: a figure `problem-...` at the head, `centre-...` beside the matrix,
+`cost-...` under what accuracy costs, `landing-...` under what was found; a table `price-...` lists what an effect
+costs, the rows of `hard-...` are the map of the hard cases.
 """
 
 import math
@@ -14,10 +14,10 @@ from dataclasses import dataclass
 from validation.harness.compare import error_over_tolerance
 from validation.harness.figure_data import loglog, marks, trace
 from validation.harness.schema import CaseRecord, Figure, Report, Row, Table, is_intact
-from validation.harness.verdict import GATING, counted, counts, fails, verdict_of
+from validation.harness.verdict import GATING, PASSING, counted, counts, fails, verdict_of
 from validation.report.verification.matrix import KINDS, kind_of, worst_place
 
-PLACES = ("centre", "cost", "landing")
+PLACES = ("problem", "centre", "cost", "landing")
 HARD, PRICE = "hard", "price"
 _Cell = str | float | int | None
 ENDINGS = {  # of a hard case, with whether it is correct: mark, verdict, in words
@@ -86,7 +86,7 @@ def first_sentence(report: Report) -> str:
     rows = [row for case in report.cases for row in case.rows if row.band is None and row.status != "not run"]
     judged = {kind: [row for row in rows if kind_of(row) == kind] for kind in KINDS}
     others = [*judged["self-comparison"], *judged["limit"]]
-    held = {kind: sum(verdict_of(row) == "agrees" for row in rows) for kind, rows in judged.items()}
+    held = {kind: sum(verdict_of(row) in PASSING for row in rows) for kind, rows in judged.items()}
     failed = fails(report) or not is_intact(report)
     compared = len(judged["comparison"])
     agree = "agrees" if compared == 1 else "agree"
@@ -98,6 +98,8 @@ def first_sentence(report: Report) -> str:
     many = {"deviates": "deviate", "error": "errors"}
     failing = {name: count for name, count in given.items() if count and name in GATING and name != "changed"}
     words += [counted(count, name, many.get(name, name)) for name, count in failing.items()]
+    if given["marginal"]:
+        words.append(f"{given['marginal']} of these marginal")
     if given["expected deviation"]:
         words.append(counted(given["expected deviation"], "known deviation"))
     if given["changed"]:
@@ -119,12 +121,17 @@ def scatter(report: Report) -> Figure | None:
 
     Each comparison is drawn where its two sides differ most, in SI units whatever they are of.
     """
-    places: dict[str, list[tuple[float, float, float]]] = {"agrees": [], "known deviation": [], "fails": []}
+    places: dict[str, list[tuple[float, float, float]]] = {
+        "agrees": [],
+        "marginal": [],
+        "known deviation": [],
+        "fails": [],
+    }
     total = 0
     for row, x, y in _pairs(report):
         total += 1
         verdict = verdict_of(row)
-        kind = {"agrees": "agrees", "expected deviation": "known deviation"}.get(verdict, "fails")
+        kind = "known deviation" if verdict == "expected deviation" else verdict if verdict in PASSING else "fails"
         if x * y > 0 and math.isfinite(x) and math.isfinite(y):
             places[kind].append((abs(x), abs(y), error_over_tolerance(row)))
     shown = {name: points for name, points in places.items() if points}
@@ -151,7 +158,7 @@ def scatter(report: Report) -> Figure | None:
     return Figure(id="all-results", caption=caption, solution=above, error=below)
 
 
-HUES = {"agrees": 0, "known deviation": 3, "fails": 1}
+HUES = {"agrees": 0, "marginal": 4, "known deviation": 3, "fails": 1}
 
 
 def _pairs(report: Report) -> Iterator[tuple[Row, float, float]]:

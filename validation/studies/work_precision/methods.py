@@ -130,7 +130,7 @@ METHODS: tuple[Method, ...] = (
                  f"from the edges of the paper's method with {SCOUTING_CELLS} cells, its seconds included",
            settings=((2, 4, 4), (2, 6, 6), (2, 8, 8), (2, 12, 10), (4, 6, 11), (4, 8, 14), (4, 12, 19)),
            scenes=("sinusoid", "layer", "rough"), solve=solve_finite_elements, cannot=TOO_MANY, slow=1,
-           other_settings={"rough": ((2, 4, 4), (2, 6, 6), (2, 8, 8))}),
+           other_settings={"rough": ((2, 4, 4), (2, 6, 6), (2, 8, 8), (4, 4, 6), (4, 4, 8))}),
     Method(name="paper's method", code="paper's method", knob="cells per patch",
            fixed=f"residual {PAPER_RESIDUAL:g}; rough: {PATH_RESIDUAL:g}, path of {PATH_STEPS} steps from first touch",
            settings=(4, 8, 16, 32, 64, 128, 256), scenes=("sinusoid", "layer", "rough"), solve=solve_paper,

@@ -1,7 +1,8 @@
 """The price list: what each effect costs in seconds on a rough scene, and how many digits it holds on an exact one.
 
-Seconds: the self-affine profile of the registry, loaded to two separations; CPU seconds, the least of a few runs after
-a warm-up, against the scene without the effect.  Digits: the same effect on one sinusoid, where its answer is known,
+Seconds: the self-affine profile of the registry, loaded to two separations; CPU seconds, the least of a few runs in
+alternation, against the scene without the effect (corpus/effects.py).  Digits: the same effect on one sinusoid, where
+its answer is known,
 
 - bare: Westergaard's contact; adhesion and unloading: Johnson's; slope term: Johnson's with the work of adhesion
   gamma sqrt(1 + h'^2) at the edge;
@@ -27,7 +28,7 @@ import bem
 import fem_reference
 from bem.scene.result import Result
 from fem_reference import Resolution
-from validation.corpus.effects import ADHESIVE, EFFECTS, LAYER, Changes, rough, seconds_of, solved
+from validation.corpus.effects import ADHESIVE, EFFECTS, LAYER, Changes, Cost, Times, costs_of, rough, solved
 from validation.references import adapters
 from validation.references.closed_forms import Sinusoid
 from validation.studies.stages import timed_stages
@@ -47,8 +48,7 @@ class Price:
     effect: str
     on_top_of: str
     seconds: float  # CPU seconds of the scene
-    extra: float  # those more than of the one it is priced against
-    ratio: float  # of the two
+    times: Times | None  # those of the one it is priced against
     evaluations: int  # of the patch system
     error: float = math.nan  # on the sinusoid, relative
     floor: float = 0.0  # uncertainty of the reference of the error
@@ -64,37 +64,37 @@ class Price:
 def priced(item: tuple[int, int]) -> list[Price]:
     """The list, for (harmonics, runs of each scene); in a process of its own."""
     harmonics, runs = item
-    seconds: dict[str, float] = {}
-    evaluations: dict[str, int] = {}
-    for effect in EFFECTS:
-        seconds[effect.name], evaluations[effect.name] = seconds_of(rough(effect.changes, harmonics), runs)
+    costs = costs_of({effect.name: rough(effect.changes, harmonics) for effect in EFFECTS}, runs)
     prices = []
     for effect in EFFECTS:
-        own, base = seconds[effect.name], seconds.get(effect.on_top_of, math.nan)
-        error, floor, reference = DIGITS[effect.name]()
-        prices.append(
-            Price(effect.name, effect.on_top_of, own, own - base, own / base, evaluations[effect.name],
-                  error, floor, reference)
-        )  # fmt: skip
-    with timed_stages() as times:
-        bem.solve(rough(ADHESIVE, harmonics))
-    whole = times.whole["error estimate"]
-    error, floor, reference = DIGITS["error estimate"]()
-    without = times.total - whole
-    calls = times.calls["error estimate"]
-    last = Price(
-        "error estimate", "slope term", times.total, whole, times.total / without, calls, error, floor, reference
-    )
-    return [*prices, last]
+        own, base = costs[effect.name], costs.get(effect.on_top_of)
+        times = Times.of(own, base) if base else None
+        prices.append(Price(effect.name, effect.on_top_of, own.least, times, own.evaluations, *DIGITS[effect.name]()))
+    own, base = _with_and_without_estimate(harmonics, runs)
+    estimate = Price("error estimate", "slope term", own.least, Times.of(own, base), own.evaluations,
+                     *DIGITS["error estimate"]())  # fmt: skip
+    return [*prices, estimate]
+
+
+def _with_and_without_estimate(harmonics: int, runs: int) -> tuple[Cost, Cost]:
+    """What the scene takes as a whole, with how often errors are estimated, and what remains of the same runs."""
+    whole, rest, calls = [], [], 0
+    for _ in range(runs):
+        with timed_stages() as stages:
+            bem.solve(rough(ADHESIVE, harmonics))
+        whole.append(stages.total)
+        rest.append(stages.total - stages.whole["error estimate"])
+        calls = stages.calls["error estimate"]
+    return Cost(tuple(whole), calls), Cost(tuple(rest), calls)
 
 
 def sentences(prices: Sequence[Price], loaded: Sequence[str]) -> list[str]:
     """The list in words."""
     reported = [
-        f"{price.effect}: {price.ratio:.2f} times the scene without it ({price.on_top_of}), "
-        f"{price.extra:+.2g} s; digits: {digits_of(price)} ({price.reference})."
+        f"{price.effect}, times the scene without it ({price.on_top_of}): {price.times}; digits: {digits_of(price)} "
+        f"({price.reference})."
         for price in prices
-        if price.on_top_of
+        if price.times
     ]
     if loaded:
         return [*reported, f"Absent effects are not absent: the bare scene loads {', '.join(loaded)}."]

@@ -38,8 +38,8 @@ from validation.studies.work_precision.references import SOURCES, Source, Yardst
 SCHEMA = "linecontact-work-precision/2"
 FILE = "work-precision.json"
 QUICK_SCENES = ("sinusoid", "theory")
-QUICK_PRICES, PRICES = (60, 1), (250, 2)  # harmonics of the rough scene, runs of each effect
-PRICE_COLUMNS = ("effect", "on top of", "cpu/s", "extra/s", "ratio", "evaluations", "digits", "reference")
+QUICK_PRICES, PRICES = (60, 3), (250, 3)  # harmonics of the rough scene, runs of each effect
+PRICE_COLUMNS = ("effect", "on top of", "cpu/s", "times", "evaluations", "digits", "reference")
 REPEATS, SECONDS = (20, 2.0), (2, 0.3)  # most repeats and seconds for them: in full, quick
 
 
@@ -178,7 +178,7 @@ def _print(results: Results, told: Sequence[str]) -> None:
     elif compared := peer_table(results.points):
         print(text_table(PEER_COLUMNS, compared))
     if results.prices:
-        prices = [[p.effect, p.on_top_of, p.seconds, p.extra, p.ratio, p.evaluations, digits_of(p), p.reference]
+        prices = [[p.effect, p.on_top_of, p.seconds, str(p.times or ""), p.evaluations, digits_of(p), p.reference]
                   for p in results.prices]  # fmt: skip
         print(text_table(PRICE_COLUMNS, prices))
     for line in [*results.conclusion, *told, *(f"FAILED: {message}" for message in results.failures)]:
