@@ -47,9 +47,7 @@ FAULTS = {
     "unequal steps": lambda patch: patch.setattr(scan_preparation, "_even", _as_if_equal),
     "mirror": lambda patch: patch.setattr(scan_preparation, "_periodic", _not_reversed),
     "cut": None,
-    "cut-offs": lambda patch: patch.setattr(
-        GaussianFilter, "of", lambda values: GaussianFilter(1.2 * values["cutoff_short"], values["cutoff_long"])
-    ),
+    "cut-offs": lambda patch: patch.setattr(GaussianFilter, "applied", lambda filtered, h, spacing: h),
 }
 
 

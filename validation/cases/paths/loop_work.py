@@ -7,9 +7,9 @@ With F the force conjugate to the controlled v, and Phi the energy that an equil
 
 dPhi = F dv on branches, and a jump at constant v lowers Phi by what it releases: int F dv is the growth of Phi and the
 energies of the events.  Where events lie is taken from the path itself; it is followed again through the nodes of
-Gauss's rule on every branch between them and the targets.  v = (a + b)/2 - (b - a)/2 cos(theta) makes F smooth in theta also
-at a fold, where it ends with the root of the distance: what is missing in the balance is then the error of the events,
-not of the quadrature.  Energies per nominal area, SI units.
+Gauss's rule on every branch between them and the targets.  v = (a + b)/2 - (b - a)/2 cos(theta) makes F smooth in
+theta also at a fold, where it ends with the root of the distance: what is missing in the balance is then the error of
+the events, not of the quadrature.  Energies per nominal area, SI units.
 
 The case: a rough profile on a layer is loaded and unloaded under every control; there are targets where the load turns
 sharply, patches nearly detaching, since nodes are dense at the ends of a branch.

@@ -222,6 +222,7 @@ def _figure(found: list[Number]) -> Figure:
 CASES = (
     case("error-estimate", "accuracy", _error_estimate,
          "Do the error estimates of a state bound its true errors closely, and is the tolerance met?",
-         r"true error $\le$ estimate $\le$ 100 true error in 95 % of the numbers, the first of each quantity; error $\le$ tolerance",
+         r"true error $\le$ estimate $\le$ 100 true error in 95 % of all, the first of each quantity; "
+         r"error $\le$ tolerance",
          "johnson1995 carbone2009", "half_space layer adhesion slope_term unloading load_control", scene="rough_100"),
 )  # fmt: skip

@@ -1,10 +1,11 @@
-"""Fields stored with a state: displacement, widths and slopes from its edges and its pressure, and the tail of adhesion.
+"""Fields stored with a state: displacement, widths and slopes from its edges and pressure, and the tail of adhesion.
 
 A layer of compressible material is pressed on two unequal crests.  With x_j = a_j + r_j (1 - cos theta) on a patch,
 sigma r sin(theta) is smooth in theta, so that the stored pressures are nodes of Gauss-Chebyshev's rule: with the
 modes sigma_m of the pressure and c(q) of the layer and of the half-space (layer_compliance), in the middle of a gap
 
-    u(x) = -(2 / (pi E*)) int sigma(y) log|2 sin(pi (x - y) / period)| dy + sum_m (c - c_half)(q_m) Re(sigma_m e^(i q_m x)),
+    u(x) = -(2 / (pi E*)) int sigma(y) log|2 sin(pi (x - y) / period)| dy
+           + sum_m (c - c_half)(q_m) Re(sigma_m e^(i q_m x)),
 
 and the gap is u - (h - h_max + Delta).  Widths are differences of edges, slopes Gauss-Legendre's rule over the patches:
 own_m = <h'_m^2>, kept_m = <h'_m h'> over the contact.  Johnson's wave has two edges: P -> A |sigma|^-3,
@@ -66,7 +67,8 @@ def _fields() -> Outcome:
     from_pressure = Against("exact", "Gauss-Chebyshev's rule on the stored pressure; Carbone and Mangialardi 2008")
     of_edges = Against("exact", "edges of the two patches")
     tail = solved("sinusoid", adhesion={"work_of_adhesion": WAVE.work_of_adhesion},
-                  loading={"targets": [float(WAVE.penetration(1.0))]}, output={"pressure_distribution": True})  # fmt: skip
+                  loading={"targets": [float(WAVE.penetration(1.0))]},
+                  output={"pressure_distribution": True})  # fmt: skip
     # rounding: the largest over the BLAS kernels of five processors, and without compiled functions
     rows = (
         from_pressure.row("displacement in the middle of gaps on a compressible layer", "m", u,
@@ -93,7 +95,7 @@ def _fields() -> Outcome:
 CASES = (
     case("stored-fields", "identities", _fields,
          "Are the fields that are stored with a state those of its edges and its pressure?",
-         r"$u = c \ast \sigma$ in gaps of a layer; $\langle h_m'^2 \rangle$, $\langle h_m' h' \rangle$ over the contact; "
+         r"$u = c \ast \sigma$ in gaps of a layer; $\langle h_m'^2 \rangle$, $\langle h_m' h' \rangle$ in contact; "
          r"$P \to \frac{4 E^\ast \gamma}{\pi \lambda} |\sigma|^{-3}$",
          "carbone2008 johnson1995", "layer adhesion slope_term shapes width_distributions contact_slopes "
          "pressure_distribution", scene="layer_two_crests", problem="two crests on a layer"),
