@@ -128,7 +128,7 @@ def _resampled() -> Pair:
     return line - line.mean(), surface.height(X)
 
 
-def _waves(x: FloatArray) -> FloatArray:
+def _waves(x: NDArray[Any]) -> FloatArray:
     """Seven waves of a scan, (n, 7)."""
     order = np.arange(1, 8)
     return np.asarray(HEIGHT / order * np.cos(2 * np.pi * np.outer(x / PERIOD, order) + order - 1))
