@@ -1,7 +1,7 @@
 """Distributions of the widths of contact patches and of the gaps between them.
 
-They are given exactly, as the sorted widths with two cumulative shares, instead of as a histogram: the share of
-patches (or gaps) up to a width, and the share of the contact (or gap) length in them.  Any histogram follows.
+They are given exactly, as the sorted widths with the cumulative share of patches (or gaps) up to a width, instead of as
+a histogram.  Any histogram follows, and so does the share of the length: the widths are summed.
 Dimensionless or SI alike: the unit is that of the widths.
 """
 
@@ -20,7 +20,6 @@ class WidthDistribution:
 
     widths: FloatArray  # sorted, increasing, (n,)
     number_share: FloatArray  # of the patches at most so wide; the last is 1; (n,)
-    length_share: FloatArray  # of the total length in patches at most so wide; the last is 1; (n,)
 
 
 def width_distribution(widths: FloatArray) -> WidthDistribution:
@@ -29,10 +28,7 @@ def width_distribution(widths: FloatArray) -> WidthDistribution:
     Examples
     --------
     >>> found = width_distribution(np.array([3.0, 1.0]))
-    >>> found.widths.tolist(), found.number_share.tolist(), found.length_share.tolist()
-    ([1.0, 3.0], [0.5, 1.0], [0.25, 1.0])
+    >>> found.widths.tolist(), found.number_share.tolist()
+    ([1.0, 3.0], [0.5, 1.0])
     """
-    ordered = np.sort(widths)
-    cumulated = np.cumsum(ordered)
-    total = cumulated[-1] if ordered.size else 1.0
-    return WidthDistribution(ordered, np.arange(1, ordered.size + 1) / max(1, ordered.size), cumulated / total)
+    return WidthDistribution(np.sort(widths), np.arange(1, widths.size + 1) / max(1, widths.size))

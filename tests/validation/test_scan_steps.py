@@ -5,6 +5,7 @@ import pytest
 
 from bem.geometry.profile import Profile
 from bem.scans import scan_preparation
+from bem.scans.gaussian_filter import GaussianFilter
 from validation.cases.states import scans
 from validation.harness.verdict import verdict_of
 
@@ -46,6 +47,7 @@ FAULTS = {
     "unequal steps": lambda patch: patch.setattr(scan_preparation, "_even", _as_if_equal),
     "mirror": lambda patch: patch.setattr(scan_preparation, "_periodic", _not_reversed),
     "cut": None,
+    "cut-offs": lambda patch: patch.setattr(GaussianFilter, "applied", lambda filtered, h, spacing: h),
 }
 
 

@@ -9,6 +9,7 @@ MODULES: tuple[str, ...] = (
     "validation.cases.exact.ripples",
     "validation.cases.states.identities",
     "validation.cases.states.scans",
+    "validation.cases.states.stored_fields",
     "validation.cases.states.state_verdicts",
     "validation.cases.paths.path_convergence",
     "validation.cases.rough_profiles.paper_profile",

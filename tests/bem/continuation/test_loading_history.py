@@ -37,12 +37,12 @@ def test_targets_are_visited_in_order():
 
 def test_a_loop_dissipates_what_its_events_release():
     """And coming apart costs what touching gave: from first touch on, and from the second target."""
-    result, ways = accounts(rough_scene([40e-6, 75e-6, 40e-6, 160e-6], 12, 5, 0.05), nodes=8)
+    result, ways = accounts(rough_scene([40e-6, 75e-6, 40e-6, 160e-6], 12, 5, 0.05), nodes=10, approach=True)
     assert result.states[-1].status == "separated"
     for parts in (ways, ways[1:3]):
         whole = closed(parts)
         assert whole.released > 0
-        assert abs(whole.missing) <= 5e-9 * max(abs(way.work) for way in parts)  # measured 1.8e-9
+        assert abs(whole.missing) <= 7e-10 * max(abs(way.work) for way in parts)  # measured 2.8e-10
 
 
 def test_events_have_positions_and_release_energy():

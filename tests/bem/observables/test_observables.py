@@ -159,11 +159,10 @@ def test_widths_are_sorted_with_their_shares():
     found = width_distribution(np.array([2.0, 1.0, 5.0]))
     assert found.widths.tolist() == [1.0, 2.0, 5.0]
     np.testing.assert_allclose(found.number_share, [1 / 3, 2 / 3, 1])
-    np.testing.assert_allclose(found.length_share, [1 / 8, 3 / 8, 1])
 
 
 def test_no_widths_give_an_empty_distribution():
-    assert width_distribution(np.empty(0)).length_share.size == 0
+    assert width_distribution(np.empty(0)).number_share.size == 0
 
 
 SCENE = """

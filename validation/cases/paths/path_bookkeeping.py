@@ -76,6 +76,7 @@ def _restarted() -> Outcome:
     tables = tomllib.loads(scene_text("rough_100"))
     tables |= {"profile": {**tables["profile"], "harmonics": 40}, "adhesion": {"work_of_adhesion": 0.1}}
     loading: dict[str, Any] = {"control": "separation", "targets": list(RESTARTED)}
+    tables |= {"output": {"shapes": list(RESTARTED)}}
     whole_scene, kept = parse_scene({**tables, "loading": loading}), list[Result]()
     whole = bem.solve(whole_scene, on_state=lambda record: kept.append(record.result("interrupted")))
     first = next(index for index, state in enumerate(whole.states) if state.target)
@@ -97,11 +98,15 @@ def _restarted() -> Outcome:
         ):
             rows.append(known.row(f"{what} of a path {way}: difference", "", [0.0] * len(apart), apart, bit_for_bit,
                                   "absolute"))  # fmt: skip
+    fields = [*_fields_apart(whole, taken_up, 0), *_fields_apart(whole, begun, 1)]
+    rows.append(known.row("shapes stored by either: difference", "", [0.0] * len(fields), fields, bit_for_bit,
+                          "absolute"))  # fmt: skip
     return Outcome(rows=tuple(rows))
 
 
-OF_STATES = ("penetration", "mean_pressure", "contact_fraction", "total_energy")
+OF_STATES = ("penetration", "mean_pressure", "contact_fraction", "total_energy", "n_patches")
 OF_EVENTS = ("penetration", "energy_released")
+SHAPES = ("x", "displacement", "gap", "pressure", "patch")
 
 
 def _apart(known: Sequence[Any], found: Sequence[Any], like: str, names: Sequence[str]) -> list[float]:
@@ -112,6 +117,18 @@ def _apart(known: Sequence[Any], found: Sequence[Any], like: str, names: Sequenc
         values = [value or 0.0 for value in column(known, name)]
         others = [value or 0.0 for value in column(found, name)] if alike else [0.0] * len(values)
         differences += [(other - one) / max(map(abs, values)) for one, other in zip(values, others, strict=True)]
+    return differences
+
+
+def _fields_apart(known: Result, found: Result, before: int) -> list[float]:
+    """By how much stored shapes differ, but for so many, over the largest of each; one that is missing is zeros."""
+    differences = []
+    for index in range(before, sum(name.startswith("x_") for name in known.fields)):
+        for name in SHAPES:
+            one = np.nan_to_num(known.fields[f"{name}_{index}"])
+            other = np.nan_to_num(found.fields.get(f"{name}_{index - before}", np.zeros(one.shape)))
+            alike = other if other.shape == one.shape else np.zeros(one.shape)
+            differences.append(float(np.max(np.abs(alike - one)) / np.max(np.abs(one))))
     return differences
 
 

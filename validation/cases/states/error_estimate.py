@@ -35,7 +35,7 @@ QUANTITIES = (
     "adhesion_energy", "total_energy", "stress_intensity_max", "contact_stiffness",
 )  # fmt: skip
 # errors measured at the tolerances
-MEASURED_ERROR = {1e-3: 2.7e-9, 1e-6: 2.7e-9, 1e-8: 8.4e-11, 1e-10: 1.8e-12}
+MEASURED_ERROR = {1e-3: 2.7e-9, 1e-6: 2.7e-9, 1e-10: 1.8e-12}
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def scenes(tolerance: float) -> Iterator[tuple[str, Scene, Sinusoid | None]]:
         loading = {"control": control, "targets": targets}
         return posed(scene, accuracy={"tolerance": tolerance}, loading=loading, **tables)
 
-    for alpha in (0.0, 0.1, 0.3, 0.5):
+    for alpha in (0.0, 0.1, 0.5):
         wave = Sinusoid(AMPLITUDE, WAVELENGTH, 1e6, 0.5, alpha)
         adhesion = {"work_of_adhesion": wave.work_of_adhesion} if alpha else None
         scene = at("sinusoid", "penetration", [2e-5, 5e-5, 9e-5, 4e-5], adhesion=adhesion)
@@ -75,6 +75,7 @@ def scenes(tolerance: float) -> Iterator[tuple[str, Scene, Sinusoid | None]]:
     scene = at("sinusoid", "mean_pressure", [2e3, 8e3, 1.5e4], adhesion=None)
     yield "sinusoid under load", scene, Sinusoid(AMPLITUDE, WAVELENGTH, 1e6, 0.5, 0.0)
     yield "layer", at("sinusoid", "total_displacement", [1e-5, 5e-5, 9e-5], **LAYER), None
+    yield "layer under load", at("sinusoid", "mean_pressure", [1e3, 2e3, 4e3], **LAYER), None
     path, fewer = [70e-6, 45e-6, 30e-6, 50e-6], {"harmonics": 40}
     yield "rough", at("rough_100", "separation", path, profile=fewer), None
     yield "rough, no adhesion", at("rough_100", "separation", path, profile=fewer, adhesion=None), None
@@ -164,12 +165,13 @@ def _error_estimate() -> Outcome:
 
 def _rows(found: list[Number], errors: dict[float, float]) -> tuple[Row, ...]:
     known = Against("exact", "closed forms; dense algebra for layers and rough profiles")
-    bounded = float(np.mean([number.bounded for number in found]))
+    of = [[number.bounded for number in found if number.quantity == quantity] for quantity in QUANTITIES]
     close = float(np.mean([number.ratio <= ORDERS for number in found if not number.leaps]))
     return (
-        known.row(f"share of {len(found)} reported numbers whose true error is below the estimate", "", 1.0, bounded,
-                  1 - 0.997, "absolute", required=0.05, pinned="unconverged"),
-        known.row("share of estimates at most a hundred times the true error", "", 1.0, close, 1 - 0.99, "absolute",
+        known.row(f"share of {len(found)} reported numbers whose true error is below the estimate, least of "
+                  f"{len(of)} quantities", "", 1.0, min(float(np.mean(bounded)) for bounded in of), 0.0105,
+                  "absolute", required=0.05, pinned="unconverged"),
+        known.row("share of estimates at most a hundred times the true error", "", 1.0, close, 0.038, "absolute",
                   required=0.05, pinned="unconverged"),
         *(
             Against("self", f"the same path at tolerance {TIGHT:g}").row(
@@ -220,6 +222,7 @@ def _figure(found: list[Number]) -> Figure:
 CASES = (
     case("error-estimate", "accuracy", _error_estimate,
          "Do the error estimates of a state bound its true errors closely, and is the tolerance met?",
-         r"true error $\le$ estimate $\le$ 100 true error in 95 % of the numbers; error $\le$ tolerance",
+         r"true error $\le$ estimate $\le$ 100 true error in 95 % of all, the first of each quantity; "
+         r"error $\le$ tolerance",
          "johnson1995 carbone2009", "half_space layer adhesion slope_term unloading load_control", scene="rough_100"),
 )  # fmt: skip

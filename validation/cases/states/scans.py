@@ -28,7 +28,9 @@ DEGREES = {"mean": 0, "line": 1, "quadratic": 2, "cubic": 3}
 SPIKES = {17: 60.0, 18: 55.0, 50: -70.0, 71: -40.0}  # heights of spikes of both signs, one and two samples wide
 NEIGHBOURS, TAPERED = 2, 0.1  # of the median, on either side; share of the line at either end
 KEPT = 5  # harmonics after the cut
+CUT_OFFS = PERIOD / 6, PERIOD / 2  # of Gaussian filters, m; half of the sixth and of the second wave passes
 X = SPACING * np.arange(SAMPLES)  # m
+BETWEEN = (np.arange(50) + 0.5) / 50 * PERIOD  # m, places between the samples
 LINE = HEIGHT * np.cumsum(np.random.default_rng(11).uniform(-1.0, 1.0, SAMPLES))  # which no step may take for spikes
 DRAWN = 1e-6 * np.cumsum(np.random.default_rng(5).normal(size=FEWER))  # of the scan that begins anywhere
 
@@ -126,12 +128,22 @@ def _resampled() -> Pair:
     return line - line.mean(), surface.height(X)
 
 
+def _waves(x: NDArray[Any]) -> FloatArray:
+    """Seven waves of a scan, (n, 7)."""
+    order = np.arange(1, 8)
+    return np.asarray(HEIGHT / order * np.cos(2 * np.pi * np.outer(x / PERIOD, order) + order - 1))
+
+
 def _cut() -> Pair:
     """Of seven waves, the first five, at places between the samples."""
-    amplitude, at = HEIGHT / np.arange(1, 8), (np.arange(50) + 0.5) / 50 * PERIOD
-    waves = np.cos(2 * np.pi * np.outer(X / PERIOD, np.arange(1, 8)) + np.arange(7))
-    kept = np.cos(2 * np.pi * np.outer(at / PERIOD, np.arange(1, KEPT + 1)) + np.arange(KEPT)) @ amplitude[:KEPT]
-    return kept, _surface(waves @ amplitude, harmonics=KEPT).height(at)
+    return _waves(BETWEEN)[:, :KEPT].sum(axis=1), _surface(_waves(X).sum(axis=1), harmonics=KEPT).height(BETWEEN)
+
+
+def _filtered() -> Pair:
+    """Seven waves, each by what the filters of ISO 16610-21 let pass."""
+    short, long = (np.log(2) * (cut * np.arange(1, 8) / PERIOD) ** 2 for cut in CUT_OFFS)
+    surface = _surface(_waves(X).sum(axis=1), cutoff_short=CUT_OFFS[0], cutoff_long=CUT_OFFS[1])
+    return _waves(BETWEEN) @ (np.exp(-short) * (1 - np.exp(-long))), surface.height(BETWEEN)
 
 
 STEPS = (  # name, what is right, and the error measured
@@ -141,6 +153,7 @@ STEPS = (  # name, what is right, and the error measured
     ("spikes", "median of five samples at each spike, up and down", _without_spikes, 4.7e-15),
     ("unequal steps", "a straight line", _resampled, 6.7e-15),
     ("cut", "the waves that are kept, between the samples", _cut, 1.9e-15),
+    ("cut-offs", "each wave by the Gaussian filters of ISO 16610-21", _filtered, 1.9e-15),
 )
 
 
@@ -156,6 +169,7 @@ CASES = (
          r"$h(x_j) = h_j - \langle h \rangle$ for every sample, wherever $x_0$ is", "carbone2009"),
     case("scan-steps", "identities", _steps,
          "Does each step from a scan to a surface give what it is to give?",
-         r"$h - Q Q^T h$ with $Q$ a basis of polynomials; mirror; taper; median of five; the waves kept",
+         r"$h - Q Q^T h$ with $Q$ a basis of polynomials; mirror; taper; median of five; the waves kept; "
+         r"$e^{-\ln 2 (\lambda_s / \lambda)^2} (1 - e^{-\ln 2 (\lambda_c / \lambda)^2})$",
          "carbone2009", problem="a scan becomes a surface"),
 )  # fmt: skip

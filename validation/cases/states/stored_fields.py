@@ -1,0 +1,102 @@
+"""Fields stored with a state: displacement, widths and slopes from its edges and pressure, and the tail of adhesion.
+
+A layer of compressible material is pressed on two unequal crests.  With x_j = a_j + r_j (1 - cos theta) on a patch,
+sigma r sin(theta) is smooth in theta, so that the stored pressures are nodes of Gauss-Chebyshev's rule: with the
+modes sigma_m of the pressure and c(q) of the layer and of the half-space (layer_compliance), in the middle of a gap
+
+    u(x) = -(2 / (pi E*)) int sigma(y) log|2 sin(pi (x - y) / period)| dy
+           + sum_m (c - c_half)(q_m) Re(sigma_m e^(i q_m x)),
+
+and the gap is u - (h - h_max + Delta).  Widths are differences of edges, slopes Gauss-Legendre's rule over the patches:
+own_m = <h'_m^2>, kept_m = <h'_m h'> over the contact.  Johnson's wave has two edges: P -> A |sigma|^-3,
+A = 4 E* gamma / (pi period).  SI units.
+"""
+
+import numpy as np
+
+import bem
+from bem.scene.result import State
+from validation.cases.shared.checks import Against, case, posed, solved
+from validation.harness.arrays import FloatArray
+from validation.harness.case import Outcome
+from validation.references.closed_forms import Sinusoid, layer_compliance
+
+THICKNESS, E, NU = 1e-3, 1e6, 0.3  # m, Pa, of the layer
+APART = 20e-6  # m, separation
+MODULUS = E / (1 - NU**2)
+ORDERS = np.arange(1, 41)  # beyond, a layer of a tenth of the period is a half-space
+MIDDLE = 0.2  # of a gap, where its displacement is asked for
+NODES = 40  # on a patch, of the integrals of slopes
+WAVE = Sinusoid(1e-4, 0.01, 1e6, 0.5, 0.3)
+
+
+def _displacement(fields: dict[str, FloatArray], state: State, at: FloatArray, period: float) -> FloatArray:
+    """Mean-free displacement in gaps, from the stored pressures."""
+    edges = np.array(state.edges)
+    found, modes = np.zeros(at.size), np.zeros(ORDERS.size, dtype=np.complex128)
+    wavenumbers = 2 * np.pi * ORDERS / period
+    for index, (left, right) in enumerate(edges):
+        of = fields["patch_0"] == index
+        x = left + (fields["x_0"][of] - left) % period
+        force = fields["pressure_0"][of] * np.sqrt((x - left) * (right - x)) * np.pi / x.size
+        found -= 2 / (np.pi * MODULUS) * np.log(np.abs(2 * np.sin(np.pi * (at[:, None] - x) / period))) @ force
+        modes += 2 / period * np.exp(-1j * np.outer(wavenumbers, x)) @ force
+    more = layer_compliance(wavenumbers, THICKNESS, E, NU) - 2 / (MODULUS * wavenumbers)
+    return np.asarray(found + np.real(np.exp(1j * np.outer(at, wavenumbers)) @ (more * modes)))
+
+
+def _fields() -> Outcome:
+    scene = posed("layer_two_crests", layer={"thickness": THICKNESS},
+                  loading={"control": "separation", "targets": [APART]},
+                  output={"shapes": [APART], "width_distributions": True, "contact_slopes": True})  # fmt: skip
+    result, surface = bem.solve(scene), scene.surface()
+    (state,), fields = result.targets, result.fields
+    period, edges = surface.period, np.array(state.edges)
+    opening, closing = edges[:, 1], np.append(edges[1:, 0], edges[0, 0] + period)
+    share = ((fields["x_0"] - opening[:, None]) % period) / (closing - opening)[:, None]
+    middle = np.any(np.abs(share - 0.5) < MIDDLE / 2, axis=0)
+    x = fields["x_0"][middle]
+    u = _displacement(fields, state, x, period)
+    node, weight = np.polynomial.legendre.leggauss(NODES)
+    half = (edges[:, 1] - edges[:, 0])[:, None] / 2
+    places, weights = (edges.mean(axis=1)[:, None] + half * node).ravel(), (half * weight).ravel()
+    q = 2 * np.pi * surface.orders / period
+    slopes = -surface.amplitudes[:, None] * q[:, None] * np.sin(np.outer(q, places) + surface.phases[:, None])
+    weights /= weights.sum()
+    own, kept = slopes**2 @ weights, (slopes * slopes.sum(axis=0)) @ weights
+    from_pressure = Against("exact", "Gauss-Chebyshev's rule on the stored pressure; Carbone and Mangialardi 2008")
+    of_edges = Against("exact", "edges of the two patches")
+    tail = solved("sinusoid", adhesion={"work_of_adhesion": WAVE.work_of_adhesion},
+                  loading={"targets": [float(WAVE.penetration(1.0))]},
+                  output={"pressure_distribution": True})  # fmt: skip
+    # rounding: the largest over the BLAS kernels of five processors, and without compiled functions
+    rows = (
+        from_pressure.row("displacement in the middle of gaps on a compressible layer", "m", u,
+                          fields["displacement_0"][middle], 6.4e-15),
+        from_pressure.row("gap there, over the largest", "m",
+                          u - surface.height(x) + surface.max_height - state.penetration, fields["gap_0"][middle],
+                          2e-15),
+        of_edges.row("widths of patches and gaps, from the smallest", "m",
+                     [*np.sort(edges[:, 1] - edges[:, 0]), *np.sort(closing - opening)],
+                     [*fields["patch_width_0"], *fields["gap_width_0"]], 4e-16),
+        of_edges.row("share of patches, and of gaps, up to each width", "", [0.5, 1.0] * 2,
+                     [*fields["patch_share_0"], *fields["gap_share_0"]], 1e-16, "absolute"),
+        of_edges.row("slope variance over the contact, by harmonic: its own, and what it keeps", "", [*own, *kept],
+                     [*fields["slope_own_0"], *fields["slope_kept_0"]], 5.3e-15),
+        of_edges.row("rms slope over the contact", "", np.sqrt(kept.sum()), float(fields["contact_slope_0"]), 2.4e-15),
+        Against("exact", "Johnson 1995: two edges").row(
+            "tail of the pressure distribution", "Pa^2",
+            4 * WAVE.modulus * WAVE.work_of_adhesion / (np.pi * WAVE.wavelength),
+            float(tail.fields["tail_coefficient_0"]), 3.8e-14),
+    )  # fmt: skip
+    return Outcome(rows=rows)
+
+
+CASES = (
+    case("stored-fields", "identities", _fields,
+         "Are the fields that are stored with a state those of its edges and its pressure?",
+         r"$u = c \ast \sigma$ in gaps of a layer; $\langle h_m'^2 \rangle$, $\langle h_m' h' \rangle$ in contact; "
+         r"$P \to \frac{4 E^\ast \gamma}{\pi \lambda} |\sigma|^{-3}$",
+         "carbone2008 johnson1995", "layer adhesion slope_term shapes width_distributions contact_slopes "
+         "pressure_distribution", scene="layer_two_crests", problem="two crests on a layer"),
+)  # fmt: skip
