@@ -34,7 +34,7 @@ from bem.elastic.gap import GapMinima
 from bem.elastic.hierarchical import if_solvable
 from bem.elastic.logarithmic_potential import LogarithmicPotential
 from bem.geometry.arrays import FloatArray, IntArray
-from bem.geometry.patches import Patches
+from bem.geometry.patches import TWO_PI, Patches
 from bem.geometry.profile import EQUAL_HEIGHTS
 from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
 
@@ -90,15 +90,15 @@ class Steps:
     ----------
     largest : float
         Trust radius in units of the step scale; small values follow the descent path closely.
-    least : Resolution or None
-        Least resolution of as many patches as it has, where others than these are near.
+    beside : Patches or None
+        Patches whose field is frozen: those next to them are resolved as finely as if they moved too.
     ahead : CrestsAhead or None
         Finds the crests that touch after a step; the descent ends there, or before edges reach neighbouring patches.
         Motions smaller than it minds, just before a patch or a gap vanishes, are not looked ahead of.
     """
 
     largest: float
-    least: Resolution | None = None
+    beside: Patches | None = None
     ahead: CrestsAhead | None = None
 
 
@@ -119,7 +119,8 @@ def descend(
     steps : Steps
     """
     rounds = MAXIMUM_ITERATIONS * system.elastic.profile.max_order  # edges move on from wave to wave
-    walk = Walk(system, target, accuracy, steps, patches, penetration, patches, steps.largest / 2, rounds)
+    least = _least(system, patches, steps, accuracy)
+    walk = Walk(system, target, accuracy, steps, patches, penetration, patches, steps.largest / 2, rounds, least)
     taken = strides if _is_plain(system) else REFERENCES[strides.__name__]
     changes: tuple[Change, ...] = ()
     while True:
@@ -141,7 +142,7 @@ def descend(
         penetration = walk.penetration if state is None else state.penetration
         walk = replace(
             walk, patches=remaining, penetration=penetration, seen=remaining, radius=steps.largest / 2,
-            rounds=end.rounds,
+            rounds=end.rounds, least=_least(system, remaining, steps, accuracy),
         )  # fmt: skip
 
 
@@ -161,6 +162,8 @@ class Walk:
         Of the trust region.
     rounds : int
         That are left.
+    least : Resolution or None
+        Of the patches, at least.
     """
 
     system: System
@@ -172,6 +175,7 @@ class Walk:
     seen: Patches
     radius: float
     rounds: int
+    least: Resolution | None = None
 
 
 Numbers = tuple[
@@ -333,9 +337,8 @@ class _Going(Walk):
     def evaluated(self) -> Balance | None:
         """Forces on the edges; where none are known, with the resolution that the patches ask for; None: unsolvable."""
         if self.here is None:
-            least = self.steps.least
-            floor = least if least is not None and least.nodes.size == self.patches.count else None
-            self.resolution = _at_least(resolve(self.system.elastic, self.patches, self.accuracy.tolerance), floor)
+            wanted = resolve(self.system.elastic, self.patches, self.accuracy.tolerance)
+            self.resolution = _at_least(wanted, self.least)
             self.here = self._balance(self.patches, self.penetration, self.resolution)
         return self.here
 
@@ -410,6 +413,16 @@ class _Going(Walk):
         """Whether edges keep clear of neighbouring patches, which are frozen."""
         others = None if self.steps.ahead is None else self.steps.ahead.occupied
         return others is None or patches.joined(others) is not None
+
+
+def _least(system: System, patches: Patches, steps: Steps, accuracy: Accuracy) -> Resolution | None:
+    """Resolution of patches as parts of all, frozen ones too; None where none are, or where they overlap."""
+    together = None if steps.beside is None else steps.beside.joined(patches)
+    if steps.beside is None or together is None:
+        return None
+    whole = resolve(system.elastic, together, accuracy.tolerance)
+    place = np.argsort(np.argsort(np.concatenate([steps.beside.left, patches.left]) % TWO_PI))[steps.beside.count :]
+    return Resolution(whole.nodes[place], whole.modes[place])
 
 
 def _at_least(resolution: Resolution, floor: Resolution | None) -> Resolution:

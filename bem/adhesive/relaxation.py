@@ -18,7 +18,7 @@ from bem.adhesive.descent import DescentStatus, Steps, descend
 from bem.adhesive.equilibrium import Balance, System
 from bem.adhesive.touching import CrestsAhead
 from bem.adhesive.vanishing import TIED, pull_off_half_width
-from bem.elastic.collocation import Evaluation, Resolution, resolve
+from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima, gap_field, low_minima
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches, ordered
@@ -206,10 +206,8 @@ def _relaxed_locally(
     far = np.setdiff1d(np.arange(count), members)
     inner, outer = (Patches(patches.left[who], patches.right[who]) for who in (members, far))
     accuracy = replace(accuracy, tolerance=max(accuracy.tolerance, cause.local_tolerance), residual=LOCAL_RESIDUAL)
-    whole = resolve(system.elastic, patches, accuracy.tolerance)
-    floor = Resolution(whole.nodes[members], whole.modes[members])
     taken = outer if system.elastic.far is None else outer.joined(system.elastic.far.arc.outside)
-    steps = Steps(cause.local_step, floor, CrestsAhead(local, accuracy.allowed, taken))
+    steps = Steps(cause.local_step, outer, CrestsAhead(local, accuracy.allowed, taken))
     changes: list[tuple[str, float]] = []
     for _ in range(_most_rounds(system)):
         end = descend(local, inner, penetration, penetration, accuracy, steps)

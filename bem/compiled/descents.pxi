@@ -78,7 +78,7 @@ cdef int take_edges(list held, patches, seen, Walk *walk) except -1:
 cdef int take_walk(Call *call, given, Walk *walk) except -1:
     cdef Py_ssize_t size
     held, accuracy, steps, profile = <list>call.held, given.accuracy, given.steps, given.system.elastic.profile
-    least, ahead = steps.least, steps.ahead
+    least, ahead = given.least, steps.ahead
     take_setting(call, given.system, given.target, accuracy.tolerance, &walk.setting)
     walk.residual, walk.largest, walk.radius = accuracy.residual, steps.largest, given.radius
     walk.wavelength, walk.rms_curvature = 2 * PI / walk.setting.max_order, profile.rms_curvature

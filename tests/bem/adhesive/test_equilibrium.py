@@ -12,7 +12,7 @@ from bem.adhesive.descent import Steps, descend
 from bem.adhesive.equilibrium import System, balance
 from bem.adhesive.trust_region import trust_region_step
 from bem.adhesive.vanishing import pull_off_half_width
-from bem.elastic.collocation import Elastic
+from bem.elastic.collocation import Elastic, resolve
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.loading.control import DisplacementControl, LoadControl
@@ -191,6 +191,12 @@ def test_narrow_gap_between_two_patches_coalesces():
     assert end.status == "converged"
     assert [change.kind for change in end.changes] == ["coalescence"]
     assert end.patches.count == 1
+    # beside a patch that is frozen it stays as finely resolved; else K of one that merged was -19 critical ones
+    frozen = Patches(np.array([1.51]), np.array([2.0]))
+    beside = descend(system, halves, 0.5, 0.5, Accuracy(1e-8, 1e-8), Steps(0.4, frozen))
+    assert [change.kind for change in beside.changes] == ["coalescence"]
+    whole = resolve(system.elastic, frozen.joined(beside.patches), 1e-8)
+    assert beside.state.resolution.modes.min() >= whole.modes.max() > 2 * end.state.resolution.modes.max()
 
 
 def test_pull_off_width_is_that_of_a_lone_cylinder():

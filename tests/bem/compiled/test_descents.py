@@ -118,7 +118,7 @@ def finer(walk):
     """With more nodes and modes."""
     count = walk.patches.count
     least = Resolution(np.full(count, 91), np.full(count, 30))
-    return replace(walk, steps=replace(walk.steps, least=least))
+    return replace(walk, least=least)
 
 
 def test_edges_that_leave_their_window_are_refused(walks):
