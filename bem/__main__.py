@@ -3,7 +3,7 @@
 Exit codes: 0 done, also where all targets that were not met lie behind a pull-off (status `unreachable`), 1 a failure
 named in the output (converged states are kept), 2 bad input (nothing is written), 130 interrupted with everything
 converged saved.  Progress on stderr, results in files, one summary line on stdout.
-matplotlib is imported for --plot only, what makes schemas for keys and schema only.
+matplotlib is imported only for --plot, and the code that makes schemas only for `keys` and `schema`.
 """
 
 from __future__ import annotations

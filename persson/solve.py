@@ -103,7 +103,7 @@ def solve(
     if correction is not None:
         if work_of_adhesion is None or detached_width != 1 or (correction.form == "drift" and route == "volterra"):
             raise ValueError(
-                "correction: here with work_of_adhesion, its own detached_width and, with a drift, finite volumes; "
+                "correction: needs work_of_adhesion, no detached_width and, for a drift, the finite volumes; "
                 "without adhesion use corrected.solve"
             )
         detached_width = correction.detached_width

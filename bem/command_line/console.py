@@ -35,7 +35,7 @@ def discard_stdout() -> None:
 
 
 def usable_streams() -> None:
-    """Let everything be said: letters that a stream has not as escapes; to nobody where it is closed."""
+    """Make output safe: characters that a stream cannot encode are escaped, and a closed stream is ignored."""
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
         if stream is None:

@@ -6,8 +6,8 @@ The corrected edges are so close to K = 0 that the derivatives there stand for a
 
 the first two integrated along K -> 0.
 
-Heights are known to rounding, which on a patch where they hardly vary is much of them.  How much tell the coefficients
-of R that the finer evaluation has and the state has not: they are nothing else, of size s.  The pressure is taken to
+Heights are known to rounding, which matters on a patch where they hardly vary.  Its size s is that of the coefficients
+of R that only the finer evaluation has: they consist of rounding alone.  The pressure is taken to
 where its coefficients are above that, since K weighs them with n and dK/d(out) with n^3; what is left in K,
 (s/pi) (sum n^2)^(1/2) (pi/r)^(1/2), moves the edges by that over dK/d(out).  An error of all heights is one of Delta,
 which the assessment does not see (states.py has a floor for it).  Dimensionless.

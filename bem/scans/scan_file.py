@@ -140,7 +140,7 @@ def _map_row(table: TextTable, values: Mapping[str, Any]) -> _Columns:
     """One row of a map of heights, or the mean of all."""
     if table.values.shape[1] <= 2:
         found = f"= {values['row']!r} of a file with {table.values.shape[1]} columns"
-        raise ScanFileError([Refusal("row", found, "leave it out: a line has no rows, and a map one row a line")])
+        raise ScanFileError([Refusal("row", found, "leave it out: only a map has rows, one on each line of the file")])
     return _Columns(None, _row_of(table.values, values["row"]), None, None)
 
 

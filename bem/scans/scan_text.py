@@ -163,7 +163,7 @@ def _refuse_thousands(rows: Iterable[tuple[int, str]], reading: Reading) -> None
         return
     number, line, cell = commas[0]
     whole, rest = cell.split(",")
-    found = f"is needed: line {number} ({line[:40]!r}) may hold {whole}.{rest} or {whole}{rest}, as all with a comma"
+    found = f"is needed: line {number} ({line[:40]!r}) may mean {whole}.{rest} or {whole}{rest}"
     allowed = 'decimal = "," for the first; for the second remove the commas between thousands from the file'
     raise ScanFileError([Refusal("decimal", found, allowed)])
 
@@ -271,7 +271,7 @@ def _spelling(lines: Sequence[tuple[int, str]], decimal: str | None) -> list[Ref
                 continue
             if rest and all(GROUPED.fullmatch(c) or (decimal == "." and THOUSANDS.fullmatch(c)) for c in rest):
                 allowed = "numbers without marks between thousands: remove them from the file"
-                return [Refusal("file", f"{told} has thousands parted", allowed)]
+                return [Refusal("file", f"{told} has thousands separators", allowed)]
     return []
 
 

@@ -182,7 +182,7 @@ def exit_code(words):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["cost", "--peers"], "--peers: study cost takes none, work-precision does"),
+        (["cost", "--peers"], "--peers: study cost does not take it, work-precision does"),
         (["work-precision", "--peers"], "not installed: pip install"),
         (["work-precision", "--executor", "dask://host:1"], "runs on this machine only"),
         (["cost", "--jobs", "2"], "study cost runs in one process"),
@@ -219,7 +219,7 @@ def test_malformed_baseline_is_told_before_the_run(cases, tmp_path, capsys):
         (lambda path: path.unlink(), "no report there"),
         (lambda path: path.write_text("{"), "not JSON"),
         (lambda path: path.write_text('{"schema": "other/2"}'), "'other/2' is not"),
-        (lambda path: path.write_text("[]"), "schema 'list'"),
+        (lambda path: path.write_text("[]"), "holds a list where a result is a table"),
         (lambda path: path.write_text('{"schema": "linecontact-report/1"}'), "planned"),
     ],
     ids=["missing", "cut off", "other schema", "list", "incomplete"],

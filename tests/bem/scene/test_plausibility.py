@@ -253,7 +253,7 @@ def test_dropouts_that_are_kept_are_named(tmp_path):
 
 def test_length_that_the_positions_have_not_is_named(tmp_path):
     np.savetxt(tmp_path / "scan.csv", np.column_stack([X, ROUGH.height(X)]), delimiter=",", header="Scan length: 12 mm")
-    assert "'Scan length: 12 mm') is not what the positions say" in said(scan_scene(tmp_path))["profile.file"]
+    assert "'Scan length: 12 mm') does not agree with the positions" in said(scan_scene(tmp_path))["profile.file"]
 
 
 def test_spikes_that_are_kept_are_named(tmp_path):
