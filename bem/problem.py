@@ -146,7 +146,7 @@ def _critical_intensity(problem: Problem) -> float:
 
 
 def _jump_distance(problem: Problem) -> float:
-    """Half the distance a^2 kappa over which a lone contact of the rms curvature jumps in, in rms heights.
+    """Half the distance a^2 kappa over which an isolated contact of the rms curvature jumps in, in rms heights.
 
     a = (w / (pi kappa^2))^(1/3), Barquins, J. Adhesion 26 (1988) 1: weak adhesion acts over short distances.
     """

@@ -167,7 +167,7 @@ class _Misfit:
 
     @classmethod
     def of(cls, profile: Profile, field: DisplacementField, penetration: float) -> _Misfit:
-        """Of a displacement."""
+        """Measure how far a displacement penetrates the profile."""
         sizes = np.array([charge.size for charge in field.pressure.charges])
         owner = np.repeat(np.arange(field.count), sizes + 1)
         first = np.cumsum(sizes + 1) - (sizes + 1)

@@ -52,12 +52,12 @@ class BareStates:
 
     @property
     def system(self) -> System:
-        """That of the path."""
+        """The equations that the path solves."""
         return self.jumps.system
 
     @property
     def complete(self) -> CompleteContact:
-        """That of the path."""
+        """Complete contact of the same profile."""
         return self.jumps.complete
 
     @property

@@ -116,7 +116,7 @@ class CurvePoint:
 
     @property
     def value(self) -> float:
-        """Of the control."""
+        """Value of the control."""
         return self.numbers.value
 
     @property

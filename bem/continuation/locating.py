@@ -96,7 +96,7 @@ class InPlane(Condition):
     normal: FloatArray
 
     def row(self, here: Balance, value: float) -> Row:
-        """How far beyond it."""
+        """Distance of the edges beyond the plane, along its normal."""
         return Row(float(self.normal @ outward_motion(self.patches, here.state.patches)), self.normal, 0.0)
 
 
@@ -127,7 +127,7 @@ class NeutralMode(Condition):
     by_edges: FloatArray = field(init=False)
 
     def row(self, here: Balance, value: float) -> Row:
-        """mu."""
+        """The eigenvalue mu and its derivatives by the edges and by the control."""
         self.values, self.modes = lowest_modes(symmetric_part(here.hessian, self.scale), MODES)
         self.index = int(np.argmax(np.abs(self.modes.T @ self.last)))
         mode = self.modes[:, self.index]
@@ -178,7 +178,7 @@ class Located:
 
     @property
     def patches(self) -> Patches:
-        """Its edges."""
+        """The edges where Newton's last step leads."""
         return self.balance.state.patches.moved(self.step)
 
 

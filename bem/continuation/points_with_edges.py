@@ -32,7 +32,7 @@ class Equilibrium(PathPoint):
     balance : Balance
         Forces on the edges: of the point itself at the accuracy of targets, or one Newton step away.
     patches : Patches
-        Its edges.
+        The contact patches, whose ends are the edges.
     load : float
     stretch : Stretch or None
         Of the curve, from the point before it.

@@ -76,12 +76,12 @@ class LeapingPath:
 
     @cached_property
     def increments(self) -> Increments:
-        """Those of the exact path, with states farther apart."""
+        """The increments of the exact path, with states farther apart."""
         return replace(self.exact.increments, largest=STATES_APART * self.exact.increments.largest)
 
     @cached_property
     def between(self) -> Accuracy:
-        """That of states that are not kept: edges need only be near enough for the next leap."""
+        """Accuracy of states that are not kept: edges need only be near enough for the next leap."""
         coarse = self.increments.coarse
         return replace(coarse, residual=max(coarse.residual, RESIDUAL * min(1.0, self.tolerance / 1e-3)))
 

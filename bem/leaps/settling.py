@@ -45,7 +45,7 @@ class Solved:
 
 @dataclass(frozen=True, eq=False)
 class Jacobians:
-    """Those of all windows next to a state."""
+    """The Jacobians of all windows next to a state."""
 
     windows: Sequence[Solved]
 
@@ -123,7 +123,7 @@ class Settling:
         return None
 
     def jacobians(self, patches: Patches, value: float) -> Jacobians | None:
-        """Those of the windows next to edges."""
+        """The Jacobians of the windows next to edges; None where the state cannot be evaluated."""
         state = self.evaluated(patches, value, COARSE.tolerance)
         if state is None:
             return None

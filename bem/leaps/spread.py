@@ -62,12 +62,12 @@ class Spread(PathPoint):
 
     @property
     def patches(self) -> Patches:
-        """Its edges."""
+        """The contact patches, whose ends are the edges."""
         return self.state.patches
 
     @property
     def load(self) -> float:
-        """Its load."""
+        """The load of the state."""
         return self.state.load
 
 

@@ -3,8 +3,8 @@
 The mirror of nonadhesive.py for gaps too narrow for it, as the last ones before complete contact are.  Every end does
 its own Newton step on K (gap_series.py), outward where K > 0; a gap is cut where it would interpenetrate, dropped when
 nothing holds it open, joined to its neighbour when the contact between them is used up, and added where contact is
-under tension.  The first gaps are lone cracks: where the pressure of complete contact at the load has a minimum -T < 0
-with the curvature c, K = 0 at the half width a, with a mean gap s,
+under tension.  The first gaps are isolated cracks: where the pressure of complete contact at the load has a minimum
+-T < 0 with the curvature c, K = 0 at the half width a, with a mean gap s,
 
     a = 2 sqrt(T / c),   s = c a^4 / 32 = T^2 / (2 c),
 
@@ -86,7 +86,7 @@ class LastGaps:
     evaluations: int
 
 
-def lone_cracks(body: CompletedBody, condition: Condition) -> tuple[Gaps, float]:
+def isolated_cracks(body: CompletedBody, condition: Condition) -> tuple[Gaps, float]:
     """Gaps as if each were alone, and the deficit; (0,) gaps where nothing holds any open."""
     x, q = body.minima
     profile = body.pressure
@@ -128,7 +128,7 @@ def solve_gaps(body: CompletedBody, condition: Condition, gaps: Gaps, deficit: f
     last = np.inf
     for count in range(1, MAXIMUM_ITERATIONS + 1):
         if gaps.count == 0:  # also where a start was so wrong that nothing of it stayed open
-            gaps, deficit = lone_cracks(body, condition)
+            gaps, deficit = isolated_cracks(body, condition)
         if gaps.count == 0:
             return LastGaps("closed", None, count)
         evaluated = if_solvable(evaluate_gaps, body, gaps, deficit)

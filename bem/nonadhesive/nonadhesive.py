@@ -178,7 +178,7 @@ class _Search:
 
     @property
     def tolerance(self) -> float:
-        """Of the next evaluation."""
+        """Tolerance of the next evaluation."""
         return max(self.accuracy.tolerance, self.coarseness)
 
     def evaluated(self) -> Evaluation:

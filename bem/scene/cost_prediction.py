@@ -78,7 +78,7 @@ class Leg:
 
 @dataclass(frozen=True)
 class Cost:
-    """Of a scene."""
+    """What a scene is predicted to cost."""
 
     legs: tuple[Leg, ...]  # one for each target
     bare: float  # evaluations that the targets would take without adhesion

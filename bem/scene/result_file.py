@@ -225,7 +225,7 @@ class Journal:
 
     @property
     def path(self) -> Path:
-        """Its file."""
+        """The file of the journal."""
         return self.folder / JOURNAL_FILE
 
 
