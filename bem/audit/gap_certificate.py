@@ -27,9 +27,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bem.audit.certificate import Demands
+from bem.audit.certificate import Demands, DimensionlessCertificate, Verdict
 from bem.audit.displacement import ComplianceRatio
-from bem.audit.verdict import DimensionlessCertificate, Verdict
 from bem.geometry.arrays import ComplexArray, FloatArray
 from bem.geometry.profile import Profile
 

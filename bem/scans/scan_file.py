@@ -17,9 +17,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from bem.geometry.arrays import FloatArray
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.scans.instrument_file import InstrumentScan, is_instrument_file, read_instrument
 from bem.scans.scan_bytes import content_of
 from bem.scans.scan_distances import distance_of, refuse_other_distance, unlike_positions
@@ -36,7 +35,7 @@ class RawScan:
 
     x: FloatArray  # positions, m, (n,)
     h: FloatArray  # heights, m, (n,); NaN where missing
-    lines: NDArray[np.int64] | None  # line of the file of each sample, (n,); None where there are no lines
+    lines: IntArray | None  # line of the file of each sample, (n,); None where there are no lines
     facts: dict[str, Any]  # how it was read: plain values
     sha256: str  # of the file's bytes
     half_digits: Callable[[], FloatArray] | None = None  # half a unit of the last digit of each position, m
@@ -59,7 +58,7 @@ class _Columns(NamedTuple):
 
     x: FloatArray | None
     h: FloatArray
-    lines: NDArray[np.int64] | None
+    lines: IntArray | None
     used: tuple[int | None, int] | None
     half_digits: Callable[[], FloatArray] | None = None  # of positions, in units of the file
 

@@ -12,7 +12,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from bem.audit.verdict import Certificate
+from bem.audit.certificate import Certificate
 from bem.scene.result_views import Views
 
 FINAL_STATUSES = ("converged", "separated", "complete_contact")

@@ -27,8 +27,7 @@ from scipy.optimize import brentq
 import bem
 from bem.adhesive.equilibrium import System, balance
 from bem.adhesive.equilibrium_assessment import assess_equilibrium
-from bem.audit.certificate import Demands, certify
-from bem.audit.verdict import Certificate
+from bem.audit.certificate import Certificate, Demands, certify
 from bem.elastic.collocation import evaluate
 from bem.geometry.patches import Patches, PatchPressure
 from bem.nonadhesive.contact_assessment import assess_contact
