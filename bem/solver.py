@@ -28,7 +28,7 @@ from bem import missed
 from bem.flat_path import solve_flat
 from bem.geometry.patches import ordered
 from bem.loading.complete_contact import complete_contact
-from bem.loading.path_point import Complete, Separated
+from bem.loading.points_without_edges import Complete, Separated
 from bem.missed import FAILURES, NUMERICAL_FAILURES, MissedTargetError
 from bem.path_for import path_for
 from bem.problem import Problem, pose

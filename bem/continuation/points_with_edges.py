@@ -11,7 +11,7 @@ from bem.continuation.locating import Located
 from bem.elastic.collocation import Evaluation
 from bem.geometry.patches import Patches
 from bem.loading.path_events import PathStatus
-from bem.loading.path_point import Complete, Failed, PathPoint, Separated
+from bem.loading.points_without_edges import Complete, Failed, PathPoint, Separated
 
 
 @dataclass(frozen=True, eq=False)

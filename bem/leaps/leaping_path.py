@@ -30,7 +30,7 @@ from bem.leaps.leap import Leapt, leap, newton, quiet_leap
 from bem.leaps.spread import Spread, Spreading
 from bem.loading.assessment import Assessment, Quantities
 from bem.loading.increments import Accuracy, Effort, Increments
-from bem.loading.path_point import Complete, Failed, Separated
+from bem.loading.points_without_edges import Complete, Failed, Separated
 
 # rms heights at a tolerance of 1e-3, and the power of the tolerance with which it grows from there
 INTERVAL, GROWTH = 0.01, 0.7

@@ -31,7 +31,7 @@ from bem.leaps.windows import Window, in_core, seams, wider, windows_of
 from bem.loading.assessment import Assessment
 from bem.loading.increments import Accuracy
 from bem.loading.path_events import PathEvent, PathStatus
-from bem.loading.path_point import PathPoint
+from bem.loading.points_without_edges import PathPoint
 
 WIDER = 3, 7  # limit: patches of buffer more, for a window that finds nothing
 JOINED = 0.5  # limit: residual of windows that were joined, beyond which they did not fit

@@ -22,7 +22,7 @@ from bem.loading.assessment import Assessment
 from bem.loading.control import Control, LoadControl
 from bem.loading.increments import Effort, Increments
 from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, EventNumbers, PathEvent, PathStatus, path_events
-from bem.loading.path_point import Complete, Failed, PathPoint, Separated
+from bem.loading.points_without_edges import Complete, Failed, PathPoint, Separated
 from bem.nonadhesive.completed_body import CompletedBody
 from bem.nonadhesive.contact_assessment import assess_contact
 from bem.nonadhesive.gap_series import GapEvaluation
