@@ -25,6 +25,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bem import missed
+from bem.certified_states import Missed
 from bem.flat_path import solve_flat
 from bem.geometry.patches import ordered
 from bem.loading.complete_contact import complete_contact
@@ -36,7 +37,6 @@ from bem.record import Record, Recorder, entries_of
 from bem.scene.result import Progress, Result, State
 from bem.scene.scene import Scene
 from bem.scene_objects import Described, Tables, scene_of
-from bem.states import Missed
 
 if TYPE_CHECKING:
     from bem.record import AnyPoint

@@ -113,9 +113,9 @@ class Demands:
     # of the patch: what the solver had to solve
     closure: float = 1e-8
     # the same with K as the displacement of the audit has it, or an error of K over that of the flat punch where that
-    # is more: the error of its evaluation; states.py asks for accuracy.tolerance
+    # is more: the error of its evaluation; certified_states.py asks for accuracy.tolerance
     intensity: float = 1e-6
-    # largest depth, in rms heights; states.py allows a thousandth of accuracy.tolerance where that is more
+    # largest depth, in rms heights; certified_states.py allows a thousandth of accuracy.tolerance where that is more
     interpenetration: float = 1e-10
     contact_residual: float = 1e-8  # max|u - (h - h_max + Delta)| on a patch, over the variation of h on that patch
     truncation: float = 1e-8  # last three coefficients of a patch over its largest

@@ -10,7 +10,7 @@ Heights are known to rounding, which matters on a patch where they hardly vary. 
 of R that only the finer evaluation has: they consist of rounding alone.  The pressure is taken to
 where its coefficients are above that, since K weighs them with n and dK/d(out) with n^3; what is left in K,
 (s/pi) (sum n^2)^(1/2) (pi/r)^(1/2), moves the edges by that over dK/d(out).  An error of all heights is one of Delta,
-which the assessment does not see (states.py has a floor for it).  Dimensionless.
+which the assessment does not see (certified_states.py has a floor for it).  Dimensionless.
 """
 
 from __future__ import annotations
