@@ -244,27 +244,6 @@ def solve(
     )
 
 
-def contact_fractions(spectrum: Spectrum, loads: ArrayLike, correction: Correction) -> FloatArray:
-    """A/A0 without adhesion at loads sigma_0 / E*, (n_loads,), of the form `slower` or `total`.
-
-    Examples
-    --------
-    >>> from persson.corrected_variance import LITERATURE
-    >>> from persson.spectrum import DiscreteSpectrum
-    >>> lines = DiscreteSpectrum.self_affine(628.3, 0.7, 50e-6, 100)
-    >>> contact_fractions(lines, [0.005], LITERATURE["yang_persson_2008"]).round(4)
-    array([0.0865])
-    """
-    pressed = np.asarray(loads, dtype=np.float64)
-    return area_at(pressed, spread_of(spectrum, pressed, correction))
-
-
-def spread_of(spectrum: Spectrum, loads: FloatArray, correction: Correction) -> FloatArray:
-    """tau of all lines without adhesion at loads sigma_0 / E*, (n_loads,), of the form `slower` or `total`."""
-    mesh = magnification_mesh(spectrum, 4 * (float(loads.min()) / SAFE) ** 2 * 0.99, 1 + GROWTH)
-    return np.asarray(diffused(correction, mesh, loads)[:, -1])
-
-
 def _fields(
     correction: Correction, mesh: MagnificationMesh, loads: FloatArray, cells: int
 ) -> tuple[FloatArray, FloatArray, StressDistribution | None]:
