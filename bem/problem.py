@@ -120,7 +120,7 @@ def increments_of(scene: Scene, problem: Problem) -> Increments:
     tolerance = scene.accuracy.tolerance
     coarse = max(min(COARSE.tolerance, 0.1 * _critical_intensity(problem)), FINEST)
     fine = max(min(1e-8, 1e-2 * tolerance, coarse), FINEST)
-    allowed = 0.5 * max(1e-10, 1e-3 * tolerance)
+    allowed = 0.5 * max(1e-10, 1e-3 * tolerance)  # half of what the certificate allows
     return Increments(
         largest=largest,
         smallest=min(largest / INCREMENTS_PER_LARGEST, COARSEST_EVENT * unit, _jump_distance(problem) * unit),

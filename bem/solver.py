@@ -42,8 +42,8 @@ if TYPE_CHECKING:
     from bem.record import AnyPoint
 
 MOST_BETWEEN = 500  # limit: states stored between two targets
-DEEPER = 0.05  # speed: rms heights of penetration between states stored, or the largest increment if that is less
-ALMOST = 0.9  # of that: steps under load are as long as the stiffness where they begin says
+DEEPER = 0.05  # format: rms heights of penetration between states stored, or the largest increment if that is less
+ALMOST = 0.9  # format: of that: steps under load are as long as the stiffness where they begin says
 
 
 @dataclass(frozen=True)

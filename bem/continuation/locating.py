@@ -27,7 +27,7 @@ from bem.geometry.patches import Patches
 from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
 from bem.loading.path_events import EventNumbers
 
-LAST = 1e-5  # derived: units: the last step, behind which LAST^2 = 1e-10 is missing
+LAST = 1e-5  # units: the last step, behind which LAST^2 = 1e-10 is missing
 LOCATED = 1e-9  # what is left of zero: rms heights, works of adhesion, eigenvalues
 FINER = 1e-2  # of the tolerance, for which a finer evaluation has the modes
 

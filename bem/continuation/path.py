@@ -50,7 +50,7 @@ from bem.loading.increments import MAXIMUM_ITERATIONS, Effort, Increments
 from bem.loading.path_events import path_events
 from bem.loading.points_without_edges import Complete, Failed, Separated
 
-PER_INCREMENT = 3.0  # speed: units per rms height of `accuracy.max_increment`: a step, if that is less than the longest
+PER_INCREMENT = 3.0  # units per rms height of `accuracy.max_increment`: a step, if that is less than the longest
 NATURAL = 1e-7, 1e-6, 1e-5, 1e-4  # of the unit of the control: steps of it where none along the curve is left
 
 

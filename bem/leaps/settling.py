@@ -29,8 +29,8 @@ from bem.loading.increments import COARSE, Accuracy
 
 STEPS = 12  # limit: of Newton with the Jacobians of windows; five do
 LONGEST_STEP = 0.3  # limit: edge scales
-DIFFERENCE = 1e-5  # derived: rms heights: step of the differences along the branch at most
-CLOSE = 1e-5  # derived: change of the stiffness by a correction of the motion, after which no other comes
+DIFFERENCE = 1e-5  # rms heights: step of the differences along the branch at most
+CLOSE = 1e-5  # change of the stiffness by a correction of the motion, after which no other comes
 
 
 @dataclass(frozen=True, eq=False)

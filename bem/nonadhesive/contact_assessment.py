@@ -26,7 +26,7 @@ from bem.geometry.arrays import FloatArray, IntArray
 from bem.loading.assessment import UNKNOWN, Assessment, Quantities, quantities_of, stiffened, with_left_out
 from bem.loading.control import Control
 
-ABOVE_NOISE = 5.0  # derived: times what rounding leaves of a coefficient: larger is a coefficient
+ABOVE_NOISE = 5.0  # times what rounding leaves of a coefficient: what is larger is a coefficient
 
 
 def assess_contact(elastic: Elastic, control: Control, state: Evaluation, value: float, tolerance: float) -> Assessment:

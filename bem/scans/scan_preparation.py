@@ -47,8 +47,8 @@ from bem.scans.scan_refusal import Refusal, ScanFileError
 from bem.scans.scan_text import FEWEST, SHOWN
 
 OUTLIER = 15.0  # median steps; of a normal distribution of steps, ten standard deviations
-FEWEST_DROPOUTS = 3  # derived: samples of one value: of fewer the running median sees that they are spikes
-WIDTH = 5  # derived: samples of the running median: spikes of one or two
+WIDTH = 5  # samples of the running median, which sees spikes of one or two
+FEWEST_DROPOUTS = WIDTH // 2 + 1  # samples of one value: of fewer the running median sees that they are spikes
 TAPER = 0.1  # format: of the line, at either end
 DRAWN = 4000  # format: samples kept for figures
 MOST_MISSING = 0.5  # format: of the samples
