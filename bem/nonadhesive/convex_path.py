@@ -33,8 +33,8 @@ from bem.nonadhesive.nonadhesive import solve_contact
 
 LOAD_CONTROL = LoadControl()
 ROUNDED = 4 * float(np.finfo(float).eps)  # of penetrations: nearer to first touch and complete contact is there
-NARROW = 1e-3  # isolated cracks narrower than this part of the contact beside them carry the unknowns from the start
-ISOLATED = 0.3  # largest half width of a gap, over the shortest wave, for which isolated cracks are a good start
+NARROW = 1e-3  # speed: isolated cracks narrower than this part of the contact beside them carry the unknowns at once
+ISOLATED = 0.3  # speed: largest half width of a gap, over the shortest wave, for which isolated cracks are a good start
 
 
 @dataclass(frozen=True, eq=False)

@@ -39,7 +39,7 @@ OPENING_GAP = 1.5  # of these: gaps that tension inside a patch calls for are op
 LEFT_OVER = 0.01  # of the residual and the contact: what the edges may still have to move, for invariances to 1e-10
 ROUNDED = 1e-13  # of the highest crest: charges known no better, measured 1e-14
 DAMPED_AFTER = 15  # speed: steps of the same patches after which a change of sign of K halves the step of its edge
-OVERLAP = 10.0  # Newton steps beside an edge with K < 0 in which the surfaces overlap until it has moved
+OVERLAP = 10.0  # speed: Newton steps beside an edge with K < 0 in which the surfaces overlap until it has moved
 
 CLOSING_MODES = 4000  # limit: of a patch: a gap beside it that asks for more counts as closed
 DOUBTFUL = 1e-9  # of the mean pressure of a patch: the accuracy at which a dip may be a gap too narrow to be seen here
