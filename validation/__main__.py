@@ -21,7 +21,7 @@ from pydantic import ValidationError
 from bem.command_line.console import discard_stdout, usable_streams
 from bem.command_line.folder_lock import FolderError, locked
 from bem.scene.atomic_file import write_atomically
-from bem.scene.result_file import RESULT_FILE, CorruptResultError
+from bem.scene.result_file import RESULT_FILE, CorruptResultError, installed_version
 from bem.scene.scene import SceneError
 from validation.challenge import commands as challenge
 from validation.challenge.commands import positive, say
@@ -55,6 +55,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     0 done, 1 something failed, 2 bad input, 130 interrupted.
     """
     parser = argparse.ArgumentParser(prog="python -m validation", description=__doc__)
+    parser.add_argument("--version", action="version", version=f"linecontact {installed_version()}")
     add_commands(parser.add_subparsers(required=True, metavar="COMMAND"))
     return perform(parser.parse_args(arguments))
 
