@@ -219,7 +219,7 @@ def test_malformed_baseline_is_told_before_the_run(cases, tmp_path, capsys):
         (lambda path: path.unlink(), "no report there"),
         (lambda path: path.write_text("{"), "not JSON"),
         (lambda path: path.write_text('{"schema": "other/2"}'), "'other/2' is not"),
-        (lambda path: path.write_text("[]"), "holds a list where a result is a table"),
+        (lambda path: path.write_text("[]"), "schema 'list'"),
         (lambda path: path.write_text('{"schema": "linecontact-report/1"}'), "planned"),
     ],
     ids=["missing", "cut off", "other schema", "list", "incomplete"],
