@@ -3,7 +3,7 @@
 Exit codes: 0 done, also where all targets that were not met lie behind a pull-off (status `unreachable`), 1 a failure
 named in the output (converged states are kept), 2 bad input (nothing is written), 130 interrupted with everything
 converged saved.  Progress on stderr, results in files, one summary line on stdout.
-matplotlib is imported for --plot only, what makes schemas for keys and schema only.
+matplotlib is imported only for --plot, and the code that makes schemas only for `keys` and `schema`.
 """
 
 from __future__ import annotations
@@ -47,6 +47,7 @@ from bem.scene.cost_prediction import cost_of, seconds_by_digits, warning_of
 from bem.scene.effects import effects_of, predicted_seconds
 from bem.scene.plausibility import cautions_of, groups_of
 from bem.scene.result import FINAL_STATUSES, Result
+from bem.scene.result_file import installed_version
 from bem.scene.scene import Scene, SceneError, StoredStart, load_scene
 from bem.scene.scene_rules import Mistake
 from bem.scene.scene_tables import TABLES
@@ -67,6 +68,7 @@ def main(arguments: Sequence[str] | None = None, program: str = "python -m bem")
         What it is called in what it says of its usage.
     """
     parser = argparse.ArgumentParser(prog=program, description="Adhesive line contact of a rough profile.")
+    parser.add_argument("--version", action="version", version=f"linecontact {installed_version()}")
     add_commands(parser.add_subparsers(required=True, metavar="check|run|keys|schema"))
     return perform(parser.parse_args(arguments))
 

@@ -1,4 +1,4 @@
-"""What half and twice the cut of a scan change of the contact fraction: how much the answer is one of the cut.
+"""How much the contact fraction changes with half and with twice the cut of a scan.
 
 The first target is solved once more with each.  The cut is profile.cutoff_short where it is given (m: half of it keeps
 more), else profile.harmonics (half of them keep less).  A cut that the samples do not hold is left out.

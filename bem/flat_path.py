@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from bem.certified_states import flat_state
 from bem.flat import flat_states
 from bem.missed import flat_apart, said_of, verdict
 from bem.record import Record
 from bem.scene.result import Result
 from bem.scene.scene import Scene
-from bem.states import flat_state
 
 
 def solve_flat(scene: Scene) -> Result:

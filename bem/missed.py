@@ -1,7 +1,7 @@
 """Targets that a path does not meet: why, in the unit of the control, and what may help.
 
-A target that is missed does not end the path.  Its row says what became of it, and the path goes on from the last state
-kept to the next target: the states behind it are those of a path that turned, or passed on, there.
+A target that is missed does not end the path.  Its row gives the reason, and the path goes on from the last state kept
+to the next target: later states are those of a path that turned back, or went past the target, at that state.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class MissedTargetError(Exception):
 
 def no_point(status: str, at: float, control: str, has_history: bool) -> MissedTargetError:
     """No state was found at a value of the control, SI, with the status of the point there."""
-    remedies = ["half the accuracy.max_increment", "a target a little beside it"] if has_history else []
+    remedies = ["half the accuracy.max_increment", "a slightly different target"] if has_history else []
     remedies += ['loading.control = "separation"'] if has_history and control == "mean_pressure" else []
     return MissedTargetError("not_converged", f"{FAILURES[status]} at {at:.9g} {UNITS[control]}", *remedies, COARSER)
 
@@ -54,12 +54,12 @@ def tension_apart() -> MissedTargetError:
 def beyond_contact(deepest: float) -> MissedTargetError:
     """A motion beyond complete contact, which is at this penetration, m."""
     why = f"this path has no state there: complete contact is at {deepest:.9g} m"
-    return MissedTargetError("unreachable", why, "a target short of it", 'loading.control = "mean_pressure"')
+    return MissedTargetError("unreachable", why, "a target before that", 'loading.control = "mean_pressure"')
 
 
 def passed_over() -> MissedTargetError:
     """The path ended beside the target, at a state without edges."""
-    why = "no equilibrium was found: what opened closed again, or came apart"
+    why = "no equilibrium was found: the gap closed again, or the surfaces came apart"
     return MissedTargetError("not_converged", why, "another loading.flaw", "targets in smaller steps")
 
 

@@ -64,7 +64,7 @@ def path_for(
     if width is not None and problem.control.load_weight > 0:
         flaw = flaw_of(system, complete, width / problem.scales.length, increments.fine.tolerance)
         if flaw is None:
-            shut = f"= {width:g}: where it would open the pressure shuts a part of it"
+            shut = f"= {width:g}: the pressure would hold a part of it closed"
             raise SceneError([Mistake("loading.flaw", shut, "a narrower one")])
     stop = scene.loading.stop_at_mean_pressure
     pressures = (*scene.loading.at_mean_pressures, *(() if stop is None else (stop,)))

@@ -120,7 +120,7 @@ def increments_of(scene: Scene, problem: Problem) -> Increments:
     tolerance = scene.accuracy.tolerance
     coarse = max(min(COARSE.tolerance, 0.1 * _critical_intensity(problem)), FINEST)
     fine = max(min(1e-8, 1e-2 * tolerance, coarse), FINEST)
-    allowed = 0.5 * max(1e-10, 1e-3 * tolerance)
+    allowed = 0.5 * max(1e-10, 1e-3 * tolerance)  # half of what the certificate allows
     return Increments(
         largest=largest,
         smallest=min(largest / INCREMENTS_PER_LARGEST, COARSEST_EVENT * unit, _jump_distance(problem) * unit),
@@ -146,7 +146,7 @@ def _critical_intensity(problem: Problem) -> float:
 
 
 def _jump_distance(problem: Problem) -> float:
-    """Half the distance a^2 kappa over which a lone contact of the rms curvature jumps in, in rms heights.
+    """Half the distance a^2 kappa over which an isolated contact of the rms curvature jumps in, in rms heights.
 
     a = (w / (pi kappa^2))^(1/3), Barquins, J. Adhesion 26 (1988) 1: weak adhesion acts over short distances.
     """

@@ -16,6 +16,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.certified_states import (
+    Cost,
+    Missed,
+    Place,
+    complete_state,
+    equilibrium_state,
+    event_of,
+    missed_state,
+    separated_state,
+)
 from bem.geometry.patches import PatchPressure
 from bem.geometry.scaling import ATOMIC
 from bem.loading.complete_contact import CompleteContact
@@ -28,16 +38,6 @@ from bem.scene.result import Caution, EnergyGainedError, Entry, Event, Result, S
 from bem.scene.result_file import provenance
 from bem.scene.scene import Scene
 from bem.scene.scene_tables import OUTPUTS
-from bem.states import (
-    Cost,
-    Missed,
-    Place,
-    complete_state,
-    equilibrium_state,
-    event_of,
-    missed_state,
-    separated_state,
-)
 
 if TYPE_CHECKING:
     from bem.continuation.points_with_edges import Point

@@ -25,11 +25,12 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bem import missed
+from bem.certified_states import Missed
 from bem.flat_path import solve_flat
 from bem.geometry.patches import ordered
 from bem.loading.complete_contact import complete_contact
 from bem.loading.crew import Crew
-from bem.loading.path_point import Complete, Separated
+from bem.loading.points_without_edges import Complete, Separated
 from bem.missed import FAILURES, NUMERICAL_FAILURES, MissedTargetError
 from bem.path_for import path_for
 from bem.problem import Problem, pose
@@ -37,14 +38,13 @@ from bem.record import Record, Recorder, entries_of
 from bem.scene.result import Progress, Result, State
 from bem.scene.scene import Scene
 from bem.scene_objects import Described, Tables, scene_of
-from bem.states import Missed
 
 if TYPE_CHECKING:
     from bem.record import AnyPoint
 
 MOST_BETWEEN = 500  # limit: states stored between two targets
-DEEPER = 0.05  # speed: rms heights of penetration between states stored, or the largest increment if that is less
-ALMOST = 0.9  # of that: steps under load are as long as the stiffness where they begin says
+DEEPER = 0.05  # format: rms heights of penetration between states stored, or the largest increment if that is less
+ALMOST = 0.9  # format: of that: steps under load are as long as the stiffness where they begin says
 
 OnProgress = Callable[[Progress], None] | None
 OnState = Callable[[Record], None] | None

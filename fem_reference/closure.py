@@ -185,7 +185,7 @@ def start_edges(
     else:
         share = _stable(sorted(tried), lambda share: float(opening(at(share)).mean()))
         if share is None:
-            raise InvalidProblemError("value", "detaches everything: every edge of every contact tried opens")
+            raise InvalidProblemError("value", "leaves no contact: every edge of every contact tried opens")
         return scaled_patches(at(share), factor)
     members = [edges for _, edges in kept]
     stable = np.flatnonzero((mean[:-1] < 0.0) & (mean[1:] >= 0.0))

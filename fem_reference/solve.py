@@ -131,12 +131,12 @@ def companions(finest: Resolution) -> list[Resolution]:
     fewest = FEWEST_CELLS[finest.order]
     if finest.cells < fewest:
         reason = f"needs at least {fewest} cells with elements of order {finest.order}, got {finest.cells}"
-        raise InvalidProblemError("resolution", f"{reason}: coarser meshes do not tell their error")
+        raise InvalidProblemError("resolution", f"{reason}: on coarser meshes the uncertainty is not reliable")
     middle = finest.coarser()
     fewer = finest.levels_fewer + middle.levels_fewer
     if finest.tip_levels < FEWEST_LEVELS + fewer:
         reason = f"needs at least {FEWEST_LEVELS + fewer} tip levels with {finest.cells} cells, got {finest.tip_levels}"
-        raise InvalidProblemError("resolution", f"{reason}: its two coarser companions have {fewer} fewer")
+        raise InvalidProblemError("resolution", f"{reason}: the coarsest of its three meshes has {fewer} fewer")
     return [middle.coarser(), middle, finest]
 
 

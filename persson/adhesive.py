@@ -35,12 +35,11 @@ from persson.corrected_variance import Correction, scales_of
 from persson.diffusion import EnergyFactor, StressDistribution, march, steps_of
 from persson.magnification import MagnificationMesh
 from persson.mathematics.area_factor import AreaFactor
+from persson.mathematics.arrays import FloatArray, IntArray
 from persson.mathematics.volterra import survival
 from persson.nonadhesive import contact_fraction, energy_length
 from persson.spectrum import Spectrum
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 Route = Literal["finite_volumes", "volterra"]
 ROUTES: tuple[Route, ...] = ("finite_volumes", "volterra")

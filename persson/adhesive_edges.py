@@ -41,15 +41,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import erf, erfc, erfinv
 
 from persson.contact_slope import contact_fractions, period_wavenumber
 from persson.domain import data_file, groups_of, outside, refuse_extremes
+from persson.mathematics.arrays import FloatArray
 from persson.nonadhesive import plane_strain_modulus
 from persson.spectrum import Spectrum, slope_shares
-
-FloatArray = NDArray[np.float64]
 
 FILE = "adhesive_edges.json"
 LEAST, MOST = 1e-9, 20.0  # reference loads p_d over h'_rms that are searched

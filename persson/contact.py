@@ -10,16 +10,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
 
 from persson.adhesive import AdhesiveFields
 from persson.diffusion import REACH, StressDistribution, march
+from persson.mathematics.arrays import FloatArray
 from persson.nonadhesive import power
 from persson.spectrum import Spectrum
 from persson.status import Status, advice_for
-
-FloatArray = NDArray[np.float64]
 
 CELLS_PER_DEVIATION = 80
 

@@ -35,15 +35,13 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.fft import irfft
 from scipy.special import erf
 
 from persson.domain import data_file, groups_of, outside, refuse_extremes
+from persson.mathematics.arrays import FloatArray, IntArray
 from persson.nonadhesive import dimensionless_load, plane_strain_modulus
 from persson.spectrum import DiscreteSpectrum, Spectrum, slope_shares
-
-FloatArray = NDArray[np.float64]
 
 FILE = "contact_slope.json"
 BISECTIONS = 60
@@ -216,7 +214,7 @@ def period_wavenumber(spectrum: Spectrum) -> float | None:
     return None if lines is None else lines[2]
 
 
-def _orders(spectrum: DiscreteSpectrum) -> tuple[NDArray[np.int64], FloatArray, float] | None:
+def _orders(spectrum: DiscreteSpectrum) -> tuple[IntArray, FloatArray, float] | None:
     """Orders and heights of the lines that carry roughness, and the wavenumber of their period, if they have one."""
     slope, height = spectrum.slope_variance_steps, spectrum.amplitudes**2
     carries = (slope > CARRIES * slope.sum()) | (height > CARRIES * height.sum())

@@ -19,7 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
 from scipy.special import erfinv
 
@@ -30,6 +30,7 @@ from persson.corrected_variance import Correction, area_at, diffused, scales_of
 from persson.diffusion import SAFE, StressDistribution, march
 from persson.domain import groups_of, outside, refuse_extremes
 from persson.magnification import MagnificationMesh, magnification_mesh
+from persson.mathematics.arrays import FloatArray
 from persson.mathematics.edge_distribution import EdgeDistribution, edge_distribution, full_contact
 from persson.mathematics.separation import adhesive_part, load_ladder
 from persson.nonadhesive import dimensionless_load, energy_length, plane_strain_modulus, separation_length, status_of
@@ -37,8 +38,6 @@ from persson.solve import BELOW_ZERO
 from persson.solve import solve as solve_plain
 from persson.spectrum import Spectrum
 from persson.status import Status, advice_for
-
-FloatArray = NDArray[np.float64]
 
 GROWTH, MARCHED_GROWTH = 0.0125, 0.05  # of S from node to node
 LADDER, MARCHED_LADDER = 41, 21
@@ -243,27 +242,6 @@ def solve(
         edges=edges,
         distribution=distribution,
     )
-
-
-def contact_fractions(spectrum: Spectrum, loads: ArrayLike, correction: Correction) -> FloatArray:
-    """A/A0 without adhesion at loads sigma_0 / E*, (n_loads,), of the form `slower` or `total`.
-
-    Examples
-    --------
-    >>> from persson.corrected_variance import LITERATURE
-    >>> from persson.spectrum import DiscreteSpectrum
-    >>> lines = DiscreteSpectrum.self_affine(628.3, 0.7, 50e-6, 100)
-    >>> contact_fractions(lines, [0.005], LITERATURE["yang_persson_2008"]).round(4)
-    array([0.0865])
-    """
-    pressed = np.asarray(loads, dtype=np.float64)
-    return area_at(pressed, spread_of(spectrum, pressed, correction))
-
-
-def spread_of(spectrum: Spectrum, loads: FloatArray, correction: Correction) -> FloatArray:
-    """tau of all lines without adhesion at loads sigma_0 / E*, (n_loads,), of the form `slower` or `total`."""
-    mesh = magnification_mesh(spectrum, 4 * (float(loads.min()) / SAFE) ** 2 * 0.99, 1 + GROWTH)
-    return np.asarray(diffused(correction, mesh, loads)[:, -1])
 
 
 def _fields(

@@ -44,12 +44,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import erf
 
 from persson.magnification import MagnificationMesh
+from persson.mathematics.arrays import FloatArray
 
-FloatArray = NDArray[np.float64]
 Form = Literal["slower", "total", "drift"]
 FORMS: tuple[Form, ...] = ("slower", "total", "drift")
 ROUNDING = 1e-12

@@ -29,8 +29,8 @@ from numpy.typing import NDArray
 from scipy.linalg.lapack import dgtsv
 from scipy.special import erf, erfc
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from persson.mathematics.arrays import FloatArray, IntArray
+
 EnergyFactor = Callable[[int, FloatArray], FloatArray]
 
 REACH = 9.5  # standard deviations beyond sigma_0

@@ -18,11 +18,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 from scipy.special import erf
 
-FloatArray = NDArray[np.float64]
+from persson.mathematics.arrays import FloatArray
 
 LEAST_POINTS = 4  # one more than there are parameters with a free amplitude
 STARTS = (0.02, 0.2, 0.6, 1.5)  # of sigma_a, in standard deviations of the density given

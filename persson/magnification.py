@@ -27,9 +27,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from persson.mathematics.arrays import FloatArray, IntArray
 from persson.spectrum import DiscreteSpectrum, Spectrum
-
-FloatArray = NDArray[np.float64]
 
 ONSET_REACH, ONSET_FLOOR = 0.1, 1e-5  # of the onset: farthest and nearest node of the crowd around it
 ONSET_SHARE = 12.0  # growth of the distance from the onset over growth of S
@@ -195,5 +194,5 @@ def _line_wavenumbers(
     return before, after, inside
 
 
-def _line_of(edges: FloatArray, values: FloatArray, side: Literal["left", "right"]) -> NDArray[np.int64]:
+def _line_of(edges: FloatArray, values: FloatArray, side: Literal["left", "right"]) -> IntArray:
     return np.clip(np.searchsorted(edges, values, side=side) - 1, 0, edges.size - 2)

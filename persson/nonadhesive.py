@@ -23,13 +23,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import erf, erfc, exp1
 
+from persson.mathematics.arrays import FloatArray
 from persson.spectrum import ContinuousSpectrum, DiscreteSpectrum, Spectrum
 from persson.status import Status, advice_for
-
-FloatArray = NDArray[np.float64]
 
 COMPLETE = 1e-12  # of 1 - A/A0: below, contact is complete to rounding
 

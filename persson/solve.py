@@ -13,7 +13,6 @@ of the default resolution, paper's case: area 2e-6 of its value, separation 4e-6
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from persson.adhesive import ROUTES, AdhesionProblem, AdhesiveFields, Route, solve_fixed_point
 from persson.contact import AdhesiveContact
@@ -21,6 +20,7 @@ from persson.corrected_variance import Correction
 from persson.diffusion import SAFE
 from persson.magnification import MagnificationMesh, magnification_mesh
 from persson.mathematics.area_factor import AREA_FACTORS
+from persson.mathematics.arrays import FloatArray
 from persson.mathematics.separation import adhesive_part, load_ladder
 from persson.nonadhesive import (
     NonadhesiveContact,
@@ -32,8 +32,6 @@ from persson.nonadhesive import (
 )
 from persson.spectrum import Spectrum
 from persson.status import Status
-
-FloatArray = NDArray[np.float64]
 
 FINE_GROWTH, FINE_CELLS = 0.0125, 800
 COARSE_GROWTH, COARSE_CELLS, COARSE_SUBSTEPS, COARSE_LINES = 0.05, 300, 3, 50
@@ -103,7 +101,7 @@ def solve(
     if correction is not None:
         if work_of_adhesion is None or detached_width != 1 or (correction.form == "drift" and route == "volterra"):
             raise ValueError(
-                "correction: here with work_of_adhesion, its own detached_width and, with a drift, finite volumes; "
+                "correction: needs work_of_adhesion, no detached_width and, for a drift, the finite volumes; "
                 "without adhesion use corrected.solve"
             )
         detached_width = correction.detached_width

@@ -22,10 +22,11 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import exprel
 
-FloatArray = NDArray[np.float64]
+from persson.mathematics.arrays import FloatArray, IntArray
+
 ArrayFunction = Callable[[FloatArray], FloatArray]
 
 PANEL_RATIO = 1.25  # growth of S from panel to panel of the quadrature
@@ -43,7 +44,7 @@ class PeriodicProfile(Protocol):
         """In m."""
 
     @property
-    def orders(self) -> NDArray[np.int64]:
+    def orders(self) -> IntArray:
         """Distinct m >= 1, (n_lines,)."""
 
     @property

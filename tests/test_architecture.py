@@ -8,6 +8,7 @@ Functions of the solver can be read: few lines, few parameters, and no question 
 """
 
 import ast
+import re
 from collections import Counter
 from collections.abc import Iterator
 from functools import cache
@@ -180,6 +181,13 @@ def circle_of(graph: dict[Path, set[Path]]) -> list[Path]:
 def test_no_circle_of_files():
     circle = circle_of(files())
     assert not circle, " imports ".join(map(str, circle))
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_a_package_names_a_kind_of_arrays_once(package):
+    texts = ((ROOT / path).read_text() for path in SOURCES if path.parts[0] == package)
+    named = Counter(name for text in texts for name in re.findall(r"^(\w+) = NDArray\[", text, re.MULTILINE))
+    assert {name: count for name, count in named.items() if count > 1} == {}
 
 
 def test_folders_can_be_read_at_a_glance():

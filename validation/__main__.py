@@ -21,7 +21,7 @@ from pydantic import ValidationError
 from bem.command_line.console import discard_stdout, positive, usable_streams
 from bem.command_line.folder_lock import FolderError, locked
 from bem.scene.atomic_file import write_atomically
-from bem.scene.result_file import RESULT_FILE, CorruptResultError
+from bem.scene.result_file import RESULT_FILE, CorruptResultError, installed_version
 from bem.scene.scene import SceneError
 from validation.challenge import commands as challenge
 from validation.challenge.commands import say
@@ -55,6 +55,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     0 done, 1 something failed, 2 bad input, 130 interrupted.
     """
     parser = argparse.ArgumentParser(prog="python -m validation", description=__doc__)
+    parser.add_argument("--version", action="version", version=f"linecontact {installed_version()}")
     add_commands(parser.add_subparsers(required=True, metavar="COMMAND"))
     return perform(parser.parse_args(arguments))
 
@@ -249,7 +250,7 @@ def _study(options: argparse.Namespace) -> int:
             where = "in one process" if key == "jobs" else "on this machine only"
             raise ExecutorError(f"--{key} {given!r}: study {options.name} runs {where}")
         option = key if key in ("scene", "seeds", "budget") else f"--{key}"
-        raise CaseError(f"{option}: study {options.name} takes none, {that_take(key)} does")
+        raise CaseError(f"{option}: study {options.name} does not take it, {that_take(key)} does")
     run = import_module(f"validation.studies.{study.module}")
     if options.name == OF_A_SCENE:
         if options.scene is None:
@@ -258,7 +259,7 @@ def _study(options: argparse.Namespace) -> int:
         plan = run.Options(jobs=options.jobs or 1, quick=options.quick, overwrite=options.overwrite, **given)
         return int(run.run(options.scene, options.out, plan, say))
     if options.seed and options.random is None:
-        raise CaseError(f"--seed {options.seed}: of the scenes of --random, which is not given")
+        raise CaseError(f"--seed {options.seed}: has no meaning without --random")
     asked: dict[str, Any] = {"peers": True} if options.peers else {}
     if "executor" in study.takes:
         asked = {"jobs": options.jobs or os.cpu_count() or 1, "opener": opener_of(options.executor)}
@@ -333,7 +334,7 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     peers = f"{that_take('peers')} beside FFT solvers only (extra `peers`)"
     study.add_argument("--peers", action="store_true", help=peers)
     study.add_argument("--random", type=positive, metavar="N", help=f"{that_take('random')}: N random scenes instead")
-    study.add_argument("--seed", type=_natural, default=0, metavar="K", help="of the random scenes (default: 0)")
+    study.add_argument("--seed", type=_natural, default=0, metavar="K", help="seed of the random scenes (default: 0)")
     study.set_defaults(command=_alone(_study), perform=perform)
 
 
@@ -343,7 +344,7 @@ def _add_own(command: argparse.ArgumentParser) -> None:
         "--cases", type=Path, metavar="DIR", help="own cases: a folder, or a linecontact.cases entry point"
     )
     command.add_argument(
-        "--baselines", type=Path, metavar="DIR", help="of the cases (own cases: default DIR/baselines)"
+        "--baselines", type=Path, metavar="DIR", help="folder of the baselines (of own cases by default DIR/baselines)"
     )
 
 

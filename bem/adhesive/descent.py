@@ -254,7 +254,7 @@ def _is_plain(system: System) -> bool:
 
 
 def _numbers(state: Evaluation) -> Numbers:
-    """Of a state, as in `Strides`."""
+    """The numbers of a state, in the order of `Strides`."""
     return (
         state.penetration, state.stress_intensity, state.stress_intensity_rate, state.load, state.load_rate,
         state.elastic_energy, state.edge_compliance, state.edge_slope, state.edge_slope_rate, state.series,
@@ -299,7 +299,7 @@ class _Step:
 
     @property
     def size(self) -> float:
-        """Its length, of which the trust radius is a bound."""
+        """Length of the step, which the trust radius bounds."""
         return float(np.linalg.norm(self.parts))
 
 

@@ -40,7 +40,7 @@ class PinningWaves:
 
     @classmethod
     def of(cls, profile: Profile) -> PinningWaves:
-        """Those of a dimensionless profile."""
+        """The waves of a dimensionless profile."""
         ascending = np.argsort(profile.orders)
         orders, amplitudes = profile.orders[ascending], profile.amplitudes[ascending]
         squares = 2 * amplitudes**2 * orders.astype(float) ** 3

@@ -26,7 +26,7 @@ from bem.geometry.profile import EQUAL_HEIGHTS
 from bem.loading.control import DisplacementControl
 from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
 
-GLOBAL_STEP = 0.4  # derived: trust radius in step scales; below 0.7, or the two edges of a gap may cross
+GLOBAL_STEP = 0.4  # step scales: largest trust radius; below 0.7, or the two edges of a gap may cross
 LOCAL_STEP, LOCAL_RESIDUAL = GLOBAL_STEP / 2, 1e-2  # the same, and the residual, in the field of frozen patches
 NEIGHBOURS = 4
 

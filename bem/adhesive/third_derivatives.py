@@ -68,7 +68,7 @@ class _Motion:
 
     @cached_property
     def deeper(self) -> float:
-        """Of the penetration."""
+        """Change of the penetration."""
         control, carried = self.system.control, 0.0
         if self.outward is not None and control.load_weight:
             carried = control.load_weight * float(self.here.load_gradient @ self.outward)
@@ -76,12 +76,12 @@ class _Motion:
 
     @cached_property
     def stronger(self) -> FloatArray:
-        """Of K, (2 L,)."""
+        """Change of K, (2 L,)."""
         growth = self.deeper * self.rate
         return growth if self.outward is None else growth + self.here.jacobian @ self.outward
 
     def work_bent(self, outward: FloatArray) -> FloatArray:
-        """Of dw/de, (2 L,)."""
+        """Change of dw/de, (2 L,)."""
         return self.system.law.work_curvature(edge_positions(self.here.state.patches)) * outward
 
     @cached_property

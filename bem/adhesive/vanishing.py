@@ -14,10 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import Balance, System
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import Patches
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 NARROW = 0.02  # of the shortest wavelength, for a gap; of the width at which an isolated contact pulls off, for a patch
 CLOSED_GAP = 1e-7  # of the period

@@ -17,13 +17,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 
 from bem.audit.displacement import ComplianceRatio, DisplacementField, regular_part
 from bem.audit.gap_depths import gap_depths
-from bem.audit.verdict import DimensionlessCertificate, Verdict
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
@@ -35,21 +34,92 @@ POSITION_ROUNDING = 4e-15  # of positions up to 2 pi; half a last digit of them 
 LOAD_ROUNDING = 1.5e-14  # of displacements over the load, sums over all patches; measured 6.1e-15 at 3028 patches
 ROUNDING = 5e-13  # of a contact residual (over the variation of h), times the largest charge where that exceeds 1
 AT_EDGE = "at an edge of patch"
-ZOOMS = 8  # of a minimum of the pressure
-ZOOM_POINTS = np.linspace(-1.0, 1.0, 9)  # derived: each zoom is a quarter as wide as the last
+ZOOM_POINTS = np.linspace(-1.0, 1.0, 9)  # derived: each zoom on a minimum of the pressure is a quarter of the last
+ZOOMS = 8  # derived: 4^-8 = 1.5e-5 of the distance of points is left, and of the depth between them its square, 2e-10
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """A-posteriori checks of a state; `min_gap` and `mean_gap_error` in m, the rest dimensionless.
+
+    Each figure is explained in `Demands`.  None: it has no meaning for the state, or its file is older.
+
+    Attributes
+    ----------
+    closure : float
+        The largest |G/w - 1|, without adhesion |K| over that of a flat punch, with K recomputed by the audit.
+    min_gap : float
+        Smallest at the points tried, which come close to the edges but exclude them (there it vanishes).
+    min_eigenvalue, hessian_asymmetry : float or None
+        Handed in by the solver; None without adhesion.
+    truncation : float
+        The last coefficients of a patch over its largest.
+    contact_residual, mean_gap_error : float or None
+        How far contact is from the profile, and the mean gap from the separation.
+    ok : bool
+        No reason against the state was found.
+    reasons : tuple of str
+        Each demand that is not met, with figure, limit and place.
+    """
+
+    closure: float | None
+    min_gap: float | None
+    min_eigenvalue: float | None
+    truncation: float | None
+    hessian_asymmetry: float | None
+    ok: bool
+    reasons: tuple[str, ...] = ()
+    contact_residual: float | None = None
+    mean_gap_error: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class DimensionlessCertificate(Certificate):
+    """The certificate of a dimensionless state: lengths in rms heights; `largest_gap` is that at the points tried."""
+
+    min_gap: float
+    mean_gap_error: float
+    largest_gap: float
+
+    def of_height(self, height: float) -> Certificate:
+        """As a result keeps it, by the rms height in m."""
+        lengths = {"min_gap": self.min_gap * height, "mean_gap_error": self.mean_gap_error * height}
+        return Certificate(**{part.name: getattr(self, part.name) for part in fields(Certificate)} | lengths)
+
+
+@dataclass(eq=False)
+class Verdict:
+    """Figures against their limits; the reasons against a state of some patches, figure by figure."""
+
+    patches: int
+    reasons: list[str] = field(default_factory=list)
+
+    def judge(self, name: str, values: FloatArray | float, limit: FloatArray | float, place: str) -> float:
+        """The figure farthest beyond its limit, a reason where it exceeds it."""
+        array = np.atleast_1d(values)
+        limits = np.broadcast_to(limit, array.shape)
+        worst = int(np.argmax(np.where(np.isnan(array), np.inf, array / limits)))
+        if not array[worst] <= limits[worst]:  # also when it is not a number
+            at = f" {place} {worst % self.patches}" if place else ""
+            self.reasons.append(f"{name} {array[worst]:.2e} exceeds {limits[worst]:.0e}{at}")
+        return float(array[worst])
 
 
 @dataclass(frozen=True)
 class Demands:
-    """What a state must reach to be ok."""
+    """What a state must reach to be ok.
+
+    Derived from the default tolerance of a state, 1e-6: figures of the solved system have two digits to spare, and K by
+    the displacement has none (of 200 random scenes 0.007 of its limit at most).
+    """
 
     # max|G/w - 1| with K from the series handed in, or without adhesion max|K| over that of a flat punch with the load
     # of the patch: what the solver had to solve
     closure: float = 1e-8
     # the same with K as the displacement of the audit has it, or an error of K over that of the flat punch where that
-    # is more: the error of its evaluation; states.py asks for accuracy.tolerance
+    # is more: the error of its evaluation; certified_states.py asks for accuracy.tolerance
     intensity: float = 1e-6
-    # largest depth, in rms heights; states.py allows a thousandth of accuracy.tolerance where that is more
+    # largest depth, in rms heights; certified_states.py allows a thousandth of accuracy.tolerance where that is more
     interpenetration: float = 1e-10
     contact_residual: float = 1e-8  # max|u - (h - h_max + Delta)| on a patch, over the variation of h on that patch
     truncation: float = 1e-8  # last three coefficients of a patch over its largest
@@ -167,7 +237,7 @@ class _Misfit:
 
     @classmethod
     def of(cls, profile: Profile, field: DisplacementField, penetration: float) -> _Misfit:
-        """Of a displacement."""
+        """Measure how far a displacement penetrates the profile."""
         sizes = np.array([charge.size for charge in field.pressure.charges])
         owner = np.repeat(np.arange(field.count), sizes + 1)
         first = np.cumsum(sizes + 1) - (sizes + 1)

@@ -27,9 +27,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bem.audit.certificate import Demands
+from bem.audit.certificate import Demands, DimensionlessCertificate, Verdict
 from bem.audit.displacement import ComplianceRatio
-from bem.audit.verdict import DimensionlessCertificate, Verdict
+from bem.audit.gap_depths import POINTS_PER_WAVELENGTH
 from bem.geometry.arrays import ComplexArray, FloatArray
 from bem.geometry.profile import Profile
 
@@ -37,7 +37,7 @@ ROUNDING = 5e-15  # of pressures, over the sum of the mean and the rms pressure 
 SUMMED = 4.0  # of that, in sums over the terms of a series; measured 1
 RELATIVE = 1e-8  # of the mean gap over the separation
 TENSION = 1e-10  # in contact, over the largest tension held back
-POINTS_PER_WAVELENGTH, LEAST_POINTS = 16, 48  # in contact
+LEAST_POINTS = 48  # on a patch, where tension is looked for, and `POINTS_PER_WAVELENGTH` of the profile at least
 ZOOMS, ZOOM_POINTS = 14, 9  # derived: each narrows the bracket of a minimum to a quarter
 CLOSE = 0.03  # derived: distance at which cot(y/2)/2 - 1/y is a series; terms of y^9 are 1e-16 there, the first 1e-3
 ANGLES = 24  # beyond those of the series

@@ -16,7 +16,7 @@ from bem.audit.displacement import DisplacementField, GapPoints, half_steps, ser
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.profile import Profile
 
-GAP_POINTS_PER_WAVELENGTH = 16
+POINTS_PER_WAVELENGTH = 16
 MAX_GAP_SAMPLES = 8192  # limit: of u in a gap; more is a reason against the state
 WAVE_TERMS = 30  # derived: of half a wave of the cosine: below 1e-20
 REFINEMENTS, NARROWER = 6, 3  # of a minimum: the last points are 1/243 as far apart as the first
@@ -45,7 +45,7 @@ def gap_depths(
     contact_level = penetration - profile.max_height
     waves = width * (profile.max_order / (2 * np.pi))
     series, lengths, unresolved = _displacement_series(field, width, _rounded(8 + 20 * waves**0.3), resolved)
-    grid = _rounded(np.maximum(waves * (GAP_POINTS_PER_WAVELENGTH * np.pi**2 / 4), 4 * lengths))
+    grid = _rounded(np.maximum(waves * (POINTS_PER_WAVELENGTH * np.pi**2 / 4), 4 * lengths))
     integrals = width * (series @ _moments(series.shape[1]) - contact_level)
     lowest_at, highest = np.empty(field.count), np.empty(field.count)
     suspects = [(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0))]

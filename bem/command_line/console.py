@@ -43,7 +43,7 @@ def positive(text: str) -> int:
 
 
 def usable_streams() -> None:
-    """Let everything be said: letters that a stream has not as escapes; to nobody where it is closed."""
+    """Make output safe: characters that a stream cannot encode are escaped, and a closed stream is ignored."""
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
         if stream is None:

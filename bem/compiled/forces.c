@@ -14,7 +14,6 @@
 #define ROUNDING 1e-14          /* collocation.ROUNDING */
 #define ROUNDINGS 3.0           /* collocation.ROUNDINGS */
 #define POSITION_ROUNDING 2e-15 /* collocation.POSITION_ROUNDING */
-#define HEIGHT_ROUNDING 1e-14   /* collocation.HEIGHT_ROUNDING */
 
 static double turned(double x) /* into [0, 2 pi) */
 {
@@ -306,7 +305,7 @@ int is_equilibrium(const Setting *setting, const State *state, double residual)
             largest = charge > largest ? charge : largest;
         }
         rounding = (double)state->nodes[i % n] * (ROUNDING * largest + POSITION_ROUNDING * setting->rms_slope);
-        rounding = rounding * sqrt(PI / state->half_width[i % n]) + HEIGHT_ROUNDING * fabs(state->rate[i]);
+        rounding = rounding * sqrt(PI / state->half_width[i % n]) + ROUNDING * fabs(state->rate[i]);
         if (!(missing <= ROUNDINGS * rounding / sqrt(state->work[i])))
             return 0;
     }

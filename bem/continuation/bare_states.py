@@ -29,7 +29,7 @@ from bem.geometry.patches import Patches
 from bem.geometry.profile import EQUAL_HEIGHTS
 from bem.loading.complete_contact import CompleteContact, closing_place
 from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, EventNumbers, path_events
-from bem.loading.path_point import Complete, Failed, Separated
+from bem.loading.points_without_edges import Complete, Failed, Separated
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,12 +52,12 @@ class BareStates:
 
     @property
     def system(self) -> System:
-        """That of the path."""
+        """The equations that the path solves."""
         return self.jumps.system
 
     @property
     def complete(self) -> CompleteContact:
-        """That of the path."""
+        """Complete contact of the same profile."""
         return self.jumps.complete
 
     @property

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from bem.adhesive.equilibrium import Balance, System
 from bem.adhesive.relaxation import interpenetration
 from bem.continuation.curve import Piece
-from bem.continuation.limit_points import LimitPoint, LimitPoints
+from bem.continuation.folds import LimitPoint, LimitPoints
 from bem.continuation.locating import AtControl, Refused, Start, settle
 from bem.continuation.steps import Way
 from bem.continuation.touches import Touch, locate_touch

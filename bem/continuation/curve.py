@@ -39,7 +39,7 @@ LONGEST = 0.2  # units: a motion of the edges along the curve, in a step or by N
 SHORT = 5e-4  # units, or of a gap: a motion in which everything is linear but for a part of its square
 NEAR = 0.05  # of the chord, or of the rise of the control: how far from the quintic a point of its piece may lie
 SOFTENING = 60.0  # times the work of adhesion: what stiffness per unit may fall by in a motion by a unit; measured 39
-MODES = 8  # speed: lowest modes that are looked at; more turn within a step only among equal patches
+MODES = 8  # lowest modes that are looked at; more turn within a step only among equal patches
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +116,7 @@ class CurvePoint:
 
     @property
     def value(self) -> float:
-        """Of the control."""
+        """Value of the control."""
         return self.numbers.value
 
     @property

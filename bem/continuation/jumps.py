@@ -1,6 +1,6 @@
 """Jumps of an adhesive path: where the contact goes when its branch has ended, and the energy that it releases.
 
-A branch ends where it folds, where a symmetry breaks, or where a gap closes; all are located (limit_points.py,
+A branch ends where it folds, where a symmetry breaks, or where a gap closes; all are located (folds.py,
 touches.py), so that neither the jump nor its numbers depend on the steps.  The jump follows the forces at the value of
 the control at which the branch ends (relaxation.py): from a fold along its mode until a force is felt, which grows as
 the square of the motion, from a broken symmetry along a branch that begins there, or on both sides of its mode.  What
@@ -19,7 +19,7 @@ from bem.adhesive.branch import after_step, moving_patches, numbers_of, outward_
 from bem.adhesive.equilibrium import Balance, System, balance
 from bem.adhesive.relaxation import Cause, Relaxed, relax
 from bem.continuation.curve import LONGEST
-from bem.continuation.limit_points import LimitPoint
+from bem.continuation.folds import LimitPoint
 from bem.continuation.locating import AtControl, Located, Refused, Start, locate
 from bem.continuation.opening import complete_potential
 from bem.continuation.points_with_edges import Equilibrium, Point
@@ -32,7 +32,7 @@ from bem.geometry.patches import Patches
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.increments import SAFETY, Increments
 from bem.loading.path_events import EventNumbers, PathEvent, path_events
-from bem.loading.path_point import Complete, Failed, Separated
+from bem.loading.points_without_edges import Complete, Failed, Separated
 
 FORCES = 1e-2, 1e-4, 1e-6  # of the work of adhesion, that a push from a fold shall meet, in turn
 

@@ -6,23 +6,20 @@ diverged where a step is no shorter than the one before it.  Where modes V are h
 forces lambda that hold them are further unknowns, and V . d xi = 0.
 
 A condition says phi and its derivatives in a state.  These are a value of the control, a load, a plane through edges,
-the neutral mode of a fold or of a bifurcation (minimally augmented: R. Seydel, Practical Bifurcation and Stability
-Analysis, 2010, section 5.4), and a gap that closes (touches.py).  Dimensionless.
+the neutral mode of a fold or of a bifurcation (folds.py), and a gap that closes (touches.py).  Dimensionless.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
 
 from bem.adhesive.branch import after_step, outward_motion
-from bem.adhesive.equilibrium import Balance, System, balance, symmetric_part
-from bem.adhesive.lowest_modes import lowest_modes
-from bem.adhesive.third_derivatives import hessian_change_times
-from bem.continuation.curve import LONGEST, MODES, SHORT, Row, bordered, missing, unit_of
+from bem.adhesive.equilibrium import Balance, System, balance
+from bem.continuation.curve import LONGEST, SHORT, Row, bordered, missing, unit_of
 from bem.elastic.collocation import Resolution, finer, resolve
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray
@@ -30,7 +27,7 @@ from bem.geometry.patches import Patches
 from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
 from bem.loading.path_events import EventNumbers
 
-LAST = 1e-5  # derived: units: the last step, behind which LAST^2 = 1e-10 is missing
+LAST = 1e-5  # units: the last step, behind which LAST^2 = 1e-10 is missing
 LOCATED = 1e-9  # what is left of zero: rms heights, works of adhesion, eigenvalues
 FINER = 1e-2  # of the tolerance, for which a finer evaluation has the modes
 
@@ -96,56 +93,8 @@ class InPlane(Condition):
     normal: FloatArray
 
     def row(self, here: Balance, value: float) -> Row:
-        """How far beyond it."""
+        """Distance of the edges beyond the plane, along its normal."""
         return Row(float(self.normal @ outward_motion(self.patches, here.state.patches)), self.normal, 0.0)
-
-
-@dataclass(eq=False)
-class NeutralMode(Condition):
-    """An eigenvalue of the scaled Hessian vanishes: mu = v . H v, d mu = (D_v H v) . d xi + v . H_tau v d tau.
-
-    Of the lowest modes it is that which is most along the last one, at first along the mode given.
-
-    Attributes
-    ----------
-    scale : (2 L,) array
-        Units of motions, fixed.
-    last : (2 L,) array
-        The mode in these.
-    values, modes : (n,), (2 L, n) arrays
-        The lowest eigenvalues and their modes in the last state, `index` among them the neutral one.
-    by_edges : (2 L,) array
-        D_v H v.
-    """
-
-    system: System
-    scale: FloatArray
-    last: FloatArray
-    values: FloatArray = field(init=False)
-    modes: FloatArray = field(init=False)
-    index: int = field(init=False)
-    by_edges: FloatArray = field(init=False)
-
-    def row(self, here: Balance, value: float) -> Row:
-        """mu."""
-        self.values, self.modes = lowest_modes(symmetric_part(here.hessian, self.scale), MODES)
-        self.index = int(np.argmax(np.abs(self.modes.T @ self.last)))
-        mode = self.modes[:, self.index]
-        self.last = mode if mode @ self.last > 0 else -mode
-        motion = self.motion
-        self.by_edges = hessian_change_times(self.system, here, motion, 0.0, motion)
-        rate = float(motion @ hessian_change_times(self.system, here, None, 1.0, motion))
-        return Row(float(self.values[self.index]), self.by_edges, rate)
-
-    @property
-    def motion(self) -> FloatArray:
-        """The mode as outward motion of the edges."""
-        return self.last * self.scale
-
-    @property
-    def others(self) -> FloatArray:
-        """Eigenvalues of the other modes, ascending."""
-        return np.delete(self.values, self.index)
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,7 +127,7 @@ class Located:
 
     @property
     def patches(self) -> Patches:
-        """Its edges."""
+        """The edges where Newton's last step leads."""
         return self.balance.state.patches.moved(self.step)
 
 

@@ -31,17 +31,15 @@ from dataclasses import dataclass
 from importlib import import_module
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import System, balance
 from bem.continuation.locating import LAST, LOCATED
 from bem.elastic.collocation import Evaluation, evaluate
 from bem.elastic.gap import gap_field, low_minima
+from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI, Patches, ordered
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.control import LoadControl
-
-FloatArray = NDArray[np.float64]
 
 RESOLVED_GAP = 1e-4 * TWO_PI  # speed: evaluated as it is in a tenth of a second
 FINEST_GAP = (

@@ -24,8 +24,8 @@ from bem.adhesive.relaxation import interpenetration
 from bem.continuation.bare_states import BareStates
 from bem.continuation.branch_ends import BranchEnds, End, Goal
 from bem.continuation.curve import LONGEST, CurvePoint, Piece
+from bem.continuation.folds import LimitPoint
 from bem.continuation.jumps import Jumps, leading_patch
-from bem.continuation.limit_points import LimitPoint
 from bem.continuation.loads import Loads
 from bem.continuation.locating import LOCATED, AtControl, Condition, InPlane, Refused, Start, settle
 from bem.continuation.opening import Flaw
@@ -48,9 +48,9 @@ from bem.loading.assessment import Assessment
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.increments import MAXIMUM_ITERATIONS, Effort, Increments
 from bem.loading.path_events import path_events
-from bem.loading.path_point import Complete, Failed, Separated
+from bem.loading.points_without_edges import Complete, Failed, Separated
 
-PER_INCREMENT = 3.0  # speed: units per rms height of `accuracy.max_increment`: a step, if that is less than the longest
+PER_INCREMENT = 3.0  # units per rms height of `accuracy.max_increment`: a step, if that is less than the longest
 NATURAL = 1e-7, 1e-6, 1e-5, 1e-4  # of the unit of the control: steps of it where none along the curve is left
 
 

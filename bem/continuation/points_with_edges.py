@@ -11,7 +11,7 @@ from bem.continuation.locating import Located
 from bem.elastic.collocation import Evaluation
 from bem.geometry.patches import Patches
 from bem.loading.path_events import PathStatus
-from bem.loading.path_point import Complete, Failed, PathPoint, Separated
+from bem.loading.points_without_edges import Complete, Failed, PathPoint, Separated
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +32,7 @@ class Equilibrium(PathPoint):
     balance : Balance
         Forces on the edges: of the point itself at the accuracy of targets, or one Newton step away.
     patches : Patches
-        Its edges.
+        The contact patches, whose ends are the edges.
     load : float
     stretch : Stretch or None
         Of the curve, from the point before it.

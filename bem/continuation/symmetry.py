@@ -15,7 +15,7 @@ import numpy as np
 from bem.adhesive.branch import outward_motion
 from bem.adhesive.equilibrium import System
 from bem.continuation.curve import LONGEST, CurvePoint, curve_point, unit_of
-from bem.continuation.limit_points import LimitPoint
+from bem.continuation.folds import LimitPoint
 from bem.continuation.locating import InPlane, Refused, Start, locate
 from bem.continuation.steps import SHORTER, Way, shorter_steps
 from bem.geometry.arrays import FloatArray

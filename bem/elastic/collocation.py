@@ -48,8 +48,7 @@ FEW_WAVES = 0.3  # speed: of the unknowns: more of a layer are added to the matr
 FAR_SHARE = 1e-5  # accuracy of the kernel between clusters over the tolerance
 FINEST_FAR = 1e-14  # derived: the same, at least: rounding
 
-ROUNDING = 1e-14  # absolute accuracy of charges of order 1, per node; measured up to 4e-15, at 500 harmonics
-HEIGHT_ROUNDING = 1e-14  # measured absolute accuracy of heights
+ROUNDING = 1e-14  # absolute, of heights, and of charges of order 1 per node; measured up to 4e-15, at 500 harmonics
 ROUNDINGS = 3.0  # of K: what is within them is no residual, as the certificate allows; measured 1.8 at one edge of 3000
 POSITION_ROUNDING = 2e-15  # absolute, of positions up to 2 pi; slope times it is what heights lack; measured 1.1e-15
 
@@ -166,7 +165,7 @@ class Evaluation:
         starts = np.concatenate([[0], np.cumsum(self.resolution.modes)[:-1]])
         largest = np.maximum.reduceat(np.abs(self.skeleton), starts) * self.resolution.modes / np.pi
         charge = self.resolution.nodes * (ROUNDING * np.maximum(largest, 1.0) + POSITION_ROUNDING * self.rms_slope)
-        from_heights = HEIGHT_ROUNDING * penetration_rate * np.abs(self.stress_intensity_rate)
+        from_heights = ROUNDING * penetration_rate * np.abs(self.stress_intensity_rate)
         return np.asarray(np.tile(charge * np.sqrt(np.pi / self.patches.half_width), 2) + from_heights)
 
     def shifted(self, change: float) -> Evaluation:

@@ -79,7 +79,7 @@ class EffectSum:
 
     @property
     def strip(self) -> float:
-        """That of the effect that decays most slowly."""
+        """The strip of the effect that decays most slowly."""
         return min(effect.strip for effect in self.effects)
 
     @property

@@ -49,7 +49,7 @@ from bem.geometry.patches import TWO_PI
 Inputs = ParamSpec("Inputs")
 Output = TypeVar("Output")
 
-UNIFORM = 0.03  # derived: alpha: any value does; the kernel of a whole period has eigenvalues 0 and 1 / (2 n)
+UNIFORM = 0.03  # alpha: any value does, to rounding; the kernel of a whole period has eigenvalues 0 and 1 / (2 n)
 LARGEST_LEAF = 130  # speed: unknowns, above which a cluster of several patches is split (measured)
 CENTRED = 10.0  # speed: a cluster is split in a gap e times wider, if that is off its middle by less than a tenth
 MOST_OFF = 0.25  # limit: and by no more than this, unless all are: clusters of clusters stay few

@@ -209,7 +209,7 @@ def kernel_series(effect: ElasticEffect, tolerance: float) -> KernelSeries:
     orders = np.arange(1, int(np.ceil(reach / effect.strip)) + 1)
     weights = effect.deficit(orders) / orders
     if not abs(weights[-1]) * orders.size <= tolerance:
-        raise ValueError(f"strip: {effect.strip} is not how the effect decays, {weights[-1]:g} at m = {orders.size}")
+        raise ValueError(f"strip: {effect.strip}: decay is slower, {weights[-1]:g} is left at m = {orders.size}")
     left_out = np.append(np.cumsum(np.abs(weights)[::-1])[::-1], 0.0)  # if cut before term m = 1, 2, ...
     terms = int(np.argmax(left_out <= tolerance))
     return KernelSeries(effect, weights[:terms], float(left_out[terms]))

@@ -20,13 +20,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bem.elastic.kernel_series import KernelSeries, kernel_series
+from bem.geometry.arrays import FloatArray
 from bem.geometry.ranges import check
 from bem.geometry.scaling import Solid
-
-FloatArray = NDArray[np.float64]
 
 
 def compliance_ratio(q_d: ArrayLike, poisson_ratio: float) -> FloatArray:

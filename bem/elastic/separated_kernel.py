@@ -17,11 +17,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bem.geometry.arrays import FloatArray
 from bem.geometry.chebyshev import basis_nodes, coefficients
-
-FloatArray = NDArray[np.float64]
 
 RANGE_STEP = 1.15  # speed: ratio of the half ranges U for which there are tables
 

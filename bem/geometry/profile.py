@@ -18,10 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bem.compiled.kernels import mirrored
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.ranges import check, check_harmonics
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 EQUAL_HEIGHTS = 1e-12  # derived: of the rms height: crests as high as each other, to rounding
 _POINTS_PER_WAVELENGTH = 16  # derived: of the table of heights: with `_TAYLOR_TERMS` its truncation is 1e-15 of h

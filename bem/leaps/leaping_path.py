@@ -31,18 +31,18 @@ from bem.leaps.spread import Spread, Spreading
 from bem.loading.assessment import Assessment, Quantities
 from bem.loading.crew import Crew
 from bem.loading.increments import Accuracy, Effort, Increments
-from bem.loading.path_point import Complete, Failed, Separated
+from bem.loading.points_without_edges import Complete, Failed, Separated
 
 # rms heights at a tolerance of 1e-3, and the power of the tolerance with which it grows from there
 INTERVAL, GROWTH = 0.01, 0.7
-RESIDUAL = 1e-2  # speed: of states that are not kept, and in proportion less below 1e-3
+RESIDUAL = 1e-2  # of states that are not kept, and in proportion less below 1e-3
 LAST_LEAP = 2e-3  # rms heights before a value that is asked for
 NOT_SHORT = 0.3  # speed: of an interval: no leap of its own is that short
 LEAPS_TRIED = 16  # limit: of an interval in which one fails: shorter and shorter, up to what happens in it
 HALVINGS = 6  # limit: of an interval in which a load is met
 WINDOWED, FEW = 64, 0.8  # speed: patches from which windows leap; part of them below which they no longer do
 CLOSE = 1e-9  # derived: of the smallest increment: as good as there
-STATES_APART = 20.0  # speed: times `accuracy.max_increment`: a state takes as long as ten leaps
+STATES_APART = 20.0  # format: times `accuracy.max_increment` between states stored: a state takes as long as ten leaps
 DOUBTED = 1 / 3  # derived: of the tolerance: correction of a number whose estimated error is the tolerance of it
 
 AnyPoint = Point | Spread
@@ -80,12 +80,12 @@ class LeapingPath:
 
     @cached_property
     def increments(self) -> Increments:
-        """Those of the exact path, with states farther apart."""
+        """The increments of the exact path, with states farther apart."""
         return replace(self.exact.increments, largest=STATES_APART * self.exact.increments.largest)
 
     @cached_property
     def between(self) -> Accuracy:
-        """That of states that are not kept: edges need only be near enough for the next leap."""
+        """Accuracy of states that are not kept: edges need only be near enough for the next leap."""
         coarse = self.increments.coarse
         return replace(coarse, residual=max(coarse.residual, RESIDUAL * min(1.0, self.tolerance / 1e-3)))
 

@@ -30,8 +30,8 @@ from bem.loading.increments import COARSE, Accuracy
 
 STEPS = 12  # limit: of Newton with the Jacobians of windows; five do
 LONGEST_STEP = 0.3  # limit: edge scales
-DIFFERENCE = 1e-5  # derived: rms heights: step of the differences along the branch at most
-CLOSE = 1e-5  # derived: change of the stiffness by a correction of the motion, after which no other comes
+DIFFERENCE = 1e-5  # rms heights: step of the differences along the branch at most
+CLOSE = 1e-5  # change of the stiffness by a correction of the motion, after which no other comes
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +46,7 @@ class Solved:
 
 @dataclass(frozen=True, eq=False)
 class Jacobians:
-    """Those of all windows next to a state."""
+    """The Jacobians of all windows next to a state."""
 
     windows: Sequence[Solved]
 
@@ -124,7 +124,7 @@ class Settling:
         return None
 
     def jacobians(self, patches: Patches, value: float) -> Jacobians | None:
-        """Those of the windows next to edges."""
+        """The Jacobians of the windows next to edges; None where the state cannot be evaluated."""
         state = self.evaluated(patches, value, COARSE.tolerance)
         if state is None:
             return None

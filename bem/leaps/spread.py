@@ -29,7 +29,7 @@ from bem.loading.assessment import Assessment
 from bem.loading.crew import Crew
 from bem.loading.increments import Accuracy
 from bem.loading.path_events import PathEvent, PathStatus
-from bem.loading.path_point import PathPoint
+from bem.loading.points_without_edges import PathPoint
 
 WIDER = 3, 7  # limit: patches of buffer more, for a window that finds nothing
 JOINED = 0.5  # limit: residual of windows that were joined, beyond which they did not fit
@@ -60,12 +60,12 @@ class Spread(PathPoint):
 
     @property
     def patches(self) -> Patches:
-        """Its edges."""
+        """The contact patches, whose ends are the edges."""
         return self.state.patches
 
     @property
     def load(self) -> float:
-        """Its load."""
+        """The load of the state."""
         return self.state.load
 
 

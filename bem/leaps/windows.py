@@ -43,7 +43,7 @@ class Window:
     core: np.ndarray[tuple[int], np.dtype[np.bool_]]
 
     def of(self, patches: Patches) -> Patches:
-        """Its patches."""
+        """The patches of the window."""
         return Patches(patches.left[self.members], patches.right[self.members])
 
     def edges(self, values: FloatArray) -> FloatArray:

@@ -2,11 +2,10 @@
 
 The finer evaluation is made by equilibrium_assessment.py with adhesion and by contact_assessment.py without: a third
 more nodes and the modes of a hundredth of the tolerance leave forces on the edges, and one Newton step on them leads to
-corrected edges.  What a reported quantity changes by is its correction,
-which holds the error of the edges and that of the quadrature; its estimated error is three times that
-(states.py).  Dimensionless.  Limits: where the corrected edges overlap, corrections are infinite; an event missed on
-the way is no error of a state (certificate.py refuses the state where the missed event leaves interpenetration or an
-indefinite Hessian).
+corrected edges.  What a reported quantity changes by is its correction, which holds the error of the edges and that of
+the quadrature; its estimated error is three times that (certified_states.py).  Dimensionless.  Limits: where the
+corrected edges overlap, corrections are infinite; an event missed on the way is no error of a state (certificate.py
+refuses the state where the missed event leaves interpenetration or an indefinite Hessian).
 
 An elastic effect that is left out of the equations acts on the finer evaluation as the field of the pressure found
 without it, which is its effect to first order; on the energy twice that, its work being half.

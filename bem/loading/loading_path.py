@@ -1,6 +1,6 @@
 """What the solver asks of a loading path: continuation/path.py with adhesion, nonadhesive/convex_path.py without.
 
-`P` are the kinds of points that a path has, those of path_point.py among them; `Q` those of its own, with edges.
+`P` are the kinds of points that a path has, among them those of points_without_edges.py; `Q` are its own, with edges.
 Dimensionless.
 """
 

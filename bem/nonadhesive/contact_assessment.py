@@ -6,11 +6,11 @@ The corrected edges are so close to K = 0 that the derivatives there stand for a
 
 the first two integrated along K -> 0.
 
-Heights are known to rounding, which on a patch where they hardly vary is much of them.  How much tell the coefficients
-of R that the finer evaluation has and the state has not: they are nothing else, of size s.  The pressure is taken to
+Heights are known to rounding, which matters on a patch where they hardly vary.  Its size s is that of the coefficients
+of R that only the finer evaluation has: they consist of rounding alone.  The pressure is taken to
 where its coefficients are above that, since K weighs them with n and dK/d(out) with n^3; what is left in K,
 (s/pi) (sum n^2)^(1/2) (pi/r)^(1/2), moves the edges by that over dK/d(out).  An error of all heights is one of Delta,
-which the assessment does not see (states.py has a floor for it).  Dimensionless.
+which the assessment does not see (certified_states.py has a floor for it).  Dimensionless.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from bem.geometry.arrays import FloatArray, IntArray
 from bem.loading.assessment import UNKNOWN, Assessment, Quantities, quantities_of, stiffened, with_left_out
 from bem.loading.control import Control
 
-ABOVE_NOISE = 5.0  # derived: times what rounding leaves of a coefficient: larger is a coefficient
+ABOVE_NOISE = 5.0  # times what rounding leaves of a coefficient: what is larger is a coefficient
 
 
 def assess_contact(elastic: Elastic, control: Control, state: Evaluation, value: float, tolerance: float) -> Assessment:

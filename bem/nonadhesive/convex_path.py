@@ -3,7 +3,7 @@
 The problem is convex, so the state depends on the target alone, and so does the way to it: each target is solved from
 its own solution on a grid (grid_contact.py), whatever came before, to the same digits.  Where gaps are so narrow that
 unknowns on patches cannot resolve them, as the last ones before complete contact are, they carry the unknowns
-themselves (last_gaps.py), from where lone cracks would be.  Dimensionless.
+themselves (last_gaps.py), from where isolated cracks would be.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -22,19 +22,19 @@ from bem.loading.assessment import Assessment
 from bem.loading.control import Control, LoadControl
 from bem.loading.increments import Effort, Increments
 from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, EventNumbers, PathEvent, PathStatus, path_events
-from bem.loading.path_point import Complete, Failed, PathPoint, Separated
+from bem.loading.points_without_edges import Complete, Failed, PathPoint, Separated
 from bem.nonadhesive.completed_body import CompletedBody
 from bem.nonadhesive.contact_assessment import assess_contact
 from bem.nonadhesive.gap_series import GapEvaluation
 from bem.nonadhesive.gaps import Gaps, gaps_of
 from bem.nonadhesive.grid_contact import GridProblem, grid_problem
-from bem.nonadhesive.last_gaps import Condition, assess_gaps, condition_of, lone_cracks, solve_gaps
+from bem.nonadhesive.last_gaps import Condition, assess_gaps, condition_of, isolated_cracks, solve_gaps
 from bem.nonadhesive.nonadhesive import solve_contact
 
 LOAD_CONTROL = LoadControl()
 ROUNDED = 4 * float(np.finfo(float).eps)  # of penetrations: nearer to first touch and complete contact is there
-NARROW = 1e-3  # lone cracks narrower than this part of the contact beside them carry the unknowns from the start
-LONE = 0.3  # largest half width of a gap, over the least length that a lone crack knows nothing of
+NARROW = 1e-3  # speed: isolated cracks narrower than this part of the contact beside them carry the unknowns at once
+ISOLATED = 0.3  # speed: largest half width of a gap, over the shortest wave, for which isolated cracks are a good start
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +176,7 @@ class ConvexPath:
         if separation <= 0 if separation is not None else value >= joined * (1 - ROUNDED):
             return Complete(value)
         condition = condition_of(self.body, control, value, separation)
-        gaps, deficit = lone_cracks(self.body, condition)
+        gaps, deficit = isolated_cracks(self.body, condition)
         if self._are_narrow(gaps):
             return self._by_gaps(condition, value, gaps, deficit)
         start, middle = self._grid.patches(control, value), self.body.max_height / 2
@@ -206,13 +206,13 @@ class ConvexPath:
         return ContactPoint(value, state)
 
     def _are_narrow(self, gaps: Gaps) -> bool:
-        """Whether gaps are so narrow, one of them at least, that lone cracks are a start and patches none.
+        """Whether gaps are so narrow, one of them at least, that isolated cracks are a start and patches none.
 
         The waves of the profile must be longer, and those that feel the thickness of a layer.
         """
-        lone = np.all(gaps.half_width * self.body.highest_order <= LONE)
+        isolated = np.all(gaps.half_width * self.body.highest_order <= ISOLATED)
         narrowest = np.min(2 * gaps.half_width / np.minimum(gaps.patch_before, gaps.patch_after), initial=0.0)
-        return bool(lone and narrowest < NARROW)
+        return bool(isolated and narrowest < NARROW)
 
     @cached_property
     def _grid(self) -> GridProblem:

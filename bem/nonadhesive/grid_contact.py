@@ -25,15 +25,15 @@ from bem.geometry.patches import TWO_PI, Patches, ordered
 from bem.loading.control import Control
 
 ITERATIONS = 40  # speed: more take longer than the steps of Newton that they save (measured)
-CONVERGED = 5e-3  # what the preconditioner would still change of the unknown, relative: four times its error (measured)
+CONVERGED = 5e-3  # speed: what the preconditioner would still change of the unknown, relative; work +5 % if doubled
 FINE = 4096  # speed: points of the grid of a profile above which every second one is enough: Newton sorts out the rest
 NESTED, COARSER = 1024, 4  # speed: points of grids on which the start is found on every fourth point
 DENSE = 0.5  # speed: contact fraction above which gaps are the unknown
-LAYER = 1e-4  # accuracy to which the series of a layer is sampled
-POINTS_PER_MODE = 2
+LAYER = 1e-4  # speed: accuracy of the series of a layer on the grid
+POINTS_PER_MODE = 2  # speed: of that series
 MOST_POINTS = 1 << 17  # limit: of a grid
-OFF_POINT = 0.45  # cells between a point and the highest place about it, at most
-WITHIN_CELL = 0.05, 0.95  # where an edge may lie between the last grid point inside and the first one outside
+OFF_POINT = 0.45  # speed: cells between a point and the highest place about it, at most
+WITHIN_CELL = 0.05, 0.95  # speed: where an edge may lie between the last grid point inside and the first one outside
 
 
 @dataclass(frozen=True, eq=False)

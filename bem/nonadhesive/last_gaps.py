@@ -3,8 +3,8 @@
 The mirror of nonadhesive.py for gaps too narrow for it, as the last ones before complete contact are.  Every end does
 its own Newton step on K (gap_series.py), outward where K > 0; a gap is cut where it would interpenetrate, dropped when
 nothing holds it open, joined to its neighbour when the contact between them is used up, and added where contact is
-under tension.  The first gaps are lone cracks: where the pressure of complete contact at the load has a minimum -T < 0
-with the curvature c, K = 0 at the half width a, with a mean gap s,
+under tension.  The first gaps are isolated cracks: where the pressure of complete contact at the load has a minimum
+-T < 0 with the curvature c, K = 0 at the half width a, with a mean gap s,
 
     a = 2 sqrt(T / c),   s = c a^4 / 32 = T^2 / (2 c),
 
@@ -20,6 +20,7 @@ from typing import Literal
 
 import numpy as np
 
+from bem.elastic.gap import REFINEMENTS
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI
@@ -34,12 +35,12 @@ FINER, EPS = 1.5, float(np.finfo(float).eps)  # nodes of the evaluation that ass
 UNDERFLOW = 1e-70  # derived: of the lowest pressure of complete contact: tension on gaps whose volume underflows
 RESIDUAL = 1e-10  # of |k| over g_0, where rounding does not limit it; Newton's last step leaves 1e-13
 UNCERTAIN = 20.0  # roundings of the pressure times the half width, below which k is noise; measured 4
-STEP, INTO_CONTACT = 0.5, 0.35  # largest steps of an end, in half widths of its gap and in patches
+STEP, INTO_CONTACT = 0.5, 0.35  # speed: largest steps of an end, in half widths of its gap and in patches
 USED_UP, SHRINKING = 1e-2, 0.1  # of the narrower gap beside: contact narrower, and by how much it shrinks in a step
 OVERLAP = 1e-8  # of the largest opening: gaps deeper below zero are cut
 POINTS_PER_WAVE = 16  # of the shortest wavelength of q, where tension is looked for
 LEAST_POINTS = 64
-REFINEMENTS, REFINEMENT_RATIO = 3, 20.0  # of a minimum: bases of 1, 1/20, 1/400 of the distance of points
+REFINEMENT_RATIO = 20.0  # of a minimum: bases of 1, 1/20, 1/400 of the distance of points
 BEYOND_ROUNDING = 10.0  # roundings of the pressure that are tension
 NEW_GAP = 0.3  # largest half width of a new gap, in distances to the next ones
 
@@ -86,7 +87,7 @@ class LastGaps:
     evaluations: int
 
 
-def lone_cracks(body: CompletedBody, condition: Condition) -> tuple[Gaps, float]:
+def isolated_cracks(body: CompletedBody, condition: Condition) -> tuple[Gaps, float]:
     """Gaps as if each were alone, and the deficit; (0,) gaps where nothing holds any open."""
     x, q = body.minima
     profile = body.pressure
@@ -128,7 +129,7 @@ def solve_gaps(body: CompletedBody, condition: Condition, gaps: Gaps, deficit: f
     last = np.inf
     for count in range(1, MAXIMUM_ITERATIONS + 1):
         if gaps.count == 0:  # also where a start was so wrong that nothing of it stayed open
-            gaps, deficit = lone_cracks(body, condition)
+            gaps, deficit = isolated_cracks(body, condition)
         if gaps.count == 0:
             return LastGaps("closed", None, count)
         evaluated = if_solvable(evaluate_gaps, body, gaps, deficit)

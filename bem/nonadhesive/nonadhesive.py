@@ -28,17 +28,18 @@ from bem.loading.control import Control
 from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
 from bem.nonadhesive.tension import dips, minimum, nodes, under_tension
 
-INWARD, OUTWARD, INTO_GAP = 0.3, 1.0, 0.35  # largest steps of an edge, in patch widths and gaps
-COARSEST, COARSE = 1e-2, 1e-4  # accuracies of the evaluation until the edges are near, and until they are close
-NEAR, CLOSE = 0.3, 4e-3  # residuals that mean near and close
+# The contact is unique: what only shapes the way to it is a matter of cost, measured by halving and doubling.
+INWARD, OUTWARD, INTO_GAP = 0.3, 1.0, 0.35  # speed: largest steps of an edge, in patch widths and gaps; work +0.8 %
+COARSEST, COARSE = 1e-2, 1e-4  # speed: accuracies until the edges are near, and until they are close; work -1 to +5 %
+NEAR, CLOSE = 0.3, 4e-3  # speed: residuals that mean near and close; work +2 and +3 % if halved
 CLOSED_GAP = 1e-4  # of the shortest wavelength, or of NARROW times the narrower neighbour
 NARROW = 100.0  # a sliver beside a gap that closes is joined before it costs thousands of modes
-COARSELY_CLOSED = 1e-3  # the same until the edges are close; what it closes too early is opened then
+COARSELY_CLOSED = 1e-3  # speed: the same until the edges are close; what it closes too early is opened then
 OPENING_GAP = 1.5  # of these: gaps that tension inside a patch calls for are opened from here, so as to stay open
 LEFT_OVER = 0.01  # of the residual and the contact: what the edges may still have to move, for invariances to 1e-10
 ROUNDED = 1e-13  # of the highest crest: charges known no better, measured 1e-14
-DAMPED_AFTER = 15  # steps of the same patches after which a change of sign of K halves the step of its edge
-OVERLAP = 10.0  # Newton steps beside an edge with K < 0 in which the surfaces overlap until it has moved
+DAMPED_AFTER = 15  # speed: steps of the same patches after which a change of sign of K halves the step of its edge
+OVERLAP = 10.0  # speed: Newton steps beside an edge with K < 0 in which the surfaces overlap until it has moved
 
 CLOSING_MODES = 4000  # limit: of a patch: a gap beside it that asks for more counts as closed
 DOUBTFUL = 1e-9  # of the mean pressure of a patch: the accuracy at which a dip may be a gap too narrow to be seen here
@@ -178,7 +179,7 @@ class _Search:
 
     @property
     def tolerance(self) -> float:
-        """Of the next evaluation."""
+        """Tolerance of the next evaluation."""
         return max(self.accuracy.tolerance, self.coarseness)
 
     def evaluated(self) -> Evaluation:

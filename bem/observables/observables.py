@@ -44,7 +44,7 @@ class Posed(Protocol):
 
     @property
     def scales(self) -> Scales:
-        """Of the results."""
+        """Units of the results."""
         ...
 
     @property

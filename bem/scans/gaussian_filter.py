@@ -39,7 +39,7 @@ class GaussianFilter:
 
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> GaussianFilter:
-        """That of the keys cutoff_short and cutoff_long of [profile], as far as they are given."""
+        """The filter of the keys cutoff_short and cutoff_long of [profile], as far as they are given."""
         given = {name: values.get(f"cutoff_{name}") for name in ("short", "long")}
         return cls(**{name: float(value) for name, value in given.items() if value is not None})
 

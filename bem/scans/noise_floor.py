@@ -33,8 +33,8 @@ from bem.geometry.arrays import FloatArray
 from bem.scans.gaussian_filter import GaussianFilter
 
 BANDS = 12  # format: to the octave
-FLAT = 0.5  # derived: exponent of a tail: half way from noise to f^-1
-LARGEST_ERROR = 1 / 3  # derived: of that exponent: 0 and 1 are three errors apart
+FLAT = 0.5  # format: of what a warning calls flat: exponent of a tail: half way from noise to f^-1
+LARGEST_ERROR = 1 / 3  # format: of that exponent: 0 and 1 are three errors apart
 ABOVE = 10.0  # format: floors
 FITTED = 3  # format: octaves
 FEWEST_BANDS = 3  # format: of a power law

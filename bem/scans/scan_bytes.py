@@ -2,7 +2,7 @@
 
 Encodings: UTF-8, UTF-16 and UTF-32 by their marks; UTF-16 without one where every zero byte is the same half of a
 character, and all characters can be printed; else UTF-8 or Latin-1.  Zero bytes (padding) and Control-Z (the end of a
-file in DOS) behind the text are no part of it; a zero byte before the end is none of text.
+file in DOS) after the text are ignored; with any other zero byte the file is not text.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ TEXT_OR_INSTRUMENT = "a text file, or one of an instrument"
 
 
 def content_of(path: Path) -> bytes:
-    """The bytes of a file; ScanFileError for one that cannot be read, is none of its own, or is compressed."""
+    """The bytes of a file; ScanFileError if it cannot be read, is not a regular file, or is compressed."""
     try:
         mode = path.stat().st_mode
         content = path.read_bytes() if stat.S_ISREG(mode) else b""
@@ -64,7 +64,7 @@ def text_of(content: bytes) -> tuple[str, str] | None:
 
 
 def _read(content: bytes, encoding: str) -> tuple[str, str] | None:
-    """The text by one encoding; None where that is none."""
+    """The bytes decoded by an encoding; None if they are not text in it."""
     try:
         text = content.decode(encoding).rstrip("\x00\x1a")
     except UnicodeDecodeError:

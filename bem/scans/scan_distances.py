@@ -55,7 +55,7 @@ def refuse_other_distance(spacing: float, unit: str, lengths: Sequence[Length], 
 
 
 def unlike_positions(x: FloatArray, unit: str, lengths: Sequence[Length]) -> str:
-    """What the file states and its positions (m) are not; ScanFileError where they would be it in the unit stated."""
+    """The statement that the positions (m) contradict, or ""; ScanFileError if the unit stated would explain it."""
     dx = float(x[-1] - x[0]) / (x.size - 1)
     for length in lengths:
         if _agree(dx, length, x.size):

@@ -17,9 +17,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from bem.geometry.arrays import FloatArray
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.scans.instrument_file import InstrumentScan, is_instrument_file, read_instrument
 from bem.scans.scan_bytes import content_of
 from bem.scans.scan_distances import distance_of, refuse_other_distance, unlike_positions
@@ -36,7 +35,7 @@ class RawScan:
 
     x: FloatArray  # positions, m, (n,)
     h: FloatArray  # heights, m, (n,); NaN where missing
-    lines: NDArray[np.int64] | None  # line of the file of each sample, (n,); None where there are no lines
+    lines: IntArray | None  # line of the file of each sample, (n,); None where there are no lines
     facts: dict[str, Any]  # how it was read: plain values
     sha256: str  # of the file's bytes
     half_digits: Callable[[], FloatArray] | None = None  # half a unit of the last digit of each position, m
@@ -59,7 +58,7 @@ class _Columns(NamedTuple):
 
     x: FloatArray | None
     h: FloatArray
-    lines: NDArray[np.int64] | None
+    lines: IntArray | None
     used: tuple[int | None, int] | None
     half_digits: Callable[[], FloatArray] | None = None  # of positions, in units of the file
 
@@ -140,7 +139,7 @@ def _map_row(table: TextTable, values: Mapping[str, Any]) -> _Columns:
     """One row of a map of heights, or the mean of all."""
     if table.values.shape[1] <= 2:
         found = f"= {values['row']!r} of a file with {table.values.shape[1]} columns"
-        raise ScanFileError([Refusal("row", found, "leave it out: a line has no rows, and a map one row a line")])
+        raise ScanFileError([Refusal("row", found, "leave it out: only a map has rows, one on each line of the file")])
     return _Columns(None, _row_of(table.values, values["row"]), None, None)
 
 

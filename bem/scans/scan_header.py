@@ -11,7 +11,7 @@ factor      `Height conversion factor`, `Bit2nm`: heights are multiples of somet
 channel     what was measured, which may be no height
 
 The heading of the columns (`x [mm];h [µm]`, `x / mm`, `x_mm`, or a line of units alone) is the last line before the
-numbers, whatever its words mean.  A unit that is found in one of these ways and is none is kept as it is written.
+numbers, whatever its words mean.  A word in the place of a unit is kept even if it is no known unit.
 """
 
 from __future__ import annotations
@@ -153,9 +153,9 @@ def _take(found: Header, number: int, line: str, name: str, value: str, axes: Ax
     elif words & label("factors") and words <= label("factors") | label("vertical") | label("beside") | {"nm", "m"}:
         if unit not in ("1", "1.0"):
             allowed = "heights in a unit of length: multiply them, and remove the line"
-            raise ScanFileError([Refusal("file", f"{told} has a factor of the heights, which is not applied", allowed)])
+            raise ScanFileError([Refusal("file", f"{told} has a factor for the heights, not applied", allowed)])
     elif words & label("channel") and words <= label("channel") and words_of(value) & label("no_heights"):
-        raise ScanFileError([Refusal("file", f"{told} names a channel that is no height", "a channel of heights")])
+        raise ScanFileError([Refusal("file", f"{told} names a channel without heights", "a channel of heights")])
     else:
         length = _length(number, line, name, value)
         found.lengths += [] if length is None else [length]

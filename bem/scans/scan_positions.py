@@ -27,8 +27,8 @@ def refuse_disorder(raw: RawScan) -> None:
     steps = np.diff(raw.x)
     k = int(np.argmax(steps <= 0)) + 1
     allowed = {
-        "falls": "positions that increase: turn round the order of the lines",
-        "repeats values": "one height at each position: of the lines with the same remove all but one",
+        "falls": "positions that increase: reverse the order of the lines",
+        "repeats values": "one height at each position: keep one of the lines that share a position",
     }.get(order, "positions that increase from line to line")
     other = _order(raw.h)
     if order == other == "goes to and fro" and raw.x[k] <= raw.x[:k].min() and (steps > 0).sum() > (steps <= 0).sum():

@@ -4,8 +4,8 @@ In this order, each as [profile] asks for it:
 
 dropouts   A value that an instrument writes where it has seen nothing (-9999, 32767, 0): runs of one value whose
            neighbours are more than `OUTLIER` median steps away, `FEWEST_DROPOUTS` samples of it or more.  "missing"
-           takes them for missing heights.  Runs that lie farther from all others than these span are named only: so
-           does that value where a tilt was taken off it, and so does a groove.
+           takes them for missing heights.  Runs that lie farther from all others than these span are only reported:
+           they may be dropouts from which a tilt was subtracted, or a groove.
 outliers   Samples that lie more than `OUTLIER` median steps between neighbours from the running median of `WIDTH`
            samples are counted and, with "replace", set to that median (Tukey, Exploratory Data Analysis, 1977,
            chapter 7).  Steps are |h_{i+1} - h_i| > 0.
@@ -47,8 +47,8 @@ from bem.scans.scan_refusal import Refusal, ScanFileError
 from bem.scans.scan_text import FEWEST, SHOWN
 
 OUTLIER = 15.0  # median steps; of a normal distribution of steps, ten standard deviations
-FEWEST_DROPOUTS = 3  # derived: samples of one value: of fewer the running median sees that they are spikes
-WIDTH = 5  # derived: samples of the running median: spikes of one or two
+WIDTH = 5  # samples of the running median, which sees spikes of one or two
+FEWEST_DROPOUTS = WIDTH // 2 + 1  # samples of one value: of fewer the running median sees that they are spikes
 TAPER = 0.1  # format: of the line, at either end
 DRAWN = 4000  # format: samples kept for figures
 MOST_MISSING = 0.5  # format: of the samples
@@ -346,7 +346,7 @@ def _even(raw: RawScan, line: Line, missing: Step, method: str) -> tuple[Line, S
     if method == "refuse":
         place = raw.place(first + worst)
         told = f"is not uniform in x: {place} is {deviation:.2g} sample distances off a uniform grid"
-        allowed = f'{UNIFORMITY:g} of them, or half a digit; unequal_spacing = "resample" for a scan of unequal steps'
+        allowed = f'at most {UNIFORMITY:g}, or half the last digit printed; or unequal_spacing = "resample"'
         raise ScanFileError([Refusal("file", told, allowed)])
     curve = import_module("scipy.interpolate").PchipInterpolator(x, h)
     gaps = np.diff(x)

@@ -17,9 +17,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from bem.geometry.arrays import FloatArray
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.ranges import MOST
 from bem.scans.scan_bytes import text_of
 from bem.scans.scan_refusal import Refusal, ScanFileError
@@ -76,7 +75,7 @@ class TextTable:
     """A table read from text."""
 
     values: FloatArray  # (n_rows, n_columns); NaN where the file has none
-    lines: NDArray[np.int64]  # line of each row, from 1, (n_rows,)
+    lines: IntArray  # line of each row, from 1, (n_rows,)
     # lines before the first row that are not empty, with their numbers; comment signs removed
     header: tuple[tuple[int, str], ...]
     remarks: tuple[tuple[int, str], ...]  # comments behind it, likewise
@@ -163,7 +162,7 @@ def _refuse_thousands(rows: Iterable[tuple[int, str]], reading: Reading) -> None
         return
     number, line, cell = commas[0]
     whole, rest = cell.split(",")
-    found = f"is needed: line {number} ({line[:40]!r}) may hold {whole}.{rest} or {whole}{rest}, as all with a comma"
+    found = f"is needed: line {number} ({line[:40]!r}) may mean {whole}.{rest} or {whole}{rest}"
     allowed = 'decimal = "," for the first; for the second remove the commas between thousands from the file'
     raise ScanFileError([Refusal("decimal", found, allowed)])
 
@@ -191,7 +190,7 @@ def _is_row(row: Row | None, width: int) -> bool:
 
 def _rows(
     lines: Sequence[tuple[int, str]], reading: Reading, width: int, decimal: str | None
-) -> tuple[FloatArray, NDArray[np.int64], tuple[str, ...]]:
+) -> tuple[FloatArray, IntArray, tuple[str, ...]]:
     """Rows from the first one on, (n_rows, width), their lines and texts; every other line is a mistake."""
     start = next(k for k, (_, line) in enumerate(lines) if _is_row(reading.row(line), width))
     ragged: list[str] = []
@@ -227,9 +226,7 @@ def _rows(
     return _ordinary(np.array([[math.nan if value is None else value for value in row] for row in values]), kept)
 
 
-def _ordinary(
-    table: FloatArray, body: Sequence[tuple[int, str]]
-) -> tuple[FloatArray, NDArray[np.int64], tuple[str, ...]]:
+def _ordinary(table: FloatArray, body: Sequence[tuple[int, str]]) -> tuple[FloatArray, IntArray, tuple[str, ...]]:
     """Rows with their lines and texts; ScanFileError for numbers beyond all magnitudes."""
     beyond = [f"line {body[k][0]} ({body[k][1][:40]!r}) holds a number beyond {MOST:g}"
               for k in np.flatnonzero((np.abs(table) > MOST).any(axis=1)).tolist()]  # fmt: skip
@@ -271,7 +268,7 @@ def _spelling(lines: Sequence[tuple[int, str]], decimal: str | None) -> list[Ref
                 continue
             if rest and all(GROUPED.fullmatch(c) or (decimal == "." and THOUSANDS.fullmatch(c)) for c in rest):
                 allowed = "numbers without marks between thousands: remove them from the file"
-                return [Refusal("file", f"{told} has thousands parted", allowed)]
+                return [Refusal("file", f"{told} has thousands separators", allowed)]
     return []
 
 

@@ -1,7 +1,7 @@
 """Units of a scan: the words for them, and that those of its file and those of the scene agree.
 
-The words are those of words.toml.  Nothing is inferred from the size of the numbers.  What a file states and nobody
-understands is refused by its name: it is not the same as no statement.
+The words are those of words.toml.  Nothing is inferred from the size of the numbers.  An unknown unit
+in a file is an error that names it; it is not treated as a missing unit.
 """
 
 from __future__ import annotations

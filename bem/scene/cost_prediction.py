@@ -78,7 +78,7 @@ class Leg:
 
 @dataclass(frozen=True)
 class Cost:
-    """Of a scene."""
+    """What a scene is predicted to cost."""
 
     legs: tuple[Leg, ...]  # one for each target
     bare: float  # evaluations that the targets would take without adhesion
@@ -170,7 +170,7 @@ def warning_of(cost: Cost) -> str:
     Examples
     --------
     >>> warning_of(Cost((), 0.0, 1e6, 2.7e6, 0.9, 12.0)).partition(" of one core")[2]
-    ' and 12 GB of memory are predicted: a thicker layer, fewer harmonics or targets, or a larger max_increment'
+    ' and 12 GB of memory are predicted; try a thicker layer, fewer harmonics or targets, or a larger max_increment'
     >>> warning_of(Cost((), 0.0, 100.0, 1.0, 0.0, 0.1))
     ''
     """
@@ -178,7 +178,7 @@ def warning_of(cost: Cost) -> str:
         return ""
     unit, size = next(((unit, size) for unit, size in CLOCKS if cost.seconds >= size), ("s", 1.0))
     return (
-        f"{cost.seconds / size:.2g} {unit} of one core and {cost.gigabytes:.2g} GB of memory are predicted: "
+        f"{cost.seconds / size:.2g} {unit} of one core and {cost.gigabytes:.2g} GB of memory are predicted; try "
         "a thicker layer, fewer harmonics or targets, or a larger max_increment"
     )
 

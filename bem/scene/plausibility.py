@@ -32,7 +32,7 @@ MEANINGS = {
     "slope_share_kept": "rms slope of the waves that the cut keeps over that of all waves of the samples",
     "noise_share_of_slope": "share of the mean square slope that noise makes, of samples with a noise floor",
     "end_jump_over_step": "step from the last sample to the first of the next period over the rms step",
-    "adhesion_over_elastic_energy": "w over the elastic energy of complete contact, which comes by itself above 1",
+    "adhesion_over_elastic_energy": "w over the elastic energy of complete contact; above 1 contact closes by itself",
     "tabor_parameter": "(R w^2 / (E*^2 z0^3))^(1/3), R = 1 / rms curvature, z0 = 3e-10 m: strict JKR holds above 5",
     "least_target": "over the rms height; of mean pressures, over pressure_scale",
     "largest_target": "over the rms height; of mean pressures, over pressure_scale",
@@ -250,13 +250,13 @@ def _sample_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
     if np.nanmin(heights) == np.nanmax(heights):
         yield "profile.file", "all heights are equal: another column?"
     elif heights[0] == heights[-1] and steps["periodic"]["method"] == "as_is":
-        told = "the last height equals the first: is the end of the period, which is its beginning, in the file?"
-        yield "profile.file", f"{told} Then remove the last line"
+        told = "the last height equals the first: does the file hold the first point of the next period?"
+        yield "profile.file", f"{told} If so, remove the last line"
     share, jump = groups["slope_share_kept"], groups["end_jump_over_step"]
     if share < LEAST_SHARE and scene.profile.harmonics == scan.max_harmonics:
         told = f"{share:.2g} of the rms slope is kept by all {scan.max_harmonics} harmonics"
         cause = "heights alternate from sample to sample: two scans in turn, or noise?"
-        yield "profile.file", f"{told}; the rest is in the order of half as many waves as there are samples: {cause}"
+        yield "profile.file", f"{told}; the rest is in the highest order, of two samples a wave: {cause}"
     elif share < LEAST_SHARE and not _noise_beyond(scene):
         cut = (
             f"profile.harmonics = {scene.profile.harmonics} of {scan.max_harmonics} keeps {share:.0%} of the rms slope"
@@ -268,14 +268,15 @@ def _sample_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
     leaning, level = steps["detrend"]["rms_height"][1], steps["detrend"]["rms_without_tilt"]
     if leaning > TILTED * level:
         told = (
-            f"a tilt of {steps['detrend']['tilt']:.3g} is most of the rms height {leaning:.3g} m, {level:.3g} m without"
+            f"a tilt of {steps['detrend']['tilt']:.3g} makes up most of the rms height {leaning:.3g} m; "
+            f"without it, that is {level:.3g} m"
         )
         yield "profile.detrend", f'{told}: detrend = "line" takes it away'
     if "printed_to" in steps["spacing"]:
         told = f"positions are printed to {steps['spacing']['printed_to']:.3g} m; within that they are at equal steps"
         yield "profile.unequal_spacing", f"{told} of {scan.spacing:.6g} m: could a line be missing?"
     if "unlike_positions" in steps["read"]:
-        yield "profile.file", f"{steps['read']['unlike_positions']} is not what the positions say: unit_x?"
+        yield "profile.file", f"{steps['read']['unlike_positions']} does not agree with the positions: unit_x?"
     dropped = steps["dropouts"]
     if dropped["count"] and dropped["method"] == "keep":
         told = f"{dropped['count']} samples may be dropouts, {dropped['values']} in {dropped['places']}"

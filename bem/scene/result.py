@@ -12,7 +12,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from bem.audit.verdict import Certificate
+from bem.audit.certificate import Certificate
 from bem.scene.result_views import Views
 
 FINAL_STATUSES = ("converged", "separated", "complete_contact")
@@ -24,7 +24,7 @@ class NotFiniteError(ArithmeticError):
 
 
 class EnergyGainedError(ArithmeticError):
-    """A jump leads up, by more than its error: an event before it was missed, or it ends in a state it cannot reach."""
+    """A jump gains energy beyond its error: an earlier event was missed, or its end cannot be reached."""
 
 
 UNPHYSICAL = NotFiniteError, EnergyGainedError
@@ -156,7 +156,7 @@ class Event:
 
     Penetration and mean pressure are those of the equilibrium from which the contact jumps.  The pressure is NaN (null
     in the file) where the last gap closes, or the first opens, under a given separation: the tension there has no
-    bound.  The energy of an avalanche stands with its first event; it is None where a dead tension pulls off.
+    bound.  The energy of an avalanche stands with its first event; it is None if the surfaces part under a held load.
     """
 
     kind: str

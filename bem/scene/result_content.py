@@ -126,7 +126,7 @@ def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[Any]:
         raise ValueError(f"{member.filename} has a format of version {version}")
     shape, _, kind = versions[version](stream)
     if kind.kind not in NUMBERS or math.prod(shape) * kind.itemsize != len(raw) - stream.tell():
-        raise ValueError(f"{member.filename} of shape {shape} and type {kind} is not what it holds")
+        raise ValueError(f"{member.filename}: its bytes are not numbers of shape {shape} and type {kind}")
     stream.seek(0)
     return np.asarray(np.lib.format.read_array(stream, allow_pickle=False))
 

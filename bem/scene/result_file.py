@@ -220,12 +220,12 @@ class Journal:
             _whole(held.fields, "fields")
             return held
         except (IndexError, KeyError, TypeError, ValueError) as error:
-            kept = "what stands before it is continued from once it and what follows are removed"
+            kept = "remove this line and all after it, and the run continues from the lines before"
             raise CorruptResultError(f"{self.path}: corrupt ({error}); {kept}") from error
 
     @property
     def path(self) -> Path:
-        """Its file."""
+        """The file of the journal."""
         return self.folder / JOURNAL_FILE
 
 
@@ -254,7 +254,7 @@ def _loaded(raw: bytes, place: str) -> dict[str, Any]:
     except (ValueError, RecursionError) as error:
         raise CorruptResultError(f"{place}: corrupt, not JSON of a result ({error})") from error
     if not isinstance(content, dict):
-        raise CorruptResultError(f"{place}: schema {type(content).__name__!r} is not {SCHEMA!r}")
+        raise CorruptResultError(f"{place}: corrupt, it holds a {type(content).__name__} where a result is a table")
     return content
 
 
@@ -285,7 +285,7 @@ def _result(content: Any, place: str) -> tuple[Result, str | None]:
 
 
 def _known(name: str, table: Any, place: str) -> None:
-    """Refuse a table of a scene with a word that is none of those of its key."""
+    """Refuse a table of a scene in which a key has a word that it does not allow."""
     if name not in TABLES or not isinstance(table, dict):
         return
     keys = TABLES[name].model_fields

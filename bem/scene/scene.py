@@ -347,7 +347,7 @@ def _output_mistakes(scene: Scene, shapes: tuple[float, ...], missed: tuple[floa
             value = scene.output.shapes[k]
             yield Mistake(f"output.shapes[{k}]", f"= {value:g} is never met", "a value the loading path passes")
     if scene.output.cut_sensitivity and (scene.scan is None or scene.start_state is not None):
-        allowed = "false; true needs a scan in [profile], and a loading.initial that is no stored state"
+        allowed = "false; true needs a scan in [profile] and a path that does not begin at a stored state"
         yield Mistake("output.cut_sensitivity", "= true", allowed)
     for name in OUTPUTS[1:]:
         asked = getattr(scene.output, name)

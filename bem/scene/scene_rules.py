@@ -203,7 +203,7 @@ def _path_mistakes(values: Mapping[str, Any], given: Collection[str]) -> Iterato
             yield Mistake("loading.stop", f"= {stop:g} equals start", "a value other than start, or targets")
         elif back is not None and (back - stop) * (start - stop) <= 0:
             yield Mistake(
-                "loading.then_back_to", f"= {back:g}", f"a value on the side of stop = {stop:g} start lies on"
+                "loading.then_back_to", f"= {back:g}", f"a value on the same side of stop = {stop:g} as start"
             )
 
 

@@ -260,7 +260,7 @@ class LoadingTable(Table):
         Number | None,
         _about(
             "The path goes back to this value in as many steps.",
-            "a finite number (m or Pa) on the side of stop start lies on",
+            "a finite number (m or Pa) on the same side of stop as start",
             0.0,
             "m or Pa",
             "no way back",

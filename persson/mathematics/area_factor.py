@@ -17,10 +17,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import erfcx, kve
 
-FloatArray = NDArray[np.float64]
+from persson.mathematics.arrays import FloatArray
+
 AreaFactor = Callable[[ArrayLike], FloatArray]
 
 SERIES_BELOW = 1e-4  # of xi^2: next term of the series below 1e-16

@@ -20,10 +20,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import erfinv
 
-FloatArray = NDArray[np.float64]
+from persson.mathematics.arrays import FloatArray
 
 LOWEST, REACH = 1e-7, 9.5  # standard deviations of sigma_d: the first node, and the last beyond the mean
 NODES = 6000

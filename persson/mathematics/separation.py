@@ -19,9 +19,8 @@ from functools import cache
 
 import numpy as np
 from numpy.polynomial import Chebyshev
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from persson.mathematics.arrays import FloatArray
 
 FULL_CONTACT = 5.5  # standard deviations: 1 - A/A0 = 4e-8 without adhesion
 QUADRATURE = 128

@@ -17,11 +17,10 @@ Stresses in units of E*, V in E*^2.  Limits: dense, cost n^2.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 from scipy.special import ndtr
 
-FloatArray = NDArray[np.float64]
+from persson.mathematics.arrays import FloatArray
 
 OUTRUN = 1e-15  # of the kernel, 1/2 for a barrier at rest: below, the barrier outruns all paths, none is absorbed
 NEAR = 12  # cells next to the diagonal whose square root is averaged

@@ -196,7 +196,7 @@ def nearly_complete():
     [("mean_pressure", 1 + 1e-5), ("separation", 1 + 1e-5)],
     ids=["pressure", "separation"],
 )
-def test_lone_crack_sees_what_is_wrong(name, factor):
+def test_isolated_crack_sees_what_is_wrong(name, factor):
     tables, result = nearly_complete()
     state = result.states[-1]
     wrong = replace(result, states=(replace(state, **{name: getattr(state, name) * factor}),))
@@ -204,14 +204,14 @@ def test_lone_crack_sees_what_is_wrong(name, factor):
     assert checks.last_gap(tables, parse_scene(tables), wrong) != []
 
 
-def test_lone_crack_sees_a_moved_edge():
+def test_isolated_crack_sees_a_moved_edge():
     tables, result = nearly_complete()
     ((a, b),) = result.states[-1].edges
     wrong = replace(result, states=(replace(result.states[-1], edges=((a, b + 1e-9 * PERIOD),)),))
     assert checks.last_gap(tables, parse_scene(tables), wrong) != []
 
 
-def test_several_gaps_are_no_lone_crack():
+def test_several_gaps_are_no_isolated_crack():
     assert checks.last_gap(SMALL, parse_scene(SMALL), small_result()) != []
 
 

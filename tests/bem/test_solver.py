@@ -10,7 +10,7 @@ from rough_surfaces import rough_scene
 
 from bem import solver
 from bem.continuation.path import Path
-from bem.loading.path_point import Failed
+from bem.loading.points_without_edges import Failed
 from bem.nonadhesive.convex_path import ConvexPath
 from bem.solver import solve
 

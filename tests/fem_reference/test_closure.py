@@ -279,5 +279,5 @@ def test_contact_near_pull_off_is_found(share):
 
 
 def test_tension_beyond_pull_off_is_refused():
-    with pytest.raises(InvalidProblemError, match=r"^value: detaches everything"):
+    with pytest.raises(InvalidProblemError, match=r"^value: leaves no contact"):
         wave_under(1.01)

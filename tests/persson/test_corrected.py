@@ -42,14 +42,14 @@ def test_slower_diffusion_is_the_integral_over_the_variance(name, load):
     start = (load / 9) ** 2
     tau = solve_ivp(rate, (start, total), [start], rtol=1e-10, atol=1e-16).y[0, -1]
     # 4.7e-7 measured
-    assert corrected.contact_fractions(LINES, [load], correction)[0] == pytest.approx(
-        erf(load / np.sqrt(2 * tau)), rel=1.5e-6
-    )
+    found = corrected.solve(LINES, load, correction=correction, with_separation=False, **MATERIAL)
+    assert found.contact_fraction == pytest.approx(erf(load / np.sqrt(2 * tau)), rel=1.5e-6)
 
 
 @pytest.mark.parametrize("load", LOADS)
 def test_total_form_solves_its_equation(load):
-    area = corrected.contact_fractions(LINES, [load], LITERATURE["xu_2024"])[0]
+    given = {"correction": LITERATURE["xu_2024"], "with_separation": False}
+    area = corrected.solve(LINES, load, **given, **MATERIAL).contact_fraction
     total = LINES.total_slope_variance / 4
     assert area == pytest.approx(erf(load / np.sqrt(2 * (0.42 + 0.58 * area) * total)), rel=1e-12)
 
@@ -101,8 +101,9 @@ def test_work_of_the_load_is_the_elastic_energy(name):
 
 def test_contact_depends_on_load_over_slope_alone():
     scaled = persson.DiscreteSpectrum(LINES.wavenumbers, 3 * LINES.amplitudes)
-    one = corrected.contact_fractions(LINES, [0.01], NARROW_AND_WINDOW)
-    assert corrected.contact_fractions(scaled, [0.03], NARROW_AND_WINDOW) == pytest.approx(one, rel=1e-12)
+    given = {"correction": NARROW_AND_WINDOW, "with_separation": False, **MATERIAL}
+    one, other = (corrected.solve(lines, at, **given) for lines, at in ((LINES, 0.01), (scaled, 0.03)))
+    assert other.contact_fraction == pytest.approx(one.contact_fraction, rel=1e-12)
 
 
 def test_resolution_is_enough():

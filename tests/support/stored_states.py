@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from bem.audit.verdict import Certificate
+from bem.audit.certificate import Certificate
 from bem.scene.result import ErrorEstimate, State
 
 

@@ -315,7 +315,7 @@ def test_a_baseline_fails_where_digits_are_lost_and_only_there(solvers, undrawn,
     assert run("--solver", "mine:raises", *only, "--baseline", "coarse.json") == 1
     capsys.readouterr()
     assert run("--solver", "mine:exact", "--only", "steep", "--baseline", "coarse.json") == 2
-    assert "baseline coarse.json: one of the problems judged is needed, it holds westergaard" in capsys.readouterr().err
+    assert "baseline coarse.json: has none of the problems judged; it holds westergaard" in capsys.readouterr().err
 
 
 def test_a_problem_without_answers_is_one_line(solvers, capsys):

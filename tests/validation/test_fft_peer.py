@@ -59,7 +59,7 @@ def test_stored_grids_are_those_of_the_peer():
 
 
 def test_a_grid_that_does_not_resolve_the_profile_is_refused():
-    with pytest.raises(NotImplementedError, match="do not resolve"):
+    with pytest.raises(ValueError, match="do not resolve"):
         fft_solver.on_grid(1.0, (np.array([1, 8]), np.ones(2), np.zeros(2)), 16)
 
 

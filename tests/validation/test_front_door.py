@@ -5,12 +5,15 @@ import runpy
 import subprocess
 import sys
 import tomllib
+from importlib import metadata
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import bem
+import bem.__main__ as bem_main
+import validation.__main__ as validation_main
 from validation.command_line import examples
 from validation.command_line.front_door import main
 
@@ -44,9 +47,13 @@ def test_the_command_is_installed():
     assert scripts == {"linecontact": "validation.command_line.front_door:main"}
 
 
-def test_version(capsys):
-    assert exit_code("--version") == 0
-    assert capsys.readouterr().out == f"linecontact {bem.__version__}\n"
+@pytest.mark.parametrize("door", [main, bem_main.main, validation_main.main], ids=["linecontact", "bem", "validation"])
+def test_version(door, capsys):
+    """The one of pyproject.toml, as installed, by every door."""
+    with pytest.raises(SystemExit) as ended:
+        door(["--version"])
+    assert ended.value.code == 0
+    assert capsys.readouterr().out == f"linecontact {metadata.version('linecontact')}\n"
 
 
 @pytest.mark.parametrize("words", [["check"], ["run", "--quiet", "--out", "result"]])

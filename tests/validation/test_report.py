@@ -410,7 +410,7 @@ def test_pair_shown_of_a_band_is_the_one_whose_ratio_is_told():
         update={"expected": [1.0, 100.0], "computed": [2.9, 230.0]}
     )
     shown = Page(render(report(case("persson", of_two)))).text
-    assert re.search(r"2\.9 worst of 2.*?2\.9", shown, re.DOTALL)
+    assert re.search(r"2\.9 largest error of 2.*?2\.9", shown, re.DOTALL)
     assert "230" not in shown
 
 

@@ -182,7 +182,7 @@ def exit_code(words):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["cost", "--peers"], "--peers: study cost takes none, work-precision does"),
+        (["cost", "--peers"], "--peers: study cost does not take it, work-precision does"),
         (["work-precision", "--peers"], "not installed: pip install"),
         (["work-precision", "--executor", "dask://host:1"], "runs on this machine only"),
         (["cost", "--jobs", "2"], "study cost runs in one process"),

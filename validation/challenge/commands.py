@@ -133,7 +133,7 @@ def add_commands(commands: Any, perform: Callable[[argparse.Namespace], int]) ->
     listed.set_defaults(command=_list, perform=perform)
 
     show = actions.add_parser("show", help="a problem with its answers")
-    show.add_argument("name", help="of `list`")
+    show.add_argument("name", help="name of a problem, from `list`")
     show.add_argument("--out", type=Path, metavar="DIR", help="write problem.toml, answers.json, answers.csv there")
     show.set_defaults(command=_show, perform=perform)
 
@@ -142,12 +142,12 @@ def add_commands(commands: Any, perform: Callable[[argparse.Namespace], int]) ->
     given.add_argument("--solver", metavar="MODULE:FUNCTION", help=f"{SOLVER}, or a name of an installed package")
     given.add_argument("--submission", type=Path, metavar="FILE", help="answers as .json or .csv")
     one.add_argument("--only", metavar="PATTERN", help="problems whose name matches, several between commas")
-    one.add_argument("--digits", type=_digits, default=DIGITS, help=f"that make an answer right (default: {DIGITS:g})")
+    one.add_argument("--digits", type=_digits, default=DIGITS, help=f"digits of a right answer (default: {DIGITS:g})")
     one.add_argument(
         "--time-limit", type=_seconds, default=TIME_LIMIT, metavar="S", help="of each problem (default: 600)"
     )
     one.add_argument(
-        "--memory-limit", type=_gigabytes, metavar="GB", help="of each process of the solver (default: none)"
+        "--memory-limit", type=_gigabytes, metavar="GB", help="memory of each process of the solver (default: no limit)"
     )
     one.add_argument(
         "--baseline", type=Path, metavar="FILE", help="an earlier challenge.json: fail when digits are lost"
@@ -190,7 +190,7 @@ _seconds = partial(_positive, threading.TIMEOUT_MAX, f"a number of seconds > 0, 
 
 def _gigabytes(text: str) -> float:
     if importlib.util.find_spec("resource") is None:
-        raise argparse.ArgumentTypeError("this system has no limits of memory (resource.setrlimit)")
+        raise argparse.ArgumentTypeError("this system cannot limit memory (resource.setrlimit)")
     return _positive(MOST_MEMORY, f"a number of GB > 0, at most {MOST_MEMORY:g}", text)
 
 

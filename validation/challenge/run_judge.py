@@ -145,7 +145,7 @@ def earlier(baseline: Path, problems: Sequence[Shipped]) -> tuple[Judged, ...]:
         raise ChallengeError(f"baseline {baseline}: challenge.json of a judgement is needed") from error
     held = ", ".join(one.problem for one in before)
     if not {one.name for one in problems} & {one.problem for one in before}:
-        raise ChallengeError(f"baseline {baseline}: one of the problems judged is needed, it holds {held or 'none'}")
+        raise ChallengeError(f"baseline {baseline}: has none of the problems judged; it holds {held or 'none'}")
     return before
 
 

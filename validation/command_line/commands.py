@@ -31,7 +31,7 @@ def main(arguments: Sequence[str], program: str) -> int:
 def _parser(program: str) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog=program, description="Adhesive contact of rough profiles, verified.")
     parser.add_argument("--version", action="version", version=f"%(prog)s {bem.__version__}")
-    parser.add_argument("--print-completion", action=_PrintCompletion, choices=SHELLS, help="for the shell to read")
+    parser.add_argument("--print-completion", action=_PrintCompletion, choices=SHELLS, help="print shell completion")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
     example = commands.add_parser("example", help="list examples, or write one into the current folder")

@@ -15,9 +15,9 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
+from bem.certified_states import ROUNDING
 from bem.scene.result import ErrorEstimate, Event, EventError, Result, State
 from bem.scene.result_file import RESULT_FILE, read_result
-from bem.states import ROUNDING
 from validation.__main__ import REPORT_FILE, read_report
 from validation.harness.baseline import quantities_of
 from validation.harness.schema import Report, is_intact

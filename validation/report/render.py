@@ -243,7 +243,7 @@ def _line(case: CaseRecord, place: int, row: Row) -> Line:
 def _value(values: list[float | None], worst: int) -> Markup:
     """The value at the worst place; how many there are beside it."""
     text = escape(number(values[worst]))
-    return text if len(values) == 1 else text + Markup(" <small>worst of {}</small>").format(len(values))
+    return text if len(values) == 1 else text + Markup(" <small>largest error of {}</small>").format(len(values))
 
 
 def _short(commit: str) -> str:

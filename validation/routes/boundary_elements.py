@@ -90,13 +90,13 @@ def _amplitudes(problem: Problem, orders: Any, result: Result) -> FloatArray:
 
 
 def _complete_pressure(problem: Problem, state: State, x: FloatArray) -> FloatArray:
-    """In complete contact with a half-space."""
-    if problem.thickness is not None:
-        raise NotImplementedError("pressure of complete contact with a layer")
+    """In complete contact, where every wave of the profile is one of the pressure, its amplitude over c(q)."""
     orders, amplitudes, phases = problem.harmonics
     q = 2 * np.pi / problem.period * orders
-    modulus = problem.youngs_modulus / (1 - problem.poisson_ratio**2)
-    waves = np.cos(np.multiply.outer(x, q) + phases) @ (modulus * q * amplitudes / 2)
+    solid = bem.Solid(problem.youngs_modulus, problem.poisson_ratio)
+    half_space = 2 / (solid.plane_strain_modulus * q)
+    compliance = half_space if problem.thickness is None else bem.Layer(problem.thickness).compliance(solid, q)
+    waves = np.cos(np.multiply.outer(x, q) + phases) @ (amplitudes / compliance)
     return np.asarray(state.mean_pressure + waves)
 
 

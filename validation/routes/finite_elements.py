@@ -28,7 +28,7 @@ def solve(problem: Problem, setting: tuple[int, int, int], start: FloatArray | N
     From the crests, or from edges near those that are sought, (L, 2) in m.
     """
     if (start is None and len(problem.orders) > MOST_HARMONICS) or problem.control == "separation":
-        raise NotImplementedError("a few contacts, whose number is known, at given penetration or load")
+        raise NotImplementedError(f"more than {MOST_HARMONICS} harmonics, or a given separation")
     if problem.work_of_adhesion is not None and len(problem.targets) > 1:
         raise NotImplementedError("paths of loading and unloading")
     laps = Laps()

@@ -54,7 +54,10 @@ class Grid:
 
     def profile(self) -> tuple[FloatArray, FloatArray]:
         """Heights and slopes at the points; NotImplementedError where these do not resolve the profile."""
-        return on_grid(self.period, self.problem.harmonics, self.points)
+        try:
+            return on_grid(self.period, self.problem.harmonics, self.points)
+        except ValueError as error:
+            raise NotImplementedError(str(error)) from error
 
 
 def answers(grid: Grid, states: list[OnGrid]) -> dict[str, list[Any]]:

@@ -39,7 +39,7 @@ STAGES: tuple[tuple[str, str, str], ...] = (
     ("bem.continuation.symmetry", "other_branch", "events, rest"),
     ("bem.continuation.jumps", "Jumps._minimum", "events, rest"),
     ("bem.continuation.touches", "locate_touch", "events, rest"),
-    ("bem.states", "equilibrium_state", "states kept, rest"),
+    ("bem.certified_states", "equilibrium_state", "states kept, rest"),
     ("bem.audit.certificate", "certify", "certificate"),
     ("bem.continuation.path", "Path.assess", "error estimate"),
     ("bem.nonadhesive.convex_path", "ConvexPath.assess", "error estimate"),

@@ -199,7 +199,7 @@ def test_narrow_gap_between_two_patches_coalesces():
     assert beside.state.resolution.modes.min() >= whole.modes.max() > 2 * end.state.resolution.modes.max()
 
 
-def test_pull_off_width_is_that_of_a_lone_cylinder():
+def test_pull_off_width_is_that_of_an_isolated_cylinder():
     """The fold of Johnson's branch under load at tiny alpha is that of the cylinder (Barquins 1988)."""
     system = System(Elastic(WAVE), UniformLaw(1e-6), DisplacementControl())
     found = pull_off_half_width(system, np.zeros(1))[0]

@@ -415,4 +415,4 @@ def test_check_and_run_refuse_the_same_flaw(tmp_path, capsys):
         assert command_line.main([words[0], str(tmp_path / "scene.toml"), *words[1:]]) == 2
         said.append(capsys.readouterr().err.splitlines()[-1])
     assert said[0] == said[1]
-    assert "where it would open the pressure shuts a part of it" in said[0]
+    assert "the pressure would hold a part of it closed" in said[0]

@@ -9,7 +9,7 @@ from rough_surfaces import rough_scene
 from scene_tables import tables, waves
 
 from bem.loading.complete_contact import complete_contact
-from bem.loading.path_point import Separated
+from bem.loading.points_without_edges import Separated
 from bem.path_for import path_for
 from bem.problem import pose
 from bem.scene.scene import parse_scene

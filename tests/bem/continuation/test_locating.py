@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from johnson_branch import ALPHA, WORK, johnson, lowest, resting, waves
 
-from bem.continuation.locating import AtControl, AtLoad, InPlane, NeutralMode, Refused, Start, locate, settle
+from bem.continuation.folds import NeutralMode
+from bem.continuation.locating import AtControl, AtLoad, InPlane, Refused, Start, locate, settle
 from bem.geometry.patches import Patches
 from bem.loading.control import DisplacementControl, LoadControl
 from bem.loading.increments import Accuracy, Effort

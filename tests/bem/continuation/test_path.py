@@ -16,7 +16,7 @@ from bem.continuation.path import Path
 from bem.continuation.points_with_edges import Equilibrium
 from bem.loading.complete_contact import complete_contact
 from bem.loading.increments import Accuracy, Increments
-from bem.loading.path_point import Separated
+from bem.loading.points_without_edges import Separated
 from bem.problem import pose
 from bem.scene.scene import parse_scene
 from bem.solver import solve

@@ -8,7 +8,7 @@ from rough_surfaces import rough_scene
 
 from bem.loading.complete_contact import complete_contact
 from bem.loading.control import DisplacementControl, LoadControl
-from bem.loading.path_point import Separated
+from bem.loading.points_without_edges import Separated
 from bem.nonadhesive.convex_path import ConvexPath
 from bem.path_for import path_for
 from bem.problem import pose

@@ -95,7 +95,7 @@ def test_many_contacts_of_a_layer(poisson_ratio, thickness):
         assert bonded.contact_fraction < free.contact_fraction
 
 
-def test_a_wide_gap_of_a_thin_layer_is_no_lone_crack():
+def test_a_wide_gap_of_a_thin_layer_is_no_isolated_crack():
     """One sine, incompressible, .008 periods thick, 8 % in contact: by its gap it took 1743 unknowns and 15 s."""
     wave = bem.Profile.from_harmonics(1.0, [1], [0.01])
     solid, layer = {"youngs_modulus": 1e6, "poisson_ratio": 0.5}, {"thickness": 0.008}
@@ -121,7 +121,7 @@ def test_the_start_on_a_grid_is_made_of_few_iterations(monkeypatch):
     assert sum(points) <= 180 * problem.height.size  # 3 for each of 40, and a third of that on the coarser levels
 
 
-def test_orders_that_a_layer_stiffens_count_for_lone_cracks():
+def test_orders_that_a_layer_stiffens_count_for_isolated_cracks():
     class Complete:
         pressure = bem.Profile.from_harmonics(2 * np.pi, [2], [1.0])
 

@@ -15,7 +15,7 @@ from bem.nonadhesive import convex_path, last_gaps
 from bem.nonadhesive.completed_body import CompletedBody
 from bem.nonadhesive.gap_series import evaluate_gaps
 from bem.nonadhesive.gaps import Gaps, gaps_of
-from bem.nonadhesive.last_gaps import Condition, lone_cracks, solve_gaps
+from bem.nonadhesive.last_gaps import Condition, isolated_cracks, solve_gaps
 from bem.path_for import path_for
 from bem.problem import pose
 from bem.scene.scene import parse_scene
@@ -41,7 +41,7 @@ def body_of(scene):
 
 def found_at(body, deficit):
     condition = Condition(0.0, 1.0, 2 * np.pi * deficit)
-    return solve_gaps(body, condition, *lone_cracks(body, condition))
+    return solve_gaps(body, condition, *isolated_cracks(body, condition))
 
 
 ONE = waves([1], [0.4])
@@ -90,11 +90,11 @@ def test_unknowns_in_gaps_and_on_patches_agree(name, deficit):
 
 @pytest.mark.parametrize("deficit", [1e-4, 1e-8, 1e-12], ids=str)
 @BY_SCENE
-def test_next_to_complete_contact_every_gap_is_a_lone_crack(name, deficit):
+def test_next_to_complete_contact_every_gap_is_an_isolated_crack(name, deficit):
     profile, layer, nu = SCENES[name]
     body = body_of(scene_of(profile, layer=layer, nu=nu))[1]
     condition = Condition(0.0, 1.0, 2 * np.pi * body.lowest * deficit)
-    cracks = lone_cracks(body, condition)[0]
+    cracks = isolated_cracks(body, condition)[0]
     state = found_at(body, body.lowest * deficit).state
     assert state.gaps.count == cracks.count
     # terms left out: a^2 times the fourth derivative over the curvature, measured 150 times the deficit at most
@@ -167,7 +167,7 @@ def test_a_gap_that_closes_beside_wider_ones_is_kept_to_its_end(share):
 def test_a_gap_is_added_where_contact_is_under_tension():
     body = body_of(scene_of(waves([1, 2], [0.0, 0.0])))[1]
     condition = Condition(0.0, 1.0, 2 * np.pi * body.lowest * 1e-9)
-    cracks, deficit = lone_cracks(body, condition)
+    cracks, deficit = isolated_cracks(body, condition)
     first = cracks.kept(np.array([True, False]))
     state = solve_gaps(body, condition, first, deficit).state
     np.testing.assert_allclose(

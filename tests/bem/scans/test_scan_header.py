@@ -161,8 +161,8 @@ def test_what_is_of_something_else_says_nothing(header, tmp_path):
 @pytest.mark.parametrize(
     ("header", "said"),
     [
-        ("Channel: Phase", "no height"),
-        ("Channel name: Friction", "no height"),
+        ("Channel: Phase", "without heights"),
+        ("Channel name: Friction", "without heights"),
         ("Height conversion factor (-> m) = 1e-9", "factor"),
         ("Bit2nm = 0.5", "factor"),
         ("Width: 10 ft", "'ft'"),

@@ -88,9 +88,9 @@ def line_of(found):
 def edited(lines, mistake):
     """The lines of a file after what a mistake says should be done to them; None if it says nothing of the kind."""
     found, allowed = mistake.found, mistake.allowed
-    if "turn round the order of the lines" in allowed:
+    if "reverse the order of the lines" in allowed:
         return lines[::-1]
-    if "of the lines with the same remove all but one" in allowed:
+    if "keep one of the lines that share a position" in allowed:
         return list({line.split(",")[0]: line for line in lines}.values())
     if "one scan line: remove the others" in allowed:
         return lines[: line_of(found) - 1]

@@ -121,8 +121,8 @@ def _most_room(x, half):
 @pytest.mark.parametrize(
     ("x", "order", "remedy"),
     [
-        ([2.0, 1.5, 1.0, 0.5, 0.0], "it falls", "turn round the order"),
-        ([0.0, 0.1, 0.1, 0.2, 0.2, 0.2, 0.3], "it repeats values", "remove all but one"),
+        ([2.0, 1.5, 1.0, 0.5, 0.0], "it falls", "reverse the order"),
+        ([0.0, 0.1, 0.1, 0.2, 0.2, 0.2, 0.3], "it repeats values", "keep one of the lines"),
         ([0.0, 0.1, 0.2, 0.3, 0.0, 0.1, 0.2, 0.3], "it begins again", "one scan line"),
         ([0.0, 0.3, 0.1, 0.2, 0.05], "it goes to and fro", "increase"),
     ],

@@ -146,6 +146,12 @@ def test_other_schema_is_refused(tmp_path):
         read_result(tmp_path)
 
 
+def test_a_list_is_no_result(tmp_path):
+    (tmp_path / "result.json").write_text("[]")
+    with pytest.raises(CorruptResultError, match="corrupt, it holds a list"):
+        read_result(tmp_path)
+
+
 def test_state_without_a_key_is_told(tmp_path):
     write_result(RESULT, tmp_path)
     path = tmp_path / "result.json"
@@ -286,8 +292,8 @@ ARCHIVES = {
     "no array": ({"x_0.npy": (b"abc", zipfile.ZIP_STORED)}, "corrupt"),
     "another name": ({"../x.npy": (PLAIN, zipfile.ZIP_STORED)}, "no name of an array"),
     "no ending": ({"x_0": (PLAIN, zipfile.ZIP_STORED)}, "no name of an array"),
-    "a larger shape": ({"x_0.npy": (PLAIN.replace(b"(3,)", b"(9,)"), zipfile.ZIP_STORED)}, "not what it holds"),
-    "text": ({"x_0.npy": (npy(np.array(["a"])), zipfile.ZIP_STORED)}, "not what it holds"),
+    "a larger shape": ({"x_0.npy": (PLAIN.replace(b"(3,)", b"(9,)"), zipfile.ZIP_STORED)}, "its bytes are not numbers"),
+    "text": ({"x_0.npy": (npy(np.array(["a"])), zipfile.ZIP_STORED)}, "its bytes are not numbers"),
 }
 
 

@@ -1,7 +1,7 @@
 """The last gaps before complete contact without adhesion, against closed forms that share no code with the solver.
 
 One wave is Westergaard's at any load: with S = p/p* the gap is (2/pi) asin(sqrt(1 - S)) of the period wide and the
-separation is D (1 - S + S ln S).  Elsewhere gaps are lone cracks as they close (lone_crack.py), at the lowest
+separation is D (1 - S + S ln S).  Elsewhere gaps are isolated cracks as they close (isolated_crack.py), at the lowest
 pressures of complete contact, with a layer too: every mode carries h_m over its compliance.  What the closed form
 leaves out is of the order of the missing load, what rounding leaves is 1e-16 over it: together least at 1e-8.  And of
 two equal gaps one is taken for contact: the certificate has to find the tension that is left there.
@@ -24,22 +24,22 @@ from validation.corpus.hard.hard_case_scenes import MODULUS, rough, scene, waves
 from validation.harness.case import Outcome
 from validation.harness.schema import Row
 from validation.references.closed_forms import layer_compliance
-from validation.references.lone_crack import closing, valleys
+from validation.references.isolated_crack import closing, valleys
 from validation.references.paper_problem import PERIOD
 
 AMPLITUDE = 1e-4
 DEFICITS = (1e-3, 1e-6, 1e-9, 1e-12)
 ONE_TAKEN = 86393.78  # Pa, 2e-7 from complete contact
-NEAR = 1e-8  # missing load at which lone cracks are compared
+NEAR = 1e-8  # missing load at which isolated cracks are compared
 PROFILES: dict[str, tuple[dict[str, Any], float | None, float]] = {
     "two equal gaps": (waves([1, 2], [AMPLITUDE, AMPLITUDE]), None, 0.5),
     "two gaps of orders 2 and 3": (waves([2, 3], [AMPLITUDE, AMPLITUDE]), None, 0.5),
     "100 harmonics": (rough(100, seed=1), None, 0.5),
     "layer of 0.05 periods": (waves([1, 2], [AMPLITUDE, AMPLITUDE]), 0.05 * PERIOD, 0.3),
 }
-CLOSED = Against("exact", "Westergaard (1939); lone cracks as the gaps close")
+CLOSED = Against("exact", "Westergaard (1939); isolated cracks as the gaps close")
 BY_LOAD, FRACTION = (1.5e-15, 4.9e-16), (5e-16, 1.6e-16)  # pressures and contact fractions round to 1e-16
-LONE = (6e-7, 2e-7)  # what the closed form leaves out
+ISOLATED = (6e-7, 2e-7)  # what the closed form leaves out
 
 
 def _states(profile: dict[str, Any], control: str, targets: list[float], layer: float | None, nu: float) -> list[State]:
@@ -76,7 +76,7 @@ def _one_wave() -> Iterator[Row]:
         yield CLOSED.row(name, "", [0.0] * len(loads), errors, allowed, "absolute")
 
 
-def _lone_cracks() -> Iterator[Row]:
+def _isolated_cracks() -> Iterator[Row]:
     """Number and widths of gaps, separation, and the load at that separation, at 1e-8 from complete contact."""
     for name, (profile, layer, nu) in PROFILES.items():
         posed = parse_scene(scene(profile, "mean_pressure", [1.0], thickness=layer, poisson_ratio=nu))
@@ -91,7 +91,7 @@ def _lone_cracks() -> Iterator[Row]:
         gap = (1 - state.contact_fraction) * PERIOD / float(widths.sum())
         missing = (highest - back.mean_pressure) / (highest - pressure)
         yield CLOSED.row(f"{name}: gap, separation, missing load over those of lone cracks", "", [1.0] * 3,
-                         [gap, state.separation / separation, missing], LONE, "absolute")  # fmt: skip
+                         [gap, state.separation / separation, missing], ISOLATED, "absolute")  # fmt: skip
         good = [one.n_patches == value.size and one.certificate.ok for one in (state, back)]
         yield CLOSED.row(f"{name}: all gaps there and certified", "", [1.0] * 2, good, 0.0, "absolute", required=0.5)
 
@@ -111,7 +111,7 @@ def _refused() -> Row:
 
 
 def _last_gaps() -> Outcome:
-    return Outcome(rows=(*_one_wave(), *_lone_cracks(), _refused()))
+    return Outcome(rows=(*_one_wave(), *_isolated_cracks(), _refused()))
 
 
 CASES = (

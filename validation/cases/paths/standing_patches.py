@@ -1,9 +1,10 @@
 """Patches that stand: of two crests that differ by little one detaches, the other stays until its own pull-off.
 
 A wave carries a ripple whose crests come in pairs of nearly equal height.  When one of a pair detaches, its tension is
-missing and the other patch, narrower by then than a lone contact at pull-off, shrinks before it comes to rest.  Equal
-crests break their symmetry on unloading: one patch shrinks, its neighbours grow, the next ones shrink; which of them
-detach follows from the way that this begins.  The reference follows the overdamped motion of the edges down the energy,
+missing and the other patch, narrower by then than an isolated contact at pull-off, shrinks before it comes to rest.
+Equal crests break their symmetry on unloading: one patch shrinks, its neighbours grow, the next ones shrink; which of
+them detach follows from the way that this begins.  The reference follows the overdamped motion of the edges down the
+energy,
 
     d(edge)/dt ~ -dU/d(edge) l / w,   l the narrower of patch and gap,
 

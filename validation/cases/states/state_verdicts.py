@@ -27,14 +27,13 @@ from scipy.optimize import brentq
 import bem
 from bem.adhesive.equilibrium import System, balance
 from bem.adhesive.equilibrium_assessment import assess_equilibrium
-from bem.audit.certificate import Demands, certify
-from bem.audit.verdict import Certificate
+from bem.audit.certificate import Certificate, Demands, certify
+from bem.certified_states import Cost, Place, equilibrium_state
 from bem.elastic.collocation import evaluate
 from bem.geometry.patches import Patches, PatchPressure
 from bem.nonadhesive.contact_assessment import assess_contact
 from bem.problem import pose
 from bem.scene.result import State
-from bem.states import Cost, Place, equilibrium_state
 from validation.cases.shared.checks import Against, case, column, posed, solved
 from validation.harness.case import Outcome
 from validation.harness.schema import Row

@@ -23,7 +23,7 @@ from bem.solver import solve
 from validation.corpus.hard.hard_case_scenes import in_units, waves_of
 from validation.references.closed_forms import full_contact_amplitudes
 from validation.references.dense import evaluate_dense
-from validation.references.lone_crack import closing, crack, valleys
+from validation.references.isolated_crack import closing, crack, valleys
 from validation.references.paper_problem import Table
 
 Check = Callable[[Table, Scene, Result], list[str]]
@@ -170,7 +170,7 @@ def tension_at_the_end(tables: Table, scene: Scene, result: Result) -> list[str]
 
 
 def last_gap(tables: Table, scene: Scene, result: Result) -> list[str]:
-    """At the target of largest contact one gap is left; load and separation are those of a lone crack of its width."""
+    """At the largest contact one gap is left; load and separation are those of an isolated crack of its width."""
     state = max(with_edges(result), key=lambda state: state.contact_fraction)
     if state.n_patches != 1:
         return [f"{state.n_patches} gaps at the target of largest contact"]
@@ -185,7 +185,7 @@ def last_gap(tables: Table, scene: Scene, result: Result) -> list[str]:
 
 
 def closing_gaps(tables: Table, scene: Scene, result: Result) -> list[str]:
-    """Without adhesion, at the target of largest contact: missing load and widths of gaps are those of lone cracks."""
+    """Without adhesion, at the largest contact: missing load and widths of gaps are those of isolated cracks."""
     state = max(with_edges(result), key=lambda state: state.contact_fraction)
     surface, modulus = scene.surface(), plane_strain_modulus(scene)
     amplitudes = full_contact_amplitudes(surface.orders, surface.amplitudes, surface.period, modulus)

@@ -27,7 +27,7 @@ from validation.references.paper_problem import PERIOD
 SCAN = {"kind": "samples", "file": "scan.csv", "unit_x": "m", "unit_h": "m"}
 
 # m.  With 1000 harmonics the lowest pressure of complete contact lies Q = 635 kPa below its mean, and K = 283 Pa m^0.5:
-# by lone_crack.py the load is tensile below a gap of 1.27e-5 periods, a separation of 6.0e-13 m; with 8 harmonics
+# by isolated_crack.py the load is tensile below a gap of 1.27e-5 periods, a separation of 6.0e-13 m; with 8 harmonics
 # (Q = 60 kPa) below 7.2e-10 m.
 TENSILE_1000 = 5e-13
 

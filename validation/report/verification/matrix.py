@@ -198,7 +198,7 @@ def _entry(pair: str, rows: list[tuple[Row, str]]) -> Entry:
         shown, told = f"{error / uncertainty:.2g} u", f"difference {error:.2g}, combined uncertainty {uncertainty:.2g}"
     else:
         shown, told = f"{error:.0e}", f"difference {error:.2g}, no uncertainty stated"
-    more = f"; worst of {counted(len(rows), 'row')}" if len(rows) > 1 else ""
+    more = f"; largest error of {counted(len(rows), 'row')}" if len(rows) > 1 else ""
     return Entry(pair, shown, verdict_of(row), f"{row.quantity}: {told}, over {row.scale:.3g} {row.unit}{more}", target)
 
 

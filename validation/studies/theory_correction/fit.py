@@ -7,13 +7,13 @@ different H sharing their phases.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 
-from persson.corrected import contact_fractions
+from persson import corrected
 from persson.corrected_variance import Correction, area_at, diffused
 from persson.diffusion import SAFE
 from persson.magnification import magnification_mesh
@@ -52,7 +52,11 @@ def correction_from(values: ArrayLike) -> Correction:
 
 def areas_of(group: Group, correction: Correction) -> FloatArray:
     """A/A0 by the factor of a correction, without adhesion, at the loads of a group, (n_loads,)."""
-    return contact_fractions(group.lines, group.loads, correction)
+    alone, material = replace(correction, edges=False), {"youngs_modulus": 1.0, "poisson_ratio": 0.0}  # E* = 1 Pa
+    states = (
+        corrected.solve(group.lines, load, correction=alone, **material, with_separation=False) for load in group.loads
+    )
+    return np.array([state.contact_fraction for state in states])
 
 
 def calibrate(ensembles: Sequence[Observed]) -> Calibration:

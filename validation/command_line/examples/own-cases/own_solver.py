@@ -11,7 +11,7 @@ def solve(problem: dict[str, Any]) -> dict[str, list[float]]:
     """Contact fraction at every mean pressure asked for."""
     solid, profile, path = problem["solid"], problem["profile"], problem["path"]
     if {"adhesion", "layer"} & problem.keys() or len(profile["orders"]) > 1 or path["control"] != "mean_pressure":
-        raise NotImplementedError("one wave under a load, without adhesion, on a half-space")
+        raise NotImplementedError("other than one wave under a load, without adhesion, on a half-space")
     modulus = solid["youngs_modulus"] / (1 - solid["poisson_ratio"] ** 2)
     complete = pi * modulus * profile["orders"][0] * profile["amplitudes"][0] / profile["period"]
     shares = [pressure / complete for pressure in path["targets"]]

@@ -1,4 +1,4 @@
-"""What ends the stable part of a branch on a piece of its curve: a fold, or a broken symmetry.
+"""Folds and broken symmetries: what ends the stable part of a branch on a piece of its curve, and its equation.
 
 The end of a piece says which, by the number of negative eigenvalues of the Hessian and by the way the control goes:
 
@@ -14,27 +14,78 @@ others              a shorter step tells
 Where a symmetry is restored (none, back) the branch goes on as its mirror image: shorter steps are tried until none is
 left, and a step of the control finds the symmetric branch (path.py).
 
-Folds and broken symmetries are located as equilibria with a neutral mode (locating.py), whose error comes with them.
-Modes that break a symmetry are held meanwhile; if that takes a force, the profile has not quite the symmetry, and
-shorter steps lead to the fold near the bifurcation.  Eigenvalues are those of the Hessian in units of the root of edge
-scale over work of adhesion, of order 1.  Dimensionless.
+Folds and broken symmetries are located as equilibria with a neutral mode v, that is with mu = v . H v = 0 besides
+(`NeutralMode`; minimally augmented: R. Seydel, Practical Bifurcation and Stability Analysis, 2010, section 5.4), and
+their error comes with them (locating.py).  Modes that break a symmetry are held meanwhile; if that takes a force, the
+profile has not quite the symmetry, and shorter steps lead to the fold near the bifurcation.  Eigenvalues are those of
+the Hessian in units of the root of edge scale over work of adhesion, of order 1.  Dimensionless.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.adhesive.equilibrium import Balance, System
-from bem.continuation.curve import MODES, Piece
-from bem.continuation.locating import LOCATED, Located, NeutralMode, Refused, Start, locate
+from bem.adhesive.equilibrium import Balance, System, symmetric_part
+from bem.adhesive.lowest_modes import lowest_modes
+from bem.adhesive.third_derivatives import hessian_change_times
+from bem.continuation.curve import MODES, Piece, Row
+from bem.continuation.locating import LOCATED, Condition, Located, Refused, Start, locate
 from bem.geometry.arrays import FloatArray
 
 NO_WORK = 1e-3  # cosine of a mode and of the pull of the control, below which that does no work on it
 NEUTRAL = 1e-2  # eigenvalues of modes that are neutral together
+
+
+@dataclass(eq=False)
+class NeutralMode(Condition):
+    """An eigenvalue of the scaled Hessian vanishes: mu = v . H v, d mu = (D_v H v) . d xi + v . H_tau v d tau.
+
+    Of the lowest modes it is that which is most along the last one, at first along the mode given.
+
+    Attributes
+    ----------
+    scale : (2 L,) array
+        Units of motions, fixed.
+    last : (2 L,) array
+        The mode in these.
+    values, modes : (n,), (2 L, n) arrays
+        The lowest eigenvalues and their modes in the last state, `index` among them the neutral one.
+    by_edges : (2 L,) array
+        D_v H v.
+    """
+
+    system: System
+    scale: FloatArray
+    last: FloatArray
+    values: FloatArray = field(init=False)
+    modes: FloatArray = field(init=False)
+    index: int = field(init=False)
+    by_edges: FloatArray = field(init=False)
+
+    def row(self, here: Balance, value: float) -> Row:
+        """The eigenvalue mu and its derivatives by the edges and by the control."""
+        self.values, self.modes = lowest_modes(symmetric_part(here.hessian, self.scale), MODES)
+        self.index = int(np.argmax(np.abs(self.modes.T @ self.last)))
+        mode = self.modes[:, self.index]
+        self.last = mode if mode @ self.last > 0 else -mode
+        motion = self.motion
+        self.by_edges = hessian_change_times(self.system, here, motion, 0.0, motion)
+        rate = float(motion @ hessian_change_times(self.system, here, None, 1.0, motion))
+        return Row(float(self.values[self.index]), self.by_edges, rate)
+
+    @property
+    def motion(self) -> FloatArray:
+        """The mode as outward motion of the edges."""
+        return self.last * self.scale
+
+    @property
+    def others(self) -> FloatArray:
+        """Eigenvalues of the other modes, ascending."""
+        return np.delete(self.values, self.index)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,7 @@
-"""Points of a loading path, by kind: surfaces apart, complete contact, and places where no state was found.
+"""Points of a loading path without edges: surfaces apart, complete contact, and places where no state was found.
 
 These are alike with adhesion and without.  Points with edges are those of bem/continuation/points_with_edges.py
-(Equilibrium, BranchEnd) and of bem/nonadhesive/convex_path.py (ContactPoint).  Dimensionless.
+(Equilibrium) and of bem/nonadhesive/convex_path.py (ContactPoint).  Dimensionless.
 """
 
 from __future__ import annotations

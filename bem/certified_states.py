@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from bem.audit import certificate
-from bem.audit.verdict import Certificate, DimensionlessCertificate
+from bem.audit.certificate import Certificate, DimensionlessCertificate
 from bem.elastic.collocation import Evaluation
 from bem.flat import FlatState
 from bem.geometry.profile import Profile

@@ -1,4 +1,4 @@
-"""The last gap next to complete contact, in closed form: a lone crack in the pressure that complete contact would have.
+"""The last gap next to complete contact, in closed form: an isolated crack in the pressure of complete contact.
 
 The pressure of complete contact at the mean pressure p_0 is p_0 + q(x), q(x) = sum E* m q_0 h_m / 2 cos(m q_0 x +
 phi_m).  A gap of half width c about x_0 is held open by the tension -p_0 - q on its faces, so that at its two ends

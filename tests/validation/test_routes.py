@@ -1,0 +1,34 @@
+"""What routes offer, and how they say what they do not."""
+
+import numpy as np
+import pytest
+
+from validation.harness.route import Problem
+from validation.routes import boundary_elements
+from validation.routes.uniform_grid import Grid
+
+
+def wave(**changed):
+    """A wave of 1 um on a period of 1 mm."""
+    solid, profile = {"youngs_modulus": 1e6, "poisson_ratio": 0.3}, {"orders": (1,), "amplitudes": (1e-6,)}
+    known = solid | profile | {"period": 1e-3, "phases": (0.0,), "targets": (3e6,), "asked": {}}
+    return Problem(id="wave", control="mean_pressure", **(known | changed))
+
+
+def test_pressure_of_complete_contact_with_a_thin_layer_follows_the_profile():
+    """A compressible layer much thinner than the wave is a bed of springs, E (1-nu) / ((1+nu) (1-2nu)) / d each.
+
+    What the layer carries over is of the order (q d)^2 = 4e-5; measured 2.8e-6.
+    """
+    points, layer = [0.0, 2e-4, 5e-4], 1e-6
+    asked = {"contact_fraction": {}, "pressure_at": {"target": 1, "points": points}}
+    found = boundary_elements.solve(wave(thickness=layer, asked=asked), 1e-6).values
+    assert found["contact_fraction"] == [1.0]
+    springs = 1e6 * 0.7 / (1.3 * 0.4) / layer
+    expected = 3e6 + springs * 1e-6 * np.cos(2 * np.pi * np.array(points) / 1e-3)
+    assert found["pressure_at"] == pytest.approx(expected, abs=8e-6 * springs * 1e-6)
+
+
+def test_a_grid_that_does_not_resolve_the_profile_is_not_offered():
+    with pytest.raises(NotImplementedError, match="16 points do not resolve 8 harmonics"):
+        Grid(wave(orders=(8,)), 16).profile()
