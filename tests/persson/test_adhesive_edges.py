@@ -8,6 +8,7 @@ import persson
 from persson.adhesive_edges import EdgeLaw, contact_area, data
 from persson.contact_slope import contact_fractions, period_wavenumber
 from persson.mathematics.edge_distribution import edge_distribution
+from validation.studies import adhesive_edges
 from validation.studies.adhesive_edges import misses, rms
 
 MATERIAL = {"youngs_modulus": 0.75, "poisson_ratio": 0.5}  # E* = 1 Pa
@@ -117,7 +118,7 @@ def test_tail_is_that_of_the_edges_at_their_stress_intensity():
 
 
 def found_in(part, paired, inside):
-    """Misses and their noise of a hold-out by the spectrum and the work of adhesion, each evaluated once."""
+    """Misses and their noise of a hold-out by the spectrum and the work of adhesion."""
     return [
         (group["spectrum"], theta, misses(part | {"thetas": [theta], "groups": [one]}, None, paired, inside))
         for group in part["groups"]
@@ -132,10 +133,26 @@ def of_row(row, found):
     return row in names
 
 
+@pytest.fixture(params=[("ratio", True), ("area", False)], ids=["ratio-True", "area-False"])
+def evaluated_once(request, monkeypatch):
+    """A kind of error; the theory says the same where all loads count and where those of the domain do."""
+    name, known = "paired_areas" if request.param[1] else "areas_of", {}
+    evaluate = getattr(adhesive_edges, name)
+
+    def once(lines, *arguments):
+        key = tuple(np.asarray(one, float).tobytes() for one in (lines.wavenumbers, lines.amplitudes, *arguments[:-1]))
+        if key not in known:
+            known[key] = evaluate(lines, *arguments)
+        return known[key]
+
+    monkeypatch.setattr(adhesive_edges, name, once)
+    return request.param
+
+
 @pytest.mark.parametrize("part", ["hold_out", "second_hold_out"])
-@pytest.mark.parametrize(("kind", "paired"), [("ratio", True), ("area", False)])
-def test_hold_out_is_met_as_it_is_said(kind, paired, part):
+def test_hold_out_is_met_as_it_is_said(evaluated_once, part):
     """The figures of the README and of the data file, within 1e-3."""
+    kind, paired = evaluated_once
     said = {row: each for row, each in data()[part]["rms"].items() if "outside" not in row}
     every, inside = (found_in(data()[part], paired, only) for only in (False, True))
     for row, numbers in said.items():

@@ -32,7 +32,7 @@ def part(dry_factor=1.0):
     return {"loads_over_E*h'": LOADS, "thetas": (0.01, 0.1), "groups": groups}
 
 
-@pytest.mark.parametrize("factor", [1.0, 1.1])
+@pytest.mark.parametrize("factor", [pytest.param(1.0, marks=pytest.mark.slow), 1.1])
 def test_fit_finds_the_coefficients_whatever_the_area_without_adhesion(factor):
     # 3e-8 measured
     assert fitted(part(factor)) == pytest.approx(TRUTH, rel=1e-7)

@@ -3,6 +3,7 @@
 import warnings
 from dataclasses import replace
 from functools import cache
+from itertools import product
 
 import numpy as np
 import pytest
@@ -164,7 +165,9 @@ def test_balance_sees_the_energy_of_every_event(name):
     assert resolved > 0
 
 
-@pytest.mark.parametrize(("name", "largest"), [("separation", 0.08), ("load", 0.2), ("layer", 0.05)])
+@pytest.mark.parametrize(
+    ("name", "largest"), [("separation", 0.08), ("load", 0.2), pytest.param("layer", 0.05, marks=pytest.mark.slow)]
+)
 def test_quadrature_of_the_work_converges(name, largest):
     """Where nothing happens the balance closes by the order of Hermite's rule; measured 21 to 78 times better.
 
@@ -241,8 +244,17 @@ def asked_again(tmp_path_factory):
     return again
 
 
-@pytest.mark.parametrize("kind", MAKERS)
-@pytest.mark.parametrize("name", PATHS)
+# every kind of copy of the path by loads, and two kinds of each other path, run always
+COSTLY = [("layer", kind) for kind in ("increment", "shift", "mirror")] + [("separation", "increment")]
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        pytest.param(*pair, id="-".join(pair), marks=pytest.mark.slow if pair in COSTLY else ())
+        for pair in product(PATHS, MAKERS)
+    ],
+)
 def test_copies_of_a_sound_scene_agree(name, kind, asked_again):
     made, other = asked_again(name, kind)
     assert made.kind == kind

@@ -112,7 +112,7 @@ def test_what_is_out_of_range_is_refused_by_its_name(tmp_path):
 # that run always go through every line and branch of the trial that all go through.
 
 SEED, FEW = 15, 6
-ALWAYS = {*range(31), 36, 43}
+ALWAYS = {*range(31), 36, 43} - {6, 14, 16, 18, 20, 25}
 
 
 @pytest.mark.parametrize(

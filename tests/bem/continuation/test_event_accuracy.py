@@ -52,11 +52,12 @@ UNLOADED = {0.01: 0.012, 0.02: 0.021, 0.05: 0.053, 0.1: 0.113, 0.3: 0.389}  # of
 PATTERNS = [
     (2, 0.05, 1e-3, "separation", None),
     (4, 0.01, 1e-8, "separation", None),
-    (12, 0.05, 0.0, "separation", None),
     (3, 0.05, 1e-5, "separation", 2e-3),
-    (7, 0.05, 0.0, "total_displacement", 1e-3),
+    (3, 0.02, 1e-5, "total_displacement", 3e-3),
 ]
 MORE_PATTERNS = [
+    (12, 0.05, 0.0, "separation", None),
+    (7, 0.05, 0.0, "total_displacement", 1e-3),
     (2, 0.3, 1e-12, "separation", None),
     (3, 0.1, 0.0, "separation", None),
     (7, 0.02, 0.0, "separation", None),
@@ -70,7 +71,6 @@ MORE_PATTERNS = [
     (7, 0.3, 0.0, "separation", 5e-3),
     (7, 0.3, 1e-8, "separation", None),
     (12, 0.1, 1e-8, "separation", None),
-    (3, 0.02, 1e-5, "total_displacement", 3e-3),
 ]
 
 

@@ -46,7 +46,10 @@ SCENES = {
     "rough, nu=-0.5, adhesion": lambda: rough(0.03, -0.5),
     "rough, nu=0.499999": lambda: rough(None, 0.499999),
 }
-by_scene = pytest.mark.parametrize("name", SCENES)
+SLOW = ("one wave, nu=0.3, adhesion", "rough, nu=-0.5, adhesion")  # each effect is in another that always runs
+by_scene = pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in SCENES]
+)
 
 
 @lru_cache(maxsize=16)

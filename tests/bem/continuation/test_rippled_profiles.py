@@ -127,7 +127,7 @@ def test_another_branch_is_taken_up_at_the_goal_if_that_is_near(ways):
     assert apart[0] / apart[1] == pytest.approx(np.sqrt(10), rel=1.5e-2)  # measured 5.3e-3
 
 
-@pytest.mark.parametrize("increment", [0.05, 0.02])
+@pytest.mark.parametrize("increment", [0.05, pytest.param(0.02, marks=pytest.mark.slow)])
 def test_a_restored_symmetry_leads_to_the_symmetric_branch(increment):
     """On the way a symmetry breaks and is restored; on the way back it breaks where it was restored. No energy is lost.
 
