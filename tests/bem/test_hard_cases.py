@@ -25,8 +25,6 @@ from validation.references.paper_problem import PERIOD
 
 MOST_HARMONICS = 125
 ids = [case.id for case in HARD_CASES]
-BETWEEN = ("work_1e-06", "work_0.01", "work_1", "rms_height_1e-07", "rms_height_1e-05")  # the ends always run
-reduced = [pytest.param(case, id=case.id, marks=pytest.mark.slow if case.id in BETWEEN else ()) for case in HARD_CASES]
 
 
 def test_ids_are_distinct():
@@ -39,7 +37,7 @@ def test_reduced_form_is_small(case):
     assert max(profile.get("orders", [profile.get("harmonics", 0)])) <= MOST_HARMONICS
 
 
-@pytest.mark.parametrize("case", reduced)
+@pytest.mark.parametrize("case", HARD_CASES, ids=ids)
 def test_reduced_form_converges_as_expected_and_is_correct(case):
     found = run_case(case)
     assert found.refused_reason is None

@@ -179,9 +179,7 @@ def test_fault_that_does_not_fit_is_refused_before_anything_runs(
 
 @pytest.fixture(scope="module")
 def control(tmp_path_factory):
-    """The cases that must notice these faults, without a fault; no short ones beside them."""
-    with forking(), pytest.MonkeyPatch.context() as patch:
-        patch.setattr(faults, "QUICK_SECONDS", 0.0)
+    with forking():
         return control_run(runs(tmp_path_factory.mktemp("control")), QUICK.faults, True)
 
 

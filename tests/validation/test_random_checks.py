@@ -165,9 +165,7 @@ def test_balance_sees_the_energy_of_every_event(name):
     assert resolved > 0
 
 
-@pytest.mark.parametrize(
-    ("name", "largest"), [("separation", 0.08), ("load", 0.2), pytest.param("layer", 0.05, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize(("name", "largest"), [("separation", 0.08), ("load", 0.2), ("layer", 0.05)])
 def test_quadrature_of_the_work_converges(name, largest):
     """Where nothing happens the balance closes by the order of Hermite's rule; measured 21 to 78 times better.
 

@@ -46,7 +46,7 @@ SCENES = {
     "rough, nu=-0.5, adhesion": lambda: rough(0.03, -0.5),
     "rough, nu=0.499999": lambda: rough(None, 0.499999),
 }
-SLOW = ("one wave, nu=0.3, adhesion", "rough, nu=-0.5, adhesion")  # each effect is in another that always runs
+SLOW = ("rough, nu=-0.5, adhesion",)  # each effect is in another that always runs
 by_scene = pytest.mark.parametrize(
     "name", [pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in SCENES]
 )
