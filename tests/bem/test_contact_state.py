@@ -32,6 +32,13 @@ def test_load_is_westergaards(fraction):
     assert state.load == pytest.approx(exact * PERIOD, rel=1e-12)
 
 
+def test_a_layer_too_thick_to_be_felt_is_a_half_space():
+    """It changes the approach of the bodies only; S has no terms, which was a ValueError of a reshape."""
+    layered, half_space = rough(layer=bem.Layer(0.04)), rough()
+    assert layered.mean_pressure == half_space.mean_pressure
+    np.testing.assert_array_equal(layered.stress_intensity, half_space.stress_intensity)
+
+
 def test_pressure_is_westergaards():
     state, _ = westergaard(0.5)
     x = np.linspace(-0.0024, 0.0024, 25)

@@ -22,7 +22,7 @@ from validation.harness.schema import Cells, Table
 
 SEED, DRAWN = 47, 200
 TINY = (3, 340, 577)  # 1, 2 and 1 patches, past 5, 2 and 1 events
-SHORT = (3, 160, 568)  # 1, 1 and 3 patches
+SHORT = (111, 160, 568)  # 6, 1 and 3 patches
 THICKNESSES, RATIOS, MOST = (0.02, 5.0), (0.0, 0.5), 12
 
 
