@@ -84,7 +84,7 @@ class Elastic:
     def kernel(self) -> KernelSeries | None:
         """What adds to log|2 sin|; None if it is that of the half-space, or a layer too thick to be told from it."""
         kernel = None if self.compliance is None else self.compliance.kernel
-        return kernel if kernel is not None and kernel.terms else None
+        return kernel if kernel is not None and kernel.columns else None
 
     def field_of_charges(self, position: FloatArray, charge: FloatArray, calls: int = 1) -> Field:
         """The field of charges outside contact, (n,) each, as a function of x: -pi times what it displaces."""
