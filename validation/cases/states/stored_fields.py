@@ -69,21 +69,21 @@ def _fields() -> Outcome:
     tail = solved("sinusoid", adhesion={"work_of_adhesion": WAVE.work_of_adhesion},
                   loading={"targets": [float(WAVE.penetration(1.0))]},
                   output={"pressure_distribution": True})  # fmt: skip
-    # rounding: the largest over the BLAS kernels of five processors, and without compiled functions
+    # rounding of the state: the largest difference between the BLAS kernels of processors; either side is nearer
     rows = (
         from_pressure.row("displacement in the middle of gaps on a compressible layer", "m", u,
                           fields["displacement_0"][middle], 6.4e-15),
         from_pressure.row("gap there, over the largest", "m",
                           u - surface.height(x) + surface.max_height - state.penetration, fields["gap_0"][middle],
-                          2e-15),
+                          5.2e-15),
         of_edges.row("widths of patches and gaps, from the smallest", "m",
                      [*np.sort(edges[:, 1] - edges[:, 0]), *np.sort(closing - opening)],
-                     [*fields["patch_width_0"], *fields["gap_width_0"]], 4e-16),
+                     [*fields["patch_width_0"], *fields["gap_width_0"]], 5.8e-15),
         of_edges.row("share of patches, and of gaps, up to each width", "", [0.5, 1.0] * 2,
                      [*fields["patch_share_0"], *fields["gap_share_0"]], 1e-16, "absolute"),
         of_edges.row("slope variance over the contact, by harmonic: its own, and what it keeps", "", [*own, *kept],
-                     [*fields["slope_own_0"], *fields["slope_kept_0"]], 5.3e-15),
-        of_edges.row("rms slope over the contact", "", np.sqrt(kept.sum()), float(fields["contact_slope_0"]), 2.4e-15),
+                     [*fields["slope_own_0"], *fields["slope_kept_0"]], 1.24e-14),
+        of_edges.row("rms slope over the contact", "", np.sqrt(kept.sum()), float(fields["contact_slope_0"]), 8.5e-15),
         Against("exact", "Johnson 1995: two edges").row(
             "tail of the pressure distribution", "Pa^2",
             4 * WAVE.modulus * WAVE.work_of_adhesion / (np.pi * WAVE.wavelength),
