@@ -14,8 +14,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bem.adhesive.descent import DescentStatus, Steps, descend
+from bem.adhesive.descent import descend
 from bem.adhesive.equilibrium import Balance, System
+from bem.adhesive.strides import DescentStatus, Steps
 from bem.adhesive.touching import CrestsAhead
 from bem.adhesive.vanishing import TIED, pull_off_half_width
 from bem.elastic.collocation import Evaluation

@@ -1,4 +1,4 @@
-"""What the forces on edges, and a descent, are given: taken from Python once a call.  And descent.strides."""
+"""What the forces on edges, and a descent, are given: taken from Python once a call.  And strides.strides."""
 
 
 cdef int take_far_field(list held, far, Setting *setting) except -1:
@@ -92,7 +92,7 @@ cdef int take_walk(Call *call, given, Walk *walk) except -1:
 
 
 cdef tuple numbers_of(const State *state, double penetration):
-    """descent.Numbers."""
+    """strides.Numbers."""
     cdef Py_ssize_t n = state.n, edges = 2 * state.n
     return (penetration, copied(state.intensity, 1, edges), copied(state.rate, 1, edges), state.load, state.load_rate,
             state.elastic_energy, copied(state.compliance, 2, edges, edges), copied(state.edge_slope, 1, edges),
@@ -106,7 +106,7 @@ cdef dict VERDICTS = {CONVERGED: "converged", TOUCHED: "touched", STUCK: "not_co
 
 
 def strides(given):
-    """descent.strides of a walk."""
+    """strides.strides of a walk."""
     cdef Call call
     cdef Walk walk
     cdef Py_ssize_t rounds = given.rounds, n

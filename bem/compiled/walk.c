@@ -1,10 +1,10 @@
-/* Steps of a descent, in one call: descent.strides, which says what is done and why; touching.py, vanishing.py. */
+/* Steps of a descent, in one call: strides.strides, which says what is done and why; touching.py, vanishing.py. */
 
 #include "walk.h"
 
-#define LEAST_RATIO 0.1        /* descent.LEAST_RATIO */
-#define LARGEST_RATIO 2.5      /* descent.LARGEST_RATIO */
-#define LEAST_INTENSITY 0.3    /* descent.LEAST_INTENSITY */
+#define LEAST_RATIO 0.1        /* strides.LEAST_RATIO */
+#define LARGEST_RATIO 2.5      /* strides.LARGEST_RATIO */
+#define LEAST_INTENSITY 0.3    /* strides.LEAST_INTENSITY */
 #define EQUAL_HEIGHTS 1e-12    /* profile.EQUAL_HEIGHTS */
 #define ENERGY_TRUNCATION 3e-3 /* equilibrium.ENERGY_TRUNCATION */
 #define NARROW 0.02            /* vanishing.NARROW */
@@ -152,14 +152,14 @@ static void move_edge(Size n, Size edge, double outward, double *left, double *r
         right[edge - n] += outward;
 }
 
-/* descent.step_scale of an edge. */
+/* strides.step_scale of an edge. */
 static double step_scale(const Walk *walk, Size edge)
 {
     double scale = edge_scale(walk->n, walk->here.left, walk->here.right, edge), most = walk->wavelength / 2;
     return scale < most ? scale : most;
 }
 
-/* descent._expanded, from where the walk stands; 0 where no space is left. */
+/* strides._expanded, from where the walk stands; 0 where no space is left. */
 static int expand(Walk *walk)
 {
     const State *here = &walk->here;

@@ -22,7 +22,7 @@ typedef struct {
     int64_t *in_gap;
 } Walk;
 
-/* descent.strides: its verdict, and the rounds that remain. */
+/* strides.strides: its verdict, and the rounds that remain. */
 int strides(Walk *walk, Size *rounds);
 void release_walk(Walk *walk);
 

@@ -3,8 +3,9 @@
 import numpy as np
 
 from bem.adhesive.adhesion import UniformLaw
-from bem.adhesive.descent import Steps, descend
+from bem.adhesive.descent import descend
 from bem.adhesive.equilibrium import System
+from bem.adhesive.strides import Steps
 from bem.elastic.collocation import Elastic
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile

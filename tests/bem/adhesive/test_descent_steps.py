@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from bem.adhesive.adhesion import UniformLaw
-from bem.adhesive.descent import Steps, descend
+from bem.adhesive.descent import descend
 from bem.adhesive.equilibrium import System, balance
+from bem.adhesive.strides import Steps
 from bem.elastic.collocation import Elastic
 from bem.geometry.patches import TWO_PI, Patches
 from bem.geometry.profile import Profile

@@ -8,8 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bem.adhesive.adhesion import UniformLaw
-from bem.adhesive.descent import Steps, descend
+from bem.adhesive.descent import descend
 from bem.adhesive.equilibrium import System, balance
+from bem.adhesive.strides import Steps
 from bem.adhesive.trust_region import trust_region_step
 from bem.adhesive.vanishing import pull_off_half_width
 from bem.elastic.collocation import Elastic, resolve

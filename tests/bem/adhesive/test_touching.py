@@ -5,9 +5,10 @@ import pytest
 
 from bem.adhesive import relaxation
 from bem.adhesive.adhesion import UniformLaw
-from bem.adhesive.descent import Steps, descend
+from bem.adhesive.descent import descend
 from bem.adhesive.equilibrium import System, balance
 from bem.adhesive.relaxation import Cause, relax
+from bem.adhesive.strides import Steps
 from bem.adhesive.touching import CrestsAhead
 from bem.elastic.collocation import Elastic
 from bem.elastic.gap import gap_field

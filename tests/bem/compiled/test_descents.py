@@ -9,8 +9,8 @@ from rough_surfaces import banded_scene, rough_scene
 
 from bem.adhesive import descent
 from bem.adhesive.adhesion import SlopeLaw, UniformLaw
-from bem.adhesive.descent import Steps, Strides, Walk
 from bem.adhesive.equilibrium import System
+from bem.adhesive.strides import Steps, Strides, Walk
 from bem.compiled import kernels
 from bem.elastic.collocation import Elastic, Resolution
 from bem.geometry.patches import TWO_PI, Patches, ordered

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from bem.adhesive.adhesion import UniformLaw
-from bem.adhesive.descent import Steps, descend
+from bem.adhesive.descent import descend
 from bem.adhesive.equilibrium import System, balance
 from bem.adhesive.relaxation import interpenetration
+from bem.adhesive.strides import Steps
 from bem.adhesive.third_derivatives import with_slopes
 from bem.continuation.curve import first_point
 from bem.continuation.locating import AtControl, Refused, Start, settle

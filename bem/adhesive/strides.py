@@ -1,0 +1,313 @@
+"""Steps of a descent from one change of the patches to the next: trust-region steps at a fixed target.
+
+Each edge moves in units of its step scale: the edge scale, at most half the shortest wavelength.  Larger steps would
+end in another basin: barriers between basins are as narrow as the shortest wavelength, and no edge moves by more than a
+fifth of it at once.  This is the reference in NumPy; on the half-space and at fixed penetration its kernel in C takes
+the steps in one call.  Dimensionless.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from bem.adhesive.equilibrium import Balance, System, balance, energy_noise, symmetric_part
+from bem.adhesive.touching import CrestsAhead
+from bem.adhesive.trust_region import trust_region_step
+from bem.adhesive.vanishing import closing_gaps, vanishing_patches
+from bem.compiled.kernels import mirrored
+from bem.elastic.collocation import Evaluation, Resolution, resolve
+from bem.elastic.gap import GapMinima
+from bem.elastic.hierarchical import if_solvable
+from bem.geometry.arrays import FloatArray, IntArray
+from bem.geometry.patches import Patches
+from bem.geometry.profile import EQUAL_HEIGHTS
+from bem.loading.increments import Accuracy
+
+LEAST_RATIO, LARGEST_RATIO = 0.1, 2.5  # accepted actual over predicted decrease
+LEAST_INTENSITY = 0.3  # of the critical K: edges below move outward by so much of their step scale, at most
+
+DescentStatus = Literal["converged", "separated", "complete_contact", "touched", "not_converged", "ill_conditioned"]
+Verdict = DescentStatus | Literal["closing", "vanishing"]
+
+
+@dataclass(frozen=True)
+class Steps:
+    """How a descent steps.
+
+    Attributes
+    ----------
+    largest : float
+        Trust radius in units of the step scale; small values follow the descent path closely.
+    beside : Patches or None
+        Patches whose field is frozen: those next to them are resolved as finely as if they moved too.
+    ahead : CrestsAhead or None
+        Finds the crests that touch after a step; the descent ends there, or before edges reach neighbouring patches.
+        Motions smaller than it minds, just before a patch or a gap vanishes, are not looked ahead of.
+    """
+
+    largest: float
+    beside: Patches | None = None
+    ahead: CrestsAhead | None = None
+
+
+@dataclass(eq=False)
+class Walk:
+    """Where a descent stands before the next steps.
+
+    Attributes
+    ----------
+    system, target, accuracy, steps
+        What `descend` was asked.
+    patches, penetration
+        The edges now, and where load control starts from.
+    seen : Patches
+        Where each edge was when crests ahead of it were last looked at.
+    radius : float
+        Of the trust region.
+    rounds : int
+        That are left.
+    least : Resolution or None
+        Of the patches, at least.
+    """
+
+    system: System
+    target: float
+    accuracy: Accuracy
+    steps: Steps
+    patches: Patches
+    penetration: float
+    seen: Patches
+    radius: float
+    rounds: int
+    least: Resolution | None = None
+
+
+Numbers = tuple[
+    float, FloatArray, FloatArray, float, float, float, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray,
+    FloatArray, IntArray, IntArray,
+]  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Strides:
+    """Where steps led.
+
+    Attributes
+    ----------
+    verdict : str
+        Status of the descent; or `closing` or `vanishing`: gaps or patches are `gone`, their indices.
+    left, right, seen_left, seen_right : (L,) arrays
+        Edges of the patches, and where they were when crests were last looked at.
+    radius : float
+        Of the trust region.
+    rounds : int
+        That are left.
+    evaluations : int
+        That are not yet booked.
+    numbers : Numbers or None
+        Of the state there, if there is one: penetration, K and dK/dDelta, load and dload/dDelta, elastic energy, edge
+        compliance, edge slope and its derivative, series, skeleton and its derivative, nodes and modes.
+    crests, depth, gap : (n,) arrays or None
+        Of crests that touched.
+    """
+
+    verdict: Verdict
+    left: FloatArray
+    right: FloatArray
+    seen_left: FloatArray
+    seen_right: FloatArray
+    radius: float
+    rounds: int
+    evaluations: int
+    numbers: Numbers | None
+    gone: IntArray
+    crests: FloatArray
+    depth: FloatArray
+    gap: IntArray
+
+
+@mirrored
+def strides(walk: Walk) -> tuple[Any, ...]:
+    """Step until something vanishes, a crest touches, or the descent is at an end: what `Strides` holds.
+
+    1. Evaluate the forces on the edges.
+    2. Where gaps are about to close or patches about to vanish, end.  Where an edge has K <= 0, move edges outward;
+       then evaluate again.
+    3. Choose the step that minimises the quadratic model within the trust radius.  Where the residual is small and the
+       step inside the radius, the descent has converged.
+    4. Try it, and take it where the potential falls about as far as predicted, else shrink the radius.
+    """
+    going = _Going(**vars(walk))
+    verdict: Verdict | Literal["again"] = "again"
+    while verdict == "again":
+        verdict = going.round() if going.rounds > 0 and going.radius >= EQUAL_HEIGHTS else "not_converged"
+        going.rounds -= 1
+    here, edges, low = going.here, (going.patches, going.seen), going.touching
+    numbers = None if here is None else _numbers(here.state)
+    crests = (None, None, None) if low is None else (low.position, low.depth, low.gap)
+    places = [side for patches in edges for side in (patches.left, patches.right)]
+    return verdict, *places, going.radius, going.rounds, 0, numbers, going.gone, *crests
+
+
+def _numbers(state: Evaluation) -> Numbers:
+    """The numbers of a state, in the order of `Strides`."""
+    return (
+        state.penetration, state.stress_intensity, state.stress_intensity_rate, state.load, state.load_rate,
+        state.elastic_energy, state.edge_compliance, state.edge_slope, state.edge_slope_rate, state.series,
+        state.skeleton, state.skeleton_rate, state.resolution.nodes, state.resolution.modes,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class _Step:
+    """A trust-region step: the step scale of each edge, the parts of it moved, and the fall that the model predicts."""
+
+    scale: FloatArray
+    parts: FloatArray
+    predicted: float
+
+    @property
+    def size(self) -> float:
+        """Length of the step, which the trust radius bounds."""
+        return float(np.linalg.norm(self.parts))
+
+
+@dataclass(eq=False)
+class _Going(Walk):
+    """A walk on the way.
+
+    Attributes
+    ----------
+    here : Balance or None
+        Forces on the edges; None where they are to be evaluated.
+    resolution : Resolution or None
+        Of the last evaluation: both sides of a step have the same.
+    gone, touching
+        Patches or gaps that vanish now, and crests that touched.
+    """
+
+    here: Balance | None = None
+    resolution: Resolution | None = None
+    gone: IntArray | None = None
+    touching: GapMinima | None = None
+
+    def round(self) -> Verdict | Literal["again"]:
+        """Evaluate, and take a step or say why none is taken."""
+        here = self.evaluated()
+        if here is None:
+            return "ill_conditioned"
+        verdict = self.reshaped(here)
+        if verdict is not None:
+            return verdict
+        step = self.step(here)
+        inside = step.size < 0.9 * self.radius and here.is_equilibrium(self.accuracy.residual)
+        return "converged" if inside else self.tried(here, step)
+
+    def evaluated(self) -> Balance | None:
+        """Forces on the edges; where none are known, with the resolution that the patches ask for; None: unsolvable."""
+        if self.here is None:
+            wanted = resolve(self.system.elastic, self.patches, self.accuracy.tolerance)
+            self.resolution = _at_least(wanted, self.least)
+            self.here = self._balance(self.patches, self.penetration, self.resolution)
+        return self.here
+
+    def reshaped(self, here: Balance) -> Verdict | Literal["again"] | None:
+        """Whether gaps close, edges move out of interpenetration or patches vanish; None where none of these does."""
+        self.gone = closing_gaps(self.system, here)
+        if self.gone.size:
+            return "closing"
+        if not here.all_tensile:
+            wider = _expanded(self.system, here)
+            if wider is None or not self._is_free(wider):
+                return "not_converged"
+            self.patches, self.penetration, self.here = wider, here.state.penetration, None
+            return "again"
+        self.gone = vanishing_patches(self.system, here)
+        return "vanishing" if self.gone.size else None
+
+    def step(self, here: Balance) -> _Step:
+        """The step that minimises the quadratic model within the trust radius."""
+        scale = step_scale(self.system, here)
+        hessian = symmetric_part(here.hessian, scale)
+        gradient = here.gradient * scale
+        parts = trust_region_step(gradient, hessian, self.radius)
+        return _Step(scale, parts, -float(gradient @ parts + 0.5 * parts @ hessian @ parts))
+
+    def tried(self, here: Balance, step: _Step) -> Verdict | Literal["again"]:
+        """Try a step: take it where the potential falls about as far as predicted, else shrink the radius."""
+        trial = self.patches.moved(step.parts * step.scale)
+        if not self._is_free(trial):
+            return "not_converged"
+        wanted = _at_least(resolve(self.system.elastic, trial, self.accuracy.tolerance), self.resolution)
+        ahead = self._balance(trial, here.state.penetration, wanted)
+        if ahead is None:
+            return "ill_conditioned"
+        alike = self.resolution is not None and _equal(wanted, self.resolution)
+        ratio = self._ratio(here, ahead, step, alike)
+        compressed = ahead.state.stress_intensity <= 0
+        if not (LEAST_RATIO < ratio < LARGEST_RATIO and np.all(step.parts[compressed] > 0)):
+            if alike:
+                self.radius = min(self.radius, step.size) / 3
+                return "again"
+            self.resolution, self.here = wanted, self._balance(self.patches, self.penetration, wanted)
+            return "ill_conditioned" if self.here is None else "again"
+        if self.steps.ahead is not None:
+            self.touching, self.seen = self.steps.ahead(self.seen, ahead)
+        self.patches, self.here, self.penetration = trial, ahead, ahead.state.penetration
+        self.resolution = wanted
+        if self.touching is not None:
+            return "touched"
+        if 0.5 < ratio < 1.5:
+            self.radius = min(2 * self.radius, self.steps.largest)
+        return "again"
+
+    def _ratio(self, here: Balance, ahead: Balance, step: _Step, alike: bool) -> float:
+        """Fall of the potential over that predicted; by the work of the forces, where energies cancel.
+
+        Energies of resolutions that are not `alike` differ by more than either is off, and are not compared.
+        """
+        noise = 1e-13 * (abs(here.potential) + abs(ahead.potential))
+        noise += energy_noise(self.system, here, ahead, self.accuracy.tolerance)
+        actual = here.potential - ahead.potential
+        if step.predicted < 100 * noise or not alike:
+            actual = -0.5 * float((here.gradient + ahead.gradient) @ (step.parts * step.scale))
+        return actual / step.predicted if step.predicted > 0 else -1.0
+
+    def _balance(self, patches: Patches, penetration: float, resolution: Resolution) -> Balance | None:
+        """Forces on some edges; None where their system is ill-conditioned."""
+        tolerance = self.accuracy.tolerance
+        return if_solvable(balance, self.system, patches, penetration, self.target, tolerance, resolution)
+
+    def _is_free(self, patches: Patches) -> bool:
+        """Whether edges keep clear of neighbouring patches, which are frozen."""
+        others = None if self.steps.ahead is None else self.steps.ahead.occupied
+        return others is None or patches.joined(others) is not None
+
+
+def _at_least(resolution: Resolution, floor: Resolution | None) -> Resolution:
+    if floor is None:
+        return resolution
+    return Resolution(np.maximum(resolution.nodes, floor.nodes), np.maximum(resolution.modes, floor.modes))
+
+
+def _equal(first: Resolution, second: Resolution) -> bool:
+    return bool(np.all(first.nodes == second.nodes) and np.all(first.modes == second.modes))
+
+
+def step_scale(system: System, here: Balance) -> FloatArray:
+    """Unit of the motion of each edge, (2 L,): the edge scale, at most half the shortest wavelength."""
+    return np.minimum(here.state.patches.edge_scale, np.pi / system.elastic.profile.max_order)
+
+
+def _expanded(system: System, here: Balance) -> Patches | None:
+    """Edges with too small a K moved outward by Newton on K; None where no space is left."""
+    state, scale = here.state, step_scale(system, here)
+    least = LEAST_INTENSITY * 2 * np.sqrt(here.work)
+    slope = np.diagonal(here.jacobian)
+    wanted = (least - state.stress_intensity) / np.where(slope > 0, slope, np.inf)
+    step = np.where(state.stress_intensity < least, np.clip(wanted, 0.02 * scale, LEAST_INTENSITY * scale), 0.0)
+    moved = state.patches.moved(step)
+    return moved if moved.is_ordered else None
