@@ -124,7 +124,7 @@ class Settling:
         return None
 
     def jacobians(self, patches: Patches, value: float) -> Jacobians | None:
-        """The Jacobians of the windows next to edges; None where the state cannot be evaluated."""
+        """The Jacobians of the windows next to edges; None where a state cannot be evaluated, or one is singular."""
         state = self.evaluated(patches, value, COARSE.tolerance)
         if state is None:
             return None

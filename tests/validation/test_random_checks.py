@@ -242,7 +242,7 @@ def asked_again(tmp_path_factory):
     return again
 
 
-# every kind of copy of the path by loads, and two kinds of each other path, run always
+# of the path by loads every kind of copy always runs, and each path has two kinds or more that do
 COSTLY = [("layer", kind) for kind in ("increment", "shift", "mirror")] + [("separation", "increment")]
 
 

@@ -5,8 +5,7 @@ loading    the paper's profile (H = 0.7, h_rms = 50 um, period 0.01 m, E = 1 MPa
 shapes     one of them whose highest crest lies above 90 um, through s = 86, 48, 38 and 9.6 um
 high load  one profile with fewer harmonics, pressed until contact is all but complete
 Hurst      H = 0.8 and H = 0.3 with fewer harmonics, each to the same load over its rms slope
-faint      profiles with 100 harmonics and a work of adhesion that vanishes, beside the same without adhesion (with 250
-           one of 24 such paths, seed 3 at 1e-6 J/m^2, ends with an EnergyGainedError at a coalescence)
+faint      profiles with 100 harmonics and a work of adhesion that vanishes, beside the same without adhesion
 sketch     a layer on a profile of few waves, by which the problem is drawn
 
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.  The quick form has the same

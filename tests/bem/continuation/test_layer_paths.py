@@ -46,7 +46,7 @@ SCENES = {
     "rough, nu=-0.5, adhesion": lambda: rough(0.03, -0.5),
     "rough, nu=0.499999": lambda: rough(None, 0.499999),
 }
-SLOW = ("rough, nu=-0.5, adhesion",)  # each effect is in another that always runs
+SLOW = ("rough, nu=-0.5, adhesion",)  # nu < 0 runs here only; adhesion on rough layers and nu = 0.3 always run
 by_scene = pytest.mark.parametrize(
     "name", [pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in SCENES]
 )
