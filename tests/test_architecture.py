@@ -88,7 +88,7 @@ APART = {  # besides the order: folders that these do not import from either
     "bem/nonadhesive": ("bem/adhesive", "bem/continuation"),
     "bem/scene": ("bem/adhesive", "bem/continuation", "bem/nonadhesive"),
     "validation/studies": ("validation/cases",),
-    "validation/replicate": ("validation/cases", "validation/studies"),
+    "validation/replicate": ("validation/cases",),
 }
 LARGEST = 15  # files of a folder besides __init__.py
 LONGEST = 50  # lines of a function besides its docstring

@@ -38,7 +38,9 @@ from validation.report.render import PAGE, ReportError, bibliography, failures, 
 from validation.report.run_page import write_run_page
 from validation.report.run_words import outcome, succeeded
 from validation.studies import OF_A_SCENE, SCENE, STUDIES, that_take
+from validation.studies.bench import Bench, carried_out
 from validation.studies.own_scene import BUDGET, SEEDS
+from validation.studies.shown import text_table
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 REFUSED = (
@@ -160,9 +162,8 @@ def _replicate(options: argparse.Namespace) -> int:
     size = members.QUICK if options.quick else members.PAPER
     form = " --quick" if options.quick else ""
     command = f"python -m validation replicate{form} --out {options.out.name}"
-    run = import_module("validation.replicate").replicate
-    made = run(options.out, size, options.jobs, opener_of(options.executor), say, command)
-    return _stored(made, options.out, options)
+    bench = Bench(options.out, options.quick, say, options.jobs, opener_of(options.executor))
+    return _stored(import_module("validation.replicate").replicate(bench, size, command), options.out, options)
 
 
 def _stored(made: Report, folder: Path, options: argparse.Namespace) -> int:
@@ -251,23 +252,28 @@ def _study(options: argparse.Namespace) -> int:
             raise ExecutorError(f"--{key} {given!r}: study {options.name} runs {where}")
         option = key if key in ("scene", "seeds", "budget") else f"--{key}"
         raise CaseError(f"{option}: study {options.name} does not take it, {that_take(key)} does")
-    run = import_module(f"validation.studies.{study.module}")
+    module = import_module(f"validation.studies.{study.module}")
     if options.name == OF_A_SCENE:
         if options.scene is None:
             raise CaseError(f"study {OF_A_SCENE}: a scene file is needed: study {OF_A_SCENE} SCENE --out DIR")
         given = {key: value for key in ("seeds", "budget") if (value := getattr(options, key)) is not None}
-        plan = run.Options(jobs=options.jobs or 1, quick=options.quick, overwrite=options.overwrite, **given)
-        return int(run.run(options.scene, options.out, plan, say))
+        plan = module.Options(jobs=options.jobs or 1, quick=options.quick, overwrite=options.overwrite, **given)
+        return int(module.run(options.scene, options.out, plan, say))
     if options.seed and options.random is None:
         raise CaseError(f"--seed {options.seed}: has no meaning without --random")
+    jobs = options.jobs or (os.cpu_count() or 1 if "executor" in study.takes else 1)
+    bench = Bench(options.out, options.quick, say, jobs, opener_of(options.executor))
     asked: dict[str, Any] = {"peers": True} if options.peers else {}
-    if "executor" in study.takes:
-        asked = {"jobs": options.jobs or os.cpu_count() or 1, "opener": opener_of(options.executor)}
-    elif "jobs" in study.takes:
-        asked = {"jobs": options.jobs or 1}
+    words = " --quick" * options.quick + " --peers" * options.peers
     if options.random is not None:
-        asked |= {"tasks": run.random_tasks(options.random, options.seed), "file": run.RANDOM_FILE}
-    return int(run.run(options.out, options.quick, say, **asked))
+        asked |= {"tasks": module.random_tasks(options.random, options.seed), "file": module.RANDOM_FILE}
+        words += f" --random {options.random} --seed {options.seed}"
+    command = f"python -m validation study {options.name}{words} --out {options.out.name}"
+    made = carried_out(options.name, module.cases(bench, **asked), bench, command)
+    if not options.json:
+        for table in (table for case in made.cases for table in case.tables):
+            print(table.caption, text_table(table.columns, table.rows), sep="\n", end="\n\n")
+    return _stored(made, options.out, options)
 
 
 def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], run_name: str = "run") -> None:
@@ -328,6 +334,7 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     study.add_argument("--overwrite", action="store_true", help=f"{OF_A_SCENE}: replace the study of another scene")
     study.add_argument("--quick", action="store_true", help="its short form")
     study.add_argument("--out", type=Path, required=True)
+    study.add_argument("--json", action="store_true", help=f"print the summary as JSON (not of {OF_A_SCENE})")
     jobs = f"processes of {that_take('jobs')} (default: {cores}; scene, stability: 1)"
     study.add_argument("--jobs", type=positive, help=jobs)
     study.add_argument("--executor", default="local", help=f"for {that_take('executor')}: local or dask://host:port")

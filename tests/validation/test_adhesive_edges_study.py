@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from carried import carried, failing
 from in_this_process import here
 
 from bem.scene.scene import parse_scene
@@ -79,9 +80,10 @@ def test_nothing_of_a_hold_out_is_fitted(part):
 
 
 @pytest.mark.slow
-def test_quick_study_runs(tmp_path, capsys):
-    assert adhesive_edges.run(tmp_path, True, lambda _: None, 1, here) == 0
+def test_quick_study_runs(tmp_path):
+    report = carried(adhesive_edges, tmp_path, opener=here)
+    assert failing(report) == []
     content = json.loads((tmp_path / "adhesive-edges.json").read_text("utf-8"))
     assert set(content["coefficients"]) == set(data()["coefficients"])
     assert content["hold_out_rms"]["hold_out, ratio"]["error"] < 1
-    assert "in the package" in capsys.readouterr().out
+    assert report.cases[0].tables[0].columns[-1] == "in the package"

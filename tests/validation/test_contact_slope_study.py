@@ -4,10 +4,12 @@ import json
 
 import numpy as np
 import pytest
+from carried import carried, failing
 from in_this_process import here
 
 from bem.scene.scene import parse_scene
 from persson.contact_slope import contact_fractions, data
+from validation.harness.verdict import verdict_of
 from validation.studies import contact_slope
 from validation.studies.contact_slope import RMS_SLOPE, fitted, lines_of, member, misses, name_of, rms, shape_of
 
@@ -69,10 +71,18 @@ def test_unknown_spectrum_is_refused():
         shape_of({"spectrum": "white", "parameters": [1, 2]})
 
 
+def test_hold_out_is_held_against_what_is_stored():
+    row = contact_slope.hold_out_row({"area": 0.05}, [0.04], quick=False)
+    assert (verdict_of(row), verdict_of(contact_slope.hold_out_row({"area": 0.042}, [0.04], False))) == (
+        "deviates", "agrees")  # fmt: skip
+    assert verdict_of(contact_slope.hold_out_row({"area": 0.05}, [0.04], quick=True)) == "not run"
+
+
 @pytest.mark.slow
-def test_quick_study_runs(tmp_path, capsys):
-    assert contact_slope.run(tmp_path, True, lambda _: None, 1, here) == 0
+def test_quick_study_runs(tmp_path):
+    report = carried(contact_slope, tmp_path, opener=here)
+    assert failing(report) == []
     content = json.loads((tmp_path / "contact-slope.json").read_text("utf-8"))
     assert set(content["coefficients"]) == set(data()["coefficients"])
     assert rms(np.concatenate([np.array(one["misses"]) for one in content["hold_out"].values()])) < 1
-    assert "in the package" in capsys.readouterr().out
+    assert report.cases[0].tables[0].columns[-1] == "in the package"

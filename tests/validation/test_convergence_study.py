@@ -5,6 +5,7 @@ import pickle
 from dataclasses import replace
 
 import pytest
+from carried import carried, failing
 
 from validation.corpus.convergence_curves import (
     Curve,
@@ -14,8 +15,9 @@ from validation.corpus.convergence_curves import (
     paper_method_curve,
     persson_curves,
 )
+from validation.harness.verdict import verdict_of
 from validation.studies import convergence
-from validation.studies.convergence import PathDrift, figures_of, row_of
+from validation.studies.convergence import figures_of, rate_rows
 
 SIZES = (4.0, 8.0, 16.0, 32.0)
 SECOND = Curve(
@@ -30,7 +32,11 @@ TWICE = replace(
 
 def study(folder, *curves, increments=(0.05, 0.05)):
     parts = {curve.id: lambda curve=curve: curve for curve in curves}
-    return convergence.run(folder, True, lambda note: None, parts, increments)
+    return carried(convergence, folder, parts=parts, increments=increments)
+
+
+def met(curve):
+    return all(verdict_of(row) == "agrees" for row in rate_rows(curve))
 
 
 @pytest.mark.parametrize(
@@ -46,48 +52,47 @@ def study(folder, *curves, increments=(0.05, 0.05)):
     ids=["right", "too-slow", "too-fast", "geometric", "plateau-too-high", "no-number"],
 )
 def test_verdict_of_a_manufactured_curve(curve, good):
-    assert (row_of(curve)[-1] == "met") is good
+    assert met(curve) is good
 
 
-def test_study_writes_table_figures_and_verdict(here, tmp_path, capsys, monkeypatch):
+def test_study_writes_rows_figures_and_numbers(here, tmp_path, monkeypatch):
     monkeypatch.setattr(convergence, "path_targets", lambda harmonics, increment: ([0.1], 3))
-    assert study(tmp_path, SECOND, TWICE) == 0
+    report = study(tmp_path, SECOND, TWICE)
+    assert failing(report) == []
     stored = json.loads((tmp_path / "convergence.json").read_text())
     assert [curve["rate"]["value"] for curve in stored["curves"]] == pytest.approx([2.0, 2.0], rel=1e-9)
-    assert stored["path"]["reference"] == "self-convergence: no digits"
-    assert {path.name for path in tmp_path.glob("*.svg")} == {"convergence-geometric.svg", "convergence-others.svg"}
-    assert "second" in capsys.readouterr().out
+    assert report.cases[0].tables[1].caption.startswith("The path (self-convergence: no digits)")
+    names = ("convergence-geometric", "convergence-others")
+    assert [figure.id for figure in report.cases[0].figures] == list(names)
+    assert all((tmp_path / "figures" / f"{name}.svg").is_file() for name in names)
 
 
-def test_curve_that_fails_is_a_line_and_fails_the_study(here, tmp_path, capsys, monkeypatch):
+def test_curve_that_fails_is_a_row_and_fails_the_study(here, tmp_path, monkeypatch):
     monkeypatch.setattr(convergence, "path_targets", lambda harmonics, increment: ([0.1], 3))
 
     def broken():
         raise ArithmeticError("singular")
 
-    parts = {"broken": broken, "second": lambda: (SECOND,)}
-    assert convergence.run(tmp_path, True, lambda note: None, parts, (0.05,)) == 1
-    assert "FAILED: broken: ArithmeticError: singular" in capsys.readouterr().out
+    report = carried(convergence, tmp_path, parts={"broken": broken, "second": lambda: (SECOND,)}, increments=(0.05,))
+    assert failing(report) == ["broken: answered (1: yes): error, ArithmeticError: singular"]
     assert [curve["id"] for curve in json.loads((tmp_path / "convergence.json").read_text())["curves"]] == ["second"]
 
 
-def test_path_that_depends_on_its_increments_fails_the_study(here, tmp_path, monkeypatch):
-    monkeypatch.setattr(convergence, "path_targets", lambda harmonics, increment: ([0.1 + 2e-5 * increment], 3))
-    assert study(tmp_path, SECOND, increments=(0.2, 0.05)) == 1
+@pytest.mark.parametrize(("change", "good"), [(0.9e-6, True), (1.1e-6, False)])
+def test_path_that_depends_on_its_increments_fails_the_study(here, tmp_path, monkeypatch, change, good):
+    def targets(harmonics, increment):  # against the finest
+        return [0.1 + change * (increment == 0.2)], 3
+
+    monkeypatch.setattr(convergence, "path_targets", targets)
+    assert (failing(study(tmp_path, SECOND, increments=(0.2, 0.05))) == []) is good
 
 
-def test_path_drift_is_against_the_finest():
-    assert not PathDrift((0.2, 0.05), (1.1e-6, 0.0), (1, 2)).met
-    assert PathDrift((0.2, 0.05), (0.9e-6, 0.0), (1, 2)).met
-
-
-def test_path_that_does_not_converge_is_told(here, tmp_path, capsys, monkeypatch):
+def test_path_that_does_not_converge_is_told(here, tmp_path, monkeypatch):
     def lost(harmonics, increment):
         raise ArithmeticError("not_converged")
 
     monkeypatch.setattr(convergence, "path_targets", lost)
-    assert study(tmp_path, SECOND) == 1
-    assert "FAILED: path: ArithmeticError: not_converged" in capsys.readouterr().out
+    assert failing(study(tmp_path, SECOND)) == ["path: answered (1: yes): error, ArithmeticError: not_converged"]
 
 
 def test_parts_of_the_study_reach_other_processes():
@@ -108,7 +113,7 @@ def test_parts_of_the_study_reach_other_processes():
     ids=["bem", "fem-graded", "fem-uniform", "persson", "paper-method"],
 )
 def test_rates_of_the_codes_are_those_predicted(curves):
-    assert [row_of(curve)[-1] for curve in curves()] == ["met"] * len(curves())
+    assert all(map(met, curves()))
 
 
 def test_graded_meshes_win_back_what_the_edges_cost():
@@ -130,8 +135,14 @@ def test_ensemble_groups_are_of_independent_realisations(monkeypatch):
     assert curve.samples == tuple(normal.tolist())
 
 
-def test_figures_carry_the_source_of_the_reference():
+def test_figures_of_every_kind_of_curve():
     spread = replace(SECOND, id="ensemble-area", samples=(0.1, 0.2, 0.3))
-    names = dict(figures_of([SECOND, TWICE, spread]))
-    assert set(names) == {f"convergence-{name}" for name in ("geometric", "others", "ensemble", "mean-area")}
-    assert "manufactured: a power law" in names["convergence-others"].lines[0].label
+    names = [figure.id for figure in figures_of([SECOND, TWICE, spread])]
+    assert names == [f"convergence-{name}" for name in ("geometric", "others", "ensemble", "mean-area")]
+
+
+def test_rows_carry_the_source_of_the_reference():
+    assert (
+        "manufactured" in rate_rows(SECOND)[0].reference.source
+        and "a power law" in rate_rows(SECOND)[0].reference.source
+    )

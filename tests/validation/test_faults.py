@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from carried import carried, failing, silent
 from in_this_process import forking
 
 from validation.__main__ import main
@@ -22,10 +23,6 @@ from validation.studies.faults.faults import Runs, control_run, examine_faults
 HERE = Path(__file__).parent
 SHORT = ("exact.waves", "states.fault_gaps", "states.identities", "theory.theory_accuracy", "suite.harness")
 QUICK = Studied(tuple(f for f in faults_in() if f.quick), modules=tuple(f"validation.cases.{name}" for name in SHORT))
-
-
-def silent(note):
-    return None
 
 
 def runs(folder, studied=QUICK, jobs=1):
@@ -51,17 +48,17 @@ def apart(monkeypatch):
 
 @pytest.fixture(scope="module")
 def studied(tmp_path_factory):
-    """The whole study of the example, once: exit code, faults.json and folder."""
+    """The whole study of the example, once: what fails, faults.json and folder."""
     folder = tmp_path_factory.mktemp("faults")
     sys.path.insert(0, str(HERE))
     try:
         import example_faults
 
         with forking():
-            code = faults.run(folder, False, silent, example_faults.STUDIED)
+            told = failing(carried(faults, folder, quick=False, studied=example_faults.STUDIED))
     finally:
         sys.path.remove(str(HERE))
-    return code, json.loads((folder / "faults.json").read_text()), folder
+    return told, json.loads((folder / "faults.json").read_text()), folder
 
 
 def fault_of(studied, name):
@@ -90,16 +87,14 @@ def test_what_fails_by_name_is_noticed_and_not_counted_as_caught(studied, name, 
 
 
 def test_study_fails_for_what_its_case_does_not_notice(studied):
-    code, content, _ = studied
-    assert code == 1
-    assert content["failures"] == ["never: uses-function, which must notice it, does not; nothing notices it"]
+    (why,) = studied[0]
+    assert why.endswith("deviates, never: uses-function, which must notice it, does not; nothing notices it")
 
 
 def test_other_case_that_notices_is_named(example, tmp_path):
     loosely = replace(example.FAULTS[0], case="uses-method")
-    assert faults.run(tmp_path, True, silent, replace(example.STUDIED, faults=(loosely,))) == 1
-    (line,) = json.loads((tmp_path / "faults.json").read_text())["failures"]
-    assert line.endswith("uses-method, which must notice it, does not; noticed by uses-function, uses-function-loosely")
+    (why,) = failing(carried(faults, tmp_path, studied=replace(example.STUDIED, faults=(loosely,))))
+    assert why.endswith("uses-method, which must notice it, does not; noticed by uses-function, uses-function-loosely")
 
 
 def test_planned_faults_are_reported(studied):
@@ -111,11 +106,10 @@ def test_figure_shows_every_fault(studied):
     assert all(f">{name}<" in text for name in ("off", "crash", "blank", "die", "never"))
 
 
-def test_red_base_proves_nothing(example, tmp_path, monkeypatch, capsys):
+def test_red_base_proves_nothing(example, tmp_path, monkeypatch):
     red = Examined((faults_record(example, example.red),), {})
     monkeypatch.setattr(faults, "control_run", lambda *_: red)
-    assert faults.run(tmp_path, True, silent, example.STUDIED) == 1
-    assert "control run is not green: red: deviates" in capsys.readouterr().out
+    assert failing(carried(faults, tmp_path, studied=example.STUDIED))[0].endswith("deviates, red: deviates")
     assert json.loads((tmp_path / "faults.json").read_text())["faults"] == []
 
 
@@ -211,10 +205,10 @@ def test_interrupted_study_goes_on_to_the_same_report(studied, example, tmp_path
 
     monkeypatch.setattr(store, "run_in_processes", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        faults.run(tmp_path, True, silent, example.STUDIED)
+        carried(faults, tmp_path, studied=example.STUDIED)
     monkeypatch.setattr(store, "run_in_processes", noted)
     for asked in (["off"], []):  # the control run is not repeated, then nothing is
-        assert faults.run(tmp_path, True, silent, example.STUDIED) == 0
+        assert failing(carried(faults, tmp_path, studied=example.STUDIED)) == []
         assert begun == asked
         begun.clear()
     first = json.loads((tmp_path / "faults.json").read_text())

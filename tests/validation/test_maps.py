@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from carried import carried, failing
 from in_this_process import here
 from matplotlib.colors import LogNorm, Normalize
 
@@ -33,9 +34,9 @@ def test_full_study_covers_the_axes():
 )
 def test_study_runs_on_any_executor(words, jobs, tmp_path, monkeypatch):
     seen = []
-    monkeypatch.setattr(maps, "run_over", lambda axes, *rest: seen.append((axes, rest[-2])) or 0)
+    monkeypatch.setattr(maps, "cases", lambda bench: seen.append((bench.quick, bench.jobs)) or [])
     assert command_line.main(["study", "maps", *words, "--out", str(tmp_path)]) == 0
-    assert seen == [(corpus.FULL_AXES, jobs)]
+    assert seen == [(False, jobs)]
 
 
 def test_realisations_of_a_point_differ_in_their_seed_alone():
@@ -85,14 +86,23 @@ def test_integral_of_a_rectangular_loop_is_its_area():
 
 
 @pytest.mark.parametrize(("integral", "failures"), [(0.9, 0), (0.3, 1), (-1.0, 1)], ids=["near", "far", "other sign"])
-def test_loop_that_does_not_balance_is_a_failure(integral, failures):
+def test_loop_that_does_not_balance_is_named(integral, failures):
     made = corpus.Run("one", "converged", 2.0, 1.0, 0.1, integral, 10.0, 0.03, 1.0, 20, 0)
-    assert len(list(maps._failures(Gathered((), ("one",)), [made]))) == failures
+    assert len(list(maps._unbalanced([made]))) == failures
 
 
-def test_state_that_is_not_certified_is_a_failure():
+def test_states_that_are_not_certified_and_missing_realisations_fail(tmp_path, monkeypatch):
     made = corpus.Run("one", "converged", 2.0, 1.0, 0.1, 1.0, 10.0, 0.03, 1.0, 20, 1)
-    assert list(maps._failures(Gathered((), ("one",)), [made])) == ["one: 1 of 20 states are not certified"]
+
+    def gathered(members, *_):
+        return Gathered((), (), (), {member.name: "no memory" for member in members[1:]})
+
+    monkeypatch.setattr(maps, "run_ensemble", gathered)
+    monkeypatch.setattr(maps, "read_member", lambda *_: None)
+    monkeypatch.setattr(maps, "reduced", lambda *_: made)
+    told = failing(carried(maps, tmp_path))
+    assert "no memory" in told[0]
+    assert told[1] == "realisations with states that are not certified: deviates, one: 1 of 20"
 
 
 @pytest.mark.slow
@@ -163,14 +173,16 @@ def test_executor_of_a_study_that_has_none_is_refused(tmp_path):
 @pytest.mark.slow
 def test_quick_study_balances_and_goes_on_where_it_ended(tmp_path):
     notes = []
-    assert maps.run(tmp_path, True, notes.append, 1, here) == 0
+    report = carried(maps, tmp_path, say=notes.append, opener=here)
+    assert failing(report) == []
+    assert len(report.cases[0].tables) == 9
     assert {path.name for path in tmp_path.glob("*.csv")} == {
         f"{plane}-{quantity}.csv"
         for plane in ("roughness", "adhesion", "layer")
         for quantity in ("slope", "loop", "tension")
     }
     again = []
-    assert maps.run(tmp_path, True, again.append, 1, here) == 0
+    assert failing(carried(maps, tmp_path, say=again.append, opener=here)) == []
     assert again[0].text == f"{len(notes)} of {len(notes)} members are there already"
     values = list(csv.reader(io.StringIO((tmp_path / "adhesion-loop.csv").read_text())))[1:]
     assert [float(line[2]) for line in values if float(line[1]) == 0.0] == [0.0, 0.0]
@@ -184,7 +196,7 @@ def test_stored_maps_are_whole_and_without_failures():
     names = {corpus.member_of(point, k).name for point in points for k in range(corpus.FULL_AXES.seeds)}
     assert set(stored) == names
     assert all(run.not_certified == 0 for run in stored.values())
-    assert list(maps._failures(Gathered((), tuple(stored)), list(stored.values()))) == []
+    assert list(maps._unbalanced(stored.values())) == []
 
 
 def test_stored_tension_is_none_where_the_loop_does_not_close():

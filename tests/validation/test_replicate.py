@@ -32,6 +32,7 @@ from validation.replicate.pressure import density
 from validation.replicate.statements import Alternative, disagreement, stale, statement
 from validation.report.figures import linked, table_of, write_figure
 from validation.report.render import render
+from validation.studies.bench import Bench
 
 TINY = Size(seeds=2, harmonics=16, fewer_harmonics=12, hurst_seeds=2)
 
@@ -331,7 +332,7 @@ def test_unknown_executor_is_bad_input(tmp_path):
 def test_topics_without_an_ensemble_are_not_run_with_the_reason(tmp_path, monkeypatch):
     replicate = import_module("validation.replicate")
     monkeypatch.setattr(replicate, "run_ensemble", lambda *_: Gathered((), (), (), {"loading-00": "no memory"}))
-    report = replicate.replicate(tmp_path, TINY, 1, here, lambda note: None, "replicate")
+    report = replicate.replicate(Bench(tmp_path, True, lambda note: None, 1, here), TINY, "replicate")
     assert {case.status for case in report.cases[2:]} == {"not run"}
     assert all("2 at least are needed" in case.message for case in report.cases[2:])
     assert [line[7] for line in report.cases[0].tables[0].rows] == ["not run"] * 9

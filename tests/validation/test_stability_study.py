@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import example_outcomes as examples
 import pytest
+from carried import carried, failing, lines
 
 from validation import __main__ as command_line
 from validation.cases.suite import reduced_hard_cases as registered
@@ -14,7 +15,7 @@ from validation.harness import store
 from validation.harness.execution import Ended
 from validation.harness.verdict import verdict_of
 from validation.studies import stability
-from validation.studies.stability import summary
+from validation.studies.stability import judged, summary
 
 FLAT = Trial("bem", "flat", "reduced", 120.0)
 TASKS = (FLAT, Trial("fem", "apart", "reduced", 120.0), Trial("persson", "one_line", "reduced", 120.0))
@@ -81,19 +82,22 @@ def test_converged_and_correct_are_counted_apart():
     assert (found["not converged"], found["crashed"], found["timed out"]) == (1, 1, 1)
 
 
-def test_summary_names_the_denominator_and_every_failure():
+def test_rows_name_the_denominator_and_every_failure():
     rows = [row_of(FLAT, examples.outcome()), row_of(TASKS[1], ValueError("no"))]
-    lines = summary(rows, 2)
-    assert lines[0] == "planned 2, reported 2"
-    assert [line for line in lines if line.startswith("FAILED")] == [
-        "FAILED fem apart: fem apart: crashed, NOT correct; ValueError: no"
+    assert [row.quantity for row in judged(rows)] == [
+        f"{code}: of 1 cases, {what}"
+        for code in ("bem", "fem")
+        for what in ("not ended as expected", "ended as expected and not correct")
+    ]
+    assert [row.message for row in judged(rows) if row.computed != [0.0]] == [
+        "fem apart: crashed, NOT correct; ValueError: no"
     ]
 
 
 def test_slow_reduced_cases_are_named():
     slow = replace(row_of(FLAT, examples.outcome()), seconds=11.0)
-    assert "above 10 s of CPU time: flat (11.0 s)" in summary([slow], 1)
-    assert not any("above" in line for line in summary([replace(slow, form="full")], 1))
+    assert ["bem", "above 10 s of CPU time: flat", "11.0 s"] in summary([slow]).rows
+    assert not any("above" in str(line[1]) for line in summary([replace(slow, form="full")]).rows)
 
 
 # The whole study
@@ -117,29 +121,29 @@ def here(monkeypatch):
 
 
 def study(folder, measure=None, tasks=TASKS, jobs=1):
-    return stability.run(folder, True, lambda note: None, tasks, measure, jobs)
+    return carried(stability, folder, tasks=tasks, measure=measure, jobs=jobs)
 
 
 def stored(folder):
     return json.loads((folder / "stability.json").read_text())
 
 
-def test_study_writes_and_prints_its_table(here, tmp_path, capsys):
-    assert study(tmp_path, examples.converge) == 0
+def test_study_writes_its_table(here, tmp_path):
+    report = study(tmp_path, examples.converge)
+    assert failing(report) == []
     assert (stored(tmp_path)["planned"], stored(tmp_path)["reported"]) == (3, 3)
-    assert [row[1] for row in stored(tmp_path)["table"]["rows"]] == ["flat", "apart", "one_line"]
-    assert "planned 3, reported 3" in capsys.readouterr().out
+    assert [row[1] for row in report.cases[0].tables[1].rows] == ["flat", "apart", "one_line"]
 
 
-def test_a_failure_is_told_by_the_exit_code(here, tmp_path):
-    assert study(tmp_path, examples.crash) == 1
+def test_a_failure_fails_the_report(here, tmp_path):
+    assert len(failing(study(tmp_path, examples.crash))) == 3  # one for each code
     assert stored(tmp_path)["counts"]["crashed"] == 3
 
 
 def test_finished_cases_are_not_run_again(here, tmp_path):
     study(tmp_path, examples.converge, TASKS[:2])
     here.clear()
-    assert study(tmp_path, examples.converge) == 0
+    assert failing(study(tmp_path, examples.converge)) == []
     assert here == ["one_line"]
     assert [row["id"] for row in stored(tmp_path)["rows"]] == ["flat", "apart", "one_line"]
 
@@ -147,7 +151,7 @@ def test_finished_cases_are_not_run_again(here, tmp_path):
 def test_cases_that_crashed_are_run_again(here, tmp_path):
     study(tmp_path, examples.crash)
     here.clear()
-    assert study(tmp_path, examples.converge) == 0
+    assert failing(study(tmp_path, examples.converge)) == []
     assert here == ["flat", "apart", "one_line"]
 
 
@@ -162,23 +166,22 @@ def test_rows_of_other_sources_are_not_kept(here, tmp_path, monkeypatch):
 def test_rows_of_the_other_form_do_not_count(here, tmp_path):
     study(tmp_path, examples.converge)
     full = [replace(task, form="full") for task in TASKS]
-    assert study(tmp_path, examples.converge, full) == 0
+    assert failing(study(tmp_path, examples.converge, full)) == []
     assert {row["form"] for row in stored(tmp_path)["rows"]} == {"full"}
 
 
 def test_a_lost_case_is_an_error_of_the_study(here, tmp_path, monkeypatch):
     monkeypatch.setattr(stability, "_rows", lambda *_: iter([row_of(FLAT, examples.outcome())]))
-    with pytest.raises(RuntimeError, match="planned 3 cases"):
-        study(tmp_path, examples.converge)
+    assert failing(study(tmp_path, examples.converge)) == ["error, RuntimeError: planned 3 cases, 1 of them reported"]
 
 
 def test_dead_process_is_a_crashed_row(forked, tmp_path):
-    assert study(tmp_path, examples.die, [FLAT]) == 1
+    assert failing(study(tmp_path, examples.die, [FLAT]))
     assert stored(tmp_path)["rows"][0]["message"].startswith("WorkerDiedError")
 
 
 def test_cases_side_by_side_end_as_alone_and_stand_in_order(forked, tmp_path):
-    assert study(tmp_path, examples.one_dies_one_crashes, jobs=2) == 1
+    assert failing(study(tmp_path, examples.one_dies_one_crashes, jobs=2))
     assert [(row["id"], row["message"].split(":")[0]) for row in stored(tmp_path)["rows"]] == [
         ("flat", "WorkerDiedError"),
         ("apart", "ZeroDivisionError"),
@@ -188,21 +191,21 @@ def test_cases_side_by_side_end_as_alone_and_stand_in_order(forked, tmp_path):
 
 def test_time_limit_of_a_case_leaves_that_beside_it(forked, tmp_path):
     tasks = [replace(TASKS[0], limit=1.0), *TASKS[1:]]
-    assert study(tmp_path, examples.one_never_ends, tasks, jobs=2) == 1
+    assert failing(study(tmp_path, examples.one_never_ends, tasks, jobs=2))
     assert [row["ending"] for row in stored(tmp_path)["rows"]] == ["timed out", "converged", "converged"]
 
 
 @pytest.mark.parametrize(("words", "jobs"), [([], 1), (["--jobs", "2"], 2)], ids=["alone", "side by side"])
 def test_command_line_takes_one_case_at_a_time_unless_asked(words, jobs, tmp_path, monkeypatch):
     seen = []
-    monkeypatch.setattr(stability, "run", lambda *_, jobs: seen.append(jobs) or 0)
+    monkeypatch.setattr(stability, "cases", lambda bench: seen.append(bench.jobs) or [])
     assert command_line.main(["study", "stability", *words, "--out", str(tmp_path)]) == 0
     assert seen == [jobs]
 
 
 @pytest.mark.parametrize("task", TASKS, ids=[task.code for task in TASKS])
 def test_cases_of_every_code_run_for_real(task, here, tmp_path):
-    assert study(tmp_path, None, [task]) == 0
+    assert failing(study(tmp_path, None, [task])) == []
 
 
 # Random scenes
@@ -211,7 +214,7 @@ RANDOM = stability.random_tasks(3, 7)
 
 
 def random_study(folder, measure, jobs=1, tasks=RANDOM):
-    return stability.run(folder, True, lambda note: None, tasks, measure, jobs, stability.RANDOM_FILE)
+    return carried(stability, folder, tasks=tasks, measure=measure, jobs=jobs, file=stability.RANDOM_FILE)
 
 
 def random_stored(folder):
@@ -223,11 +226,10 @@ def test_random_scenes_do_not_depend_on_their_number():
     assert stability.random_tasks(5, 7)[:3] == RANDOM
 
 
-def test_findings_are_counted_by_kind_and_scene(here, tmp_path, capsys):
-    assert random_study(tmp_path, examples.found) == 1
-    reported = capsys.readouterr().out
-    assert "planned 3, reported 3" in reported
-    assert "with findings: energy balance 1, shift 1" in reported
+def test_findings_are_counted_by_kind_and_scene(here, tmp_path):
+    report = random_study(tmp_path, examples.found)
+    assert len(failing(report)) == 1
+    assert {"all with a finding of energy balance 1", "all with a finding of shift 1"} <= set(lines(report))
     stored = random_stored(tmp_path)
     assert stored["findings"] == {"energy balance": 1, "shift": 1}
     assert (stored["counts"]["correct"], stored["counts"]["converged, not correct"]) == (2, 1)
@@ -255,26 +257,26 @@ def test_more_scenes_of_a_seed_go_on_where_fewer_ended(here, tmp_path):
 
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_scene_that_kills_the_process_it_shares_costs_no_other(forked, tmp_path, jobs):
-    assert random_study(tmp_path, examples.die_at_the_second, jobs) == 1
+    assert failing(random_study(tmp_path, examples.die_at_the_second, jobs))
     assert [row["ending"] for row in random_stored(tmp_path)["rows"]] == ["converged", "crashed", "converged"]
 
 
 def test_scene_that_never_ends_costs_no_other(forked, tmp_path):
     tasks = [RANDOM[0], replace(RANDOM[1], limit=0.3), RANDOM[2]]
-    assert random_study(tmp_path, examples.sleep_at_the_second, tasks=tasks) == 1
+    assert failing(random_study(tmp_path, examples.sleep_at_the_second, tasks=tasks))
     assert [row["ending"] for row in random_stored(tmp_path)["rows"]] == ["converged", "timed out", "converged"]
 
 
 def test_a_random_scene_runs_for_real(here, tmp_path):
-    assert random_study(tmp_path, None, tasks=stability.random_tasks(1, 0)) == 0
+    assert failing(random_study(tmp_path, None, tasks=stability.random_tasks(1, 0))) == []
 
 
 def test_command_line_takes_random_scenes(tmp_path, monkeypatch):
     seen = []
-    monkeypatch.setattr(stability, "run", lambda *given, **named: seen.append(named) or 0)
+    monkeypatch.setattr(stability, "cases", lambda bench, **named: seen.append((bench.jobs, named)) or [])
     words = ["study", "stability", "--random", "3", "--seed", "7", "--jobs", "2", "--out", str(tmp_path)]
     assert command_line.main(words) == 0
-    assert seen == [{"tasks": RANDOM, "jobs": 2, "file": stability.RANDOM_FILE}]
+    assert seen == [(2, {"tasks": RANDOM, "file": stability.RANDOM_FILE})]
 
 
 @pytest.mark.parametrize(

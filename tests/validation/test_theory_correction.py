@@ -3,9 +3,11 @@
 import json
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from carried import carried, failing
 from in_this_process import here
 
 import persson
@@ -140,9 +142,17 @@ def few_spectra(monkeypatch):
     monkeypatch.setattr(correction_page, "SHOWN_BANDWIDTHS", (30, 1000))
 
 
-def test_page_says_what_was_measured(content, made, few_spectra):
-    facts = provenance()
-    report = theory_correction.report_of(content, made, 6, facts, short=False)
+def page_of(content, made, short):
+    """The report of the page alone."""
+
+    def cases(bench):
+        return [correction_page.case_of(lambda: correction_page.outcome(content, made, 6, short), content["domain"])]
+
+    return cases
+
+
+def test_page_says_what_was_measured(content, made, few_spectra, tmp_path):
+    report = carried(SimpleNamespace(cases=page_of(content, made, short=False)), tmp_path)
     rows = {row.quantity.split(",")[0]: row.computed[0] for row in report.cases[0].rows}
     assert rows["area without adhesion"] == pytest.approx(1 - 1 / 1.1, rel=1e-3)
     assert rows["separation without adhesion"] == pytest.approx(rms([o.error("separation", CALIBRATED) for o in made]))
@@ -159,20 +169,17 @@ def test_page_says_what_was_measured(content, made, few_spectra):
 
 
 def test_short_form_judges_nothing(content, made, few_spectra):
-    facts = provenance()
-    report = theory_correction.report_of(content, made, 6, facts, short=True)
-    assert {row.status for row in report.cases[0].rows} == {"not run"}
+    rows = correction_page.outcome(content, made, 6, True).rows
+    assert {row.status for row in rows} == {"not run"}
     assert len(chosen(made, adhesive=True)) == 0
 
 
 @pytest.mark.slow
 def test_quick_study_runs_and_goes_on_where_it_ended(tmp_path):
-    notes = []
-    assert theory_correction.run(tmp_path, True, notes.append, 1, here) == 0
+    assert failing(carried(theory_correction, tmp_path, opener=here)) == []
     content = json.loads((tmp_path / "calibration.json").read_text("utf-8"))
     assert set(content["coefficients"]) == set(NAMES)
-    assert (tmp_path / "report.html").is_file()
     again = []
-    assert theory_correction.run(tmp_path, True, again.append, 1, here) == 0
+    assert failing(carried(theory_correction, tmp_path, say=again.append, opener=here)) == []
     assert "are there already" in again[0].text
     assert json.loads((tmp_path / "calibration.json").read_text("utf-8"))["coefficients"] == content["coefficients"]

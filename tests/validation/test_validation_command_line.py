@@ -16,8 +16,11 @@ from validation import __main__ as command_line
 from validation.__main__ import main
 from validation.command_line import front_door
 from validation.harness import baseline
+from validation.harness.case import Outcome
+from validation.harness.schema import Table
 from validation.report import render
 from validation.studies import cost
+from validation.studies.bench import none_of, study_case
 from validation.studies.own_scene import BUDGET, SEEDS
 
 HERE = Path(__file__).parent
@@ -306,11 +309,25 @@ def test_update_from_a_report_of_other_sources_is_refused(stored, capsys):
 
 
 @pytest.mark.parametrize(("words", "quick"), [(["--quick"], True), ([], False)])
-def test_study_is_run_with_its_options(monkeypatch, tmp_path, words, quick):
-    given = []
-    monkeypatch.setattr(cost, "run", lambda folder, quick, report: given.append((folder, quick)) or 1)
-    assert main(["study", "cost", "--out", str(tmp_path), *words]) == 1
-    assert given == [(tmp_path, quick)]
+@pytest.mark.parametrize(("found", "code"), [([], 0), (["seed 1"], 1)], ids=["holds", "fails"])
+def test_study_is_a_report_of_its_cases(monkeypatch, tmp_path, capsys, words, quick, found, code):
+    outcome = Outcome((none_of("runs that fail", found),), tables=(Table(caption="All.", columns=["n"], rows=[[8]]),))
+    seen = []
+
+    def cases(bench):
+        seen.append((bench.folder, bench.quick, bench.jobs))
+        return [study_case("cost", lambda: outcome, "What?", "none", "carbone2009")]
+
+    monkeypatch.setattr(cost, "cases", cases)
+    assert main(["study", "cost", "--out", str(tmp_path), *words]) == code
+    assert seen == [(tmp_path, quick, 1)]
+    assert (
+        report_of(tmp_path)["command"] == f"python -m validation study cost{' --quick' * quick} --out {tmp_path.name}"
+    )
+    assert "runs that fail" in (tmp_path / "report.html").read_text("utf-8")
+    told = capsys.readouterr()
+    assert told.out.startswith("All.\nn\n8\n")
+    assert ("FAILED cost: runs that fail: deviates, seed 1" in told.err) == bool(code)
 
 
 @pytest.mark.parametrize("words", [[], ["dance"], ["study", "dance"], ["run"], ["baseline", "update", "a"]])

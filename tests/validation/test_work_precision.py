@@ -7,6 +7,7 @@ from dataclasses import replace
 import example_methods as example
 import numpy as np
 import pytest
+from carried import carried, failing, lines
 from scipy.integrate import quad
 
 from validation.references.closed_forms import Sinusoid
@@ -24,37 +25,39 @@ SINUSOID = scenes()["sinusoid"]
 
 
 def study(folder, methods, sources):
-    return work_precision.run(folder, True, lambda note: None, methods, sources, with_prices=False)
+    return carried(work_precision, folder, methods=methods, sources=sources, with_prices=False)
 
 
-def test_study_writes_points_conclusion_and_figure(here, tmp_path, capsys):
-    assert study(tmp_path, [example.method()], example.TRUTH) == 0
+def test_study_writes_points_conclusion_and_figure(here, tmp_path):
+    report = study(tmp_path, [example.method()], example.TRUTH)
+    assert failing(report) == []
     stored = json.loads((tmp_path / "work-precision.json").read_text())
     assert [point["error"] for point in stored["points"]] == pytest.approx([0.1, None, 1e-4, 1e-12], abs=1e-15)
     assert [point["within_uncertainty"] for point in stored["points"]] == [False, False, False, True]
-    reported = capsys.readouterr().out
-    assert "sinusoid: 4 digits cost least with halving at 0.0001" in reported
-    assert "not run on theory: it is no theory" in reported
-    assert (tmp_path / "work-precision-sinusoid.svg").read_text().startswith("<?xml")
+    told = lines(report)
+    assert any(line.startswith("sinusoid: 4 digits cost least with halving at 0.0001") for line in told)
+    assert "halving not run on theory: it is no theory" in told
+    _, points, grey, shade = report.cases[0].figures[0].solution.series
+    assert points.notes == ["10", "10000", "1000000000000"]
+    assert (grey.style, len(grey.x), shade.x[1]) == ("grey", 1, pytest.approx(1e-9))
 
 
-def test_setting_that_fails_stays_with_its_message(here, tmp_path, capsys):
-    study(tmp_path, [example.method()], example.TRUTH)
-    stored = json.loads((tmp_path / "work-precision.json").read_text())
-    failed = stored["points"][1]["timed"]
+def test_setting_that_fails_stays_with_its_message(here, tmp_path):
+    report = study(tmp_path, [example.method()], example.TRUTH)
+    failed = json.loads((tmp_path / "work-precision.json").read_text())["points"][1]["timed"]
     assert (failed["setting"], failed["status"]) == ("0.25", "ArithmeticError: the matrix is singular")
-    assert "the matrix is singular" in capsys.readouterr().out
-    assert "the matrix is singular" in (tmp_path / "work-precision-sinusoid.svg").read_text()
+    assert any(line.endswith("the matrix is singular") for line in lines(report))
+    assert "Failed: halving at 0.25: ArithmeticError: the matrix is singular." in report.cases[0].figures[0].caption
 
 
-def test_method_that_fails_everywhere_fails_the_study(here, tmp_path, capsys):
-    assert study(tmp_path, [example.method(solve=example.never)], example.TRUTH) == 1
-    assert "FAILED: sinusoid, halving: no setting has an answer" in capsys.readouterr().out
+def test_method_that_fails_everywhere_fails_the_study(here, tmp_path):
+    (told,) = failing(study(tmp_path, [example.method(solve=example.never)], example.TRUTH))
+    assert told == "methods without an answer at any setting of a scene: deviates, sinusoid, halving"
 
 
-def test_reference_that_fails_is_told(here, tmp_path, capsys):
-    assert study(tmp_path, [example.method()], example.LOST) == 1
-    assert "reference lost: ArithmeticError: reference not converged" in capsys.readouterr().out
+def test_reference_that_fails_is_told(here, tmp_path):
+    told = failing(study(tmp_path, [example.method()], example.LOST))
+    assert "sinusoid, reference: lost: answered (1: yes): error, ArithmeticError: reference not converged" in told
 
 
 def test_measurement_repeats_and_takes_the_least():

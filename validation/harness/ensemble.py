@@ -35,6 +35,10 @@ class OtherSceneError(ValueError):
     """The stored result is that of another scene."""
 
 
+class MissingResultError(RuntimeError):
+    """Members of an ensemble have no result: which, and why."""
+
+
 @dataclass(frozen=True)
 class Member:
     """One solution of an ensemble."""
@@ -123,14 +127,12 @@ def run_ensemble(
 
 
 def results_of(
-    groups: Mapping[Group, Sequence[Member]], folder: Path, report: Listener, jobs: int, opener: Opener
-) -> dict[Group, list[Result]] | None:
-    """The results of groups of members (`run_ensemble`); None, and what failed is reported, when one did."""
+    groups: Mapping[Group, Sequence[Member]], folder: Path, jobs: int, report: Listener, opener: Opener
+) -> dict[Group, list[Result]]:
+    """The results of groups of members (`run_ensemble`); MissingResultError where one failed."""
     done = run_ensemble([one for members in groups.values() for one in members], folder, jobs, report, opener)
-    for name, why in done.failed.items():
-        report(Note(f"FAILED {name}: {why}"))
     if done.failed:
-        return None
+        raise MissingResultError("; ".join(f"{name}: {why}" for name, why in done.failed.items()))
     return {group: [read_member(one, folder) for one in members] for group, members in groups.items()}
 
 

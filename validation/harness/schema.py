@@ -11,6 +11,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+from collections.abc import Iterable
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
@@ -122,15 +123,16 @@ class Row(_Strict):
 class Series(_Strict):
     """One curve or set of points; a `band` or error `bars` lie between `y` and `upper`, `thin` curves stay behind.
 
-    Series of one `hue` share a colour; without it, each takes the next one.
+    Series of one `hue` share a colour; without it, each takes the next one. `notes` stand beside the points.
     """
 
     label: str
     x: list[float | None]
     y: list[float | None]
-    style: Literal["line", "points", "dots", "dashed", "band", "bars", "thin"] = "line"
+    style: Literal["line", "points", "dots", "dashed", "band", "bars", "thin", "grey"] = "line"
     upper: list[float | None] | None = None
     hue: int | None = Field(None, ge=0)
+    notes: list[str] = []
 
     @model_validator(mode="after")
     def _of_one_length(self) -> Series:
@@ -138,10 +140,16 @@ class Series(_Strict):
             raise ValueError(f"series {self.label!r}: {len(self.x)} values of x for {len(self.y)} of y")
         if (self.style in ("band", "bars")) != (self.upper is not None):
             raise ValueError(f"series {self.label!r}: a band or bars have an upper side, and nothing else has")
+        if self.notes and len(self.notes) != len(self.x):
+            raise ValueError(f"series {self.label!r}: {len(self.notes)} notes for {len(self.x)} points")
         for value in (*self.x, *self.y, *(self.upper or ())):
             if value is not None and DRAWN < abs(value) < math.inf:
                 raise ValueError(f"series {self.label!r}: {value:g}, at most {DRAWN:g} can be drawn")
         return self
+
+    def noted(self, notes: Iterable[object]) -> Series:
+        """The same with a text beside each point."""
+        return self.model_copy(update={"notes": [str(note) for note in notes]})
 
 
 class Panel(_Strict):

@@ -10,7 +10,6 @@ Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from functools import lru_cache, partial
 from pathlib import Path
 
@@ -18,10 +17,8 @@ from bem.command_line.console import scene_text
 from bem.scene.result_file import CorruptResultError
 from validation.harness.case import Case, Outcome
 from validation.harness.ensemble import Member, OtherSceneError, read_member, run_ensemble
-from validation.harness.execution import Listener, Note, answers_in_order
-from validation.harness.executors import Opener
-from validation.harness.provenance import provenance
-from validation.harness.runner import failed_record, record_of
+from validation.harness.execution import Note, answers_in_order
+from validation.harness.runner import failed_record
 from validation.harness.schema import SCHEMA, CaseRecord, Report
 from validation.replicate import (
     area,
@@ -42,10 +39,9 @@ from validation.replicate.members import faint as faint_members
 from validation.replicate.members import hurst as hurst_members
 from validation.replicate.members import shapes as shapes_member
 from validation.replicate.members import sketch as sketch_member
-from validation.report.figures import linked, write_figure
+from validation.studies.bench import Bench, reported
 
 GROUP = "the paper replicated"
-FIGURES = "figures"  # folder of their files, beside the report
 ENSEMBLE_EFFECTS = ("half_space", "adhesion", "slope_term", "spectra", "pressure_distribution")
 
 TOPICS: tuple[tuple[str, str, str, Callable[[Evidence], Outcome]], ...] = (
@@ -77,28 +73,25 @@ TOPICS: tuple[tuple[str, str, str, Callable[[Evidence], Outcome]], ...] = (
 )  # fmt: skip
 
 
-def replicate(folder: Path, size: Size, jobs: int, opener: Opener, say: Listener, command: str) -> Report:
+def replicate(bench: Bench, size: Size, command: str) -> Report:
     """Compute what is missing, write the figures, and hand back the report.
 
-    Realisations go to folder/members, figures (SVG, PDF, CSV) to folder/figures. The size is `members.PAPER`, or a
-    short form that replicates nothing; `command` is what the report says it was made with. OSError where the disk is
-    full or the folder not writable; what is stored stays whole, also at a KeyboardInterrupt.
+    Realisations go to members/ in the folder of the bench, figures (SVG, PDF, CSV) to figures/. The size is
+    `members.PAPER`, or a short form that replicates nothing; `command` is what the report says it was made with.
+    OSError where the disk is full or the folder not writable; what is stored stays whole, also at a KeyboardInterrupt.
     """
-    facts = provenance()
     begun = time.monotonic()
-    outcome = run_ensemble(all_members(size), folder / "members", jobs, say, opener)
-    say(Note("figures and statements"))
-    evidence = gather(size, folder / "members", outcome.failed)
-    topics = _topics(evidence, folder, outcome.failed, jobs)
-    records = [_record(_summary(topics)), *topics]
+    outcome = run_ensemble(all_members(size), bench.folder / "members", bench.jobs, bench.say, bench.opener)
+    bench.say(Note("figures and statements"))
+    evidence = gather(size, bench.folder / "members", outcome.failed)
+    topics = _topics(evidence, bench.folder, outcome.failed, bench.jobs)
     return Report(
         schema_=SCHEMA,
         level="replicate" if size == PAPER else "replicate, short form",
         command=command,
         planned=len(TOPICS) + 1,
-        provenance=facts | {"seconds": round(time.monotonic() - begun, 1), "jobs": jobs},
-        cases=records,
-        changes=[],
+        provenance=dict(bench.facts) | {"seconds": round(time.monotonic() - begun, 1), "jobs": bench.jobs},
+        cases=[reported(_summary(topics), bench.folder), *topics],
     )
 
 
@@ -106,8 +99,8 @@ def _topics(evidence: Evidence, folder: Path, failed: Mapping[str, str], jobs: i
     """Records of all topics, their figures written, in processes of this machine that begin with what takes longest."""
     asked = cases(evidence)
     if jobs == 1:
-        return [_written(case, folder) for case in asked]
-    from_store = partial(_written_from, evidence.size, folder, tuple(failed.items()))
+        return [reported(case, folder) for case in asked]
+    from_store = partial(_reported_from, evidence.size, folder, tuple(failed.items()))
     order = sorted(range(len(TOPICS)), key=lambda index: TOPICS[index][-1] is not pressure.compute)
     records: dict[int, CaseRecord] = {}
     for index, answer in zip(order, answers_in_order(from_store, order, jobs), strict=True):
@@ -119,23 +112,15 @@ def _topics(evidence: Evidence, folder: Path, failed: Mapping[str, str], jobs: i
     return [records[index] for index in range(len(TOPICS))]
 
 
-def _written_from(size: Size, folder: Path, failed: tuple[tuple[str, str], ...], index: int) -> CaseRecord:
-    """In a worker: the record of a topic from what is stored, its figures written."""
-    return _written(cases(_gathered(size, folder, failed))[index], folder)
+def _reported_from(size: Size, folder: Path, failed: tuple[tuple[str, str], ...], index: int) -> CaseRecord:
+    """In a worker: the record of a topic from what is stored."""
+    return reported(cases(_gathered(size, folder, failed))[index], folder)
 
 
 @lru_cache(maxsize=1)
 def _gathered(size: Size, folder: Path, failed: tuple[tuple[str, str], ...]) -> Evidence:
     """In a worker, once for all of its topics."""
     return gather(size, folder / "members", dict(failed))
-
-
-def _written(case: Case, folder: Path) -> CaseRecord:
-    """The record of a topic, its figures written."""
-    record = _record(case)
-    for figure in record.figures:
-        write_figure(figure, folder / FIGURES)
-    return record
 
 
 def gather(size: Size, folder: Path, failed: Mapping[str, str]) -> Evidence:
@@ -196,14 +181,3 @@ def _answered(compute: Callable[[Evidence], Outcome], evidence: Evidence) -> Out
     if compute is not realisations.compute and len(evidence.loading) < 2:
         return Outcome(skipped=f"{len(evidence.loading)} realisations reached {LOADS[-1]:g} E*; 2 at least are needed")
     return compute(evidence)
-
-
-def _record(case: Case) -> CaseRecord:
-    """What is reported of a topic; one that crashes is a row with its message."""
-    begun = time.perf_counter()
-    try:
-        outcome = case.compute()
-        figures = tuple(linked(figure, FIGURES) for figure in outcome.figures)
-        return record_of(case, replace(outcome, figures=figures), time.perf_counter() - begun)
-    except Exception as error:
-        return failed_record(case, f"{type(error).__name__}: {error}", time.perf_counter() - begun)

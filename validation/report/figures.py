@@ -214,10 +214,14 @@ def _draw_series(axes: Axes, series: Series, colour: str, marker: str) -> None:
         axes.plot(x, y, "-", linewidth=0.5, zorder=1.5, label=series.label, **shade)
     elif series.style == "dots":
         axes.plot(x, y, ".", color=colour, markersize=1.8, alpha=0.45, linestyle="none", label=series.label)
-    elif series.style == "points":
-        axes.plot(x, y, marker, color=colour, markersize=3.6, linestyle="none", label=series.label)
+    elif series.style in ("points", "grey"):  # grey: over points of the same place
+        shade = {"color": colour} if series.style == "points" else {"color": "#b8b8b8", "zorder": 3}
+        axes.plot(x, y, marker, markersize=3.6, linestyle="none", label=series.label, **shade)
     else:
         axes.plot(x, y, "--" if series.style == "dashed" else "-", color=colour, linewidth=1.4, label=series.label)
+    for place, note in zip(np.column_stack([x, y]), series.notes, strict=False):  # none, or one for each point
+        if np.isfinite(place).all():
+            axes.annotate(note, place, xytext=(3, 3), textcoords="offset points", fontsize=6.0, color=colour)
 
 
 def linked(figure: Figure, folder: str) -> Figure:

@@ -1,7 +1,8 @@
 """Studies: longer runs that answer one question about the suite itself.
 
-Each is a module of this package or of a folder of it, with `run(folder, quick, report, ...) -> exit code`; what else
-that takes are the options of the command which the study has.
+Each is a module of this package or of a folder of it, with `cases(bench, ...)`: cases (harness/case.py) that are
+computed at a bench (bench.py) and become one report; what else that takes are the options of the command which the
+study has.
 """
 
 from dataclasses import dataclass

@@ -11,7 +11,7 @@ Limits: half-space, loading; three hours of one core.
 """
 
 from collections.abc import Mapping
-from pathlib import Path
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -22,15 +22,13 @@ from persson.contact_slope import contact_fractions
 from persson.domain import groups_of, outside
 from persson.spectrum import DiscreteSpectrum
 from validation.harness.arrays import FloatArray
+from validation.harness.case import Case, Outcome
 from validation.harness.ensemble import Member, results_of
-from validation.harness.execution import Listener
-from validation.harness.executors import Opener, local_processes
-from validation.harness.provenance import provenance
-from validation.harness.store import write_json
+from validation.harness.schema import Table
 from validation.references.paper_problem import MODULUS, RMS_SLOPE, up_to
 from validation.studies import contact_slope
-from validation.studies.contact_slope import fitted_from, lines_of, name_of, rms
-from validation.studies.shown import text_table
+from validation.studies.bench import Bench, study_case
+from validation.studies.contact_slope import coefficient_table, fitted_from, hold_out_row, lines_of, name_of, rms
 
 SCHEMA = "linecontact-adhesive-edges-study/1"
 PARTS = ("fit", "hold_out", "second_hold_out")
@@ -131,59 +129,51 @@ def fitted(part: Mapping[str, Any]) -> dict[str, float]:
     return fitted_from(data()["coefficients"], residual, diff_step=1e-2, xtol=1e-4, ftol=1e-6)
 
 
-def run(folder: Path, quick: bool, report: Listener, jobs: int = 1, opener: Opener = local_processes) -> int:
-    """Run the study; 1 when a realisation failed.
+def cases(bench: Bench) -> list[Case]:
+    """The case of the study; quick: two realisations of one group in each part, which shows that everything runs."""
+    return [
+        study_case("area-from-the-edges", partial(_outcome, bench),
+                   "Which coefficients give the area with adhesion, and how far off is it on two hold-outs?",
+                   r"$\ln (A_{\text{theory}} / A_{\text{ensemble}})$, the area without adhesion from the same "
+                   "realisations (ratio) or from the theory (area)", "carbone2009", "half_space adhesion")
+    ]  # fmt: skip
 
-    The folder gets members and adhesive-edges.json; a second run continues where the first ended. Quick: two
-    realisations of one group in each part, which shows that everything runs.
-    """
-    parts = {}
-    for name in PARTS:
-        made = ensembles_of(data()[name], folder / name, quick, report, jobs, opener)
-        if made is None:
-            return 1
-        parts[name] = made
-    coefficients = fitted(parts["fit"])
-    packaged = data()["coefficients"]
+
+def _outcome(bench: Bench) -> Outcome:
+    parts = {name: ensembles_of(data()[name], bench, name) for name in PARTS}
+    coefficients, packaged = fitted(parts["fit"]), data()["coefficients"]
     errors = {
         f"{part}, {name}": misses(parts[part], packaged, paired)
         for part in PARTS[1:]
         for name, paired in (("ratio", True), ("area", False))
     }
-    content = {
-        "schema": SCHEMA,
-        "coefficients": coefficients,
-        **parts,
-        "hold_out_rms": {name: {"error": rms(miss), "noise": rms(noise)} for name, (miss, noise) in errors.items()},
-        "provenance": provenance(),
-    }
-    write_json(folder / FILE, content)
-    rows = [[name, value, packaged[name]] for name, value in coefficients.items()]
-    print(text_table(["coefficient", "found", "in the package"], rows))
-    for name, (miss, noise) in errors.items():
-        print(f"{name} of the areas: rms {rms(miss):.4f}, noise {rms(noise):.4f}, {len(miss)} loads")
-    return 0
+    found = {name: {"error": rms(miss), "noise": rms(noise)} for name, (miss, noise) in errors.items()}
+    bench.write(FILE, SCHEMA, coefficients=coefficients, **parts, hold_out_rms=found)
+    table = Table(
+        caption="Rms over the hold-outs by the coefficients of the package.",
+        columns=["hold-out", "rms", "noise", "loads"],
+        rows=[[name, *found[name].values(), miss.size] for name, (miss, _) in errors.items()],
+    )
+    stored = [data()[part]["rms"]["inside the domain"][name] for part in PARTS[1:] for name in ("ratio", "area")]
+    row = hold_out_row({name: one["error"] for name, one in found.items()}, stored, bench.quick)
+    return Outcome((row,), tables=(coefficient_table(coefficients, packaged), table))
 
 
-def ensembles_of(
-    plan: Mapping[str, Any], folder: Path, quick: bool, report: Listener, jobs: int, opener: Opener
-) -> dict[str, Any] | None:
-    """A part of the data file with areas of its own; None when a realisation failed."""
+def ensembles_of(plan: Mapping[str, Any], bench: Bench, part: str) -> dict[str, Any]:
+    """A part of the data file with areas of its own."""
     loads, root = np.array(plan["loads_over_E*h'"]), plan["seed_root"]
-    groups = plan["groups"][:1] if quick else plan["groups"]
+    groups = plan["groups"][:1] if bench.quick else plan["groups"]
     thetas = (0.0, *plan["thetas"])
     members = {
         (name_of(group), theta): [
             member(group, loads, root, k, theta)
-            for k in range(min(group["realisations"], QUICK) if quick else group["realisations"])
+            for k in range(min(group["realisations"], QUICK) if bench.quick else group["realisations"])
             if k not in group.get("left_out", ())
         ]
         for group in groups
         for theta in thetas
     }
-    results = results_of(members, folder, report, jobs, opener)
-    if results is None:
-        return None
+    results = results_of(members, bench.folder / part, bench.jobs, bench.say, bench.opener)
     areas = {key: np.array([_areas(result, loads) for result in found]) for key, found in results.items()}
     found = [
         {**group, "areas": [summary_of(areas[name, 0.0], areas[name, theta]) for theta in plan["thetas"]]}

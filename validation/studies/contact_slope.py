@@ -8,9 +8,8 @@ Limits: half-space, no adhesion; some minutes of one core.
 """
 
 import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,19 +18,20 @@ from scipy.optimize import least_squares
 from persson.contact_slope import contact_fractions, data
 from persson.spectrum import DiscreteSpectrum
 from validation.harness.arrays import FloatArray
+from validation.harness.case import Case, Outcome
 from validation.harness.ensemble import Member, results_of
-from validation.harness.execution import Listener
-from validation.harness.executors import Opener, local_processes
-from validation.harness.provenance import provenance
-from validation.harness.store import write_json
+from validation.harness.figure_data import drawn, marks, semilogx
+from validation.harness.rows import Against
+from validation.harness.schema import Cells, Row, Table
 from validation.references import paper_problem
 from validation.references.paper_problem import MODULUS, PERIOD, RMS_SLOPE
-from validation.studies.shown import text_table
+from validation.studies.bench import Bench, study_case
 
 SCHEMA = "linecontact-contact-slope-study/1"
 FILE = "contact-slope.json"
 SHORT = {"self-affine": "sa", "roll-off": "ro", "band": "nb", "gaussian": "ga", "lines": "li"}
 LEAST, FLOOR, QUICK = 0.02, 0.015, 2
+SAME = 0.1  # of a rms miss: within it ensembles of the same seeds give again what is stored
 QUICK_HARMONICS = 10
 
 Group = Mapping[str, Any]
@@ -88,54 +88,70 @@ def member(group: Group, loads: FloatArray, root: int, k: int) -> Member:
     return Member(f"{name_of(group)}-{root}-{k:03d}", scene)
 
 
-def run(folder: Path, quick: bool, report: Listener, jobs: int = 1, opener: Opener = local_processes) -> int:
-    """Run the study; 1 when a realisation failed.
+def cases(bench: Bench) -> list[Case]:
+    """The case of the study; quick: two realisations of the small groups, which shows that everything runs."""
+    return [
+        study_case("area-from-the-slope", partial(_outcome, bench),
+                   "Which coefficients give the area without adhesion, and how far off is it on a hold-out?",
+                   r"$\ln (A_{\text{theory}} / A_{\text{ensemble}})$ at contact fractions from 0.02", "persson2001",
+                   "half_space")
+    ]  # fmt: skip
 
-    The folder gets members/ and contact-slope.json; a second run continues where the first ended. Quick: two
-    realisations of the small groups, which shows that everything runs.
-    """
-    found: dict[str, Areas] = {}
-    for part in ("fit", "hold_out"):
-        plan = data()[part]
-        loads, roots = np.array(plan["loads_over_E*h'"]), plan["seed_roots"]
-        groups = [group for group in plan["groups"] if not quick or shape_of(group)[0][-1] <= QUICK_HARMONICS]
-        members = {
-            name_of(group): [
-                member(group, loads, root, k)
-                for root, count in zip(roots, group["realisations"], strict=True)
-                for k in range(min(count, QUICK) if quick else count)
-            ]
-            for group in groups
-        }
-        results = results_of(members, folder / part, report, jobs, opener)
-        if results is None:
-            return 1
-        found[part] = {}
-        for group in groups:
-            areas = np.array([[s.contact_fraction for s in result.targets] for result in results[name_of(group)]])
-            error = areas.std(axis=0, ddof=1) / np.sqrt(len(areas)) / areas.mean(axis=0)
-            found[part][name_of(group)] = group, areas.mean(axis=0), error
+
+def _outcome(bench: Bench) -> Outcome:
+    found = {part: _areas(bench, part) for part in ("fit", "hold_out")}
+    packaged, loads = data()["coefficients"], np.array(data()["hold_out"]["loads_over_E*h'"])
     coefficients = fitted(found["fit"], np.array(data()["fit"]["loads_over_E*h'"]))
-    loads = np.array(data()["hold_out"]["loads_over_E*h'"])
-    judged = {name: misses({name: one}, loads, data()["coefficients"]) for name, one in found["hold_out"].items()}
-    every = np.concatenate(list(judged.values()))
-    content = {
-        "schema": SCHEMA,
-        "coefficients": coefficients,
-        "hold_out_rms_of_the_package": rms(every),
-        "hold_out_rms_of_these": rms(misses(found["hold_out"], loads, coefficients)),
-        "hold_out": {
-            name: {"areas": area.tolist(), "relative_errors": error.tolist(), "misses": judged[name].tolist()}
-            for name, (_, area, error) in found["hold_out"].items()
-        },
-        "provenance": provenance(),
+    judged = {name: misses({name: one}, loads, packaged) for name, one in found["hold_out"].items()}
+    by_package = rms(np.concatenate(list(judged.values())))
+    held = {
+        name: {"areas": area.tolist(), "relative_errors": error.tolist(), "misses": judged[name].tolist()}
+        for name, (_, area, error) in found["hold_out"].items()
     }
-    write_json(folder / FILE, content)
-    packaged = data()["coefficients"]
-    rows = [[name, value, packaged[name]] for name, value in coefficients.items()]
-    print(text_table(["coefficient", "found", "in the package"], rows))
-    print(f"hold-out: rms {rms(every):.4f} by the package, {len(every)} loads; {folder / FILE}")
-    return 0
+    bench.write(FILE, SCHEMA, coefficients=coefficients, hold_out_rms_of_the_package=by_package,
+                hold_out_rms_of_these=rms(misses(found["hold_out"], loads, coefficients)), hold_out=held)  # fmt: skip
+    curves = [marks(name, area[area > LEAST], judged[name]) for name, (_, area, _) in found["hold_out"].items()]
+    figure = drawn("landing-hold-out", "Hold-out: the theory with the coefficients of the package over the ensembles.",
+                   semilogx("contact fraction of the ensemble", "ln (theory / ensemble)", *curves))  # fmt: skip
+    row = hold_out_row({"area": by_package}, [data()["hold_out"]["rms"]["all"]["error"]], bench.quick)
+    return Outcome((row,), (figure,), (coefficient_table(coefficients, packaged),))
+
+
+def hold_out_row(found: Mapping[str, float], stored: Sequence[float], quick: bool) -> Row:
+    """Rms misses of the package on its hold-outs, the same seeds again, beside those that its data file states."""
+    row = Against("self", "what the data file of the theory states").row(
+        f"rms miss on the hold-out: {', '.join(found)}", "", stored, found.values(), None, required=SAME,
+        pinned="unconverged")  # fmt: skip
+    judges_nothing = {"status": "not run", "message": "short form: it judges nothing"}
+    return row.model_copy(update=judges_nothing if quick else {})
+
+
+def coefficient_table(found: Mapping[str, float], packaged: Mapping[str, float]) -> Table:
+    """Coefficients beside those of the package."""
+    rows: list[Cells] = [[name, value, packaged[name]] for name, value in found.items()]
+    return Table(caption="Coefficients.", columns=["coefficient", "found", "in the package"], rows=rows)
+
+
+def _areas(bench: Bench, part: str) -> Areas:
+    """Mean areas and their errors of the groups of a part of the plan."""
+    plan = data()[part]
+    loads, roots = np.array(plan["loads_over_E*h'"]), plan["seed_roots"]
+    groups = [group for group in plan["groups"] if not bench.quick or shape_of(group)[0][-1] <= QUICK_HARMONICS]
+    members = {
+        name_of(group): [
+            member(group, loads, root, k)
+            for root, count in zip(roots, group["realisations"], strict=True)
+            for k in range(min(count, QUICK) if bench.quick else count)
+        ]
+        for group in groups
+    }
+    results = results_of(members, bench.folder / part, bench.jobs, bench.say, bench.opener)
+    found: Areas = {}
+    for group in groups:
+        areas = np.array([[s.contact_fraction for s in result.targets] for result in results[name_of(group)]])
+        error = areas.std(axis=0, ddof=1) / np.sqrt(len(areas)) / areas.mean(axis=0)
+        found[name_of(group)] = group, areas.mean(axis=0), error
+    return found
 
 
 def fitted(ensembles: Areas, loads: FloatArray) -> dict[str, float]:

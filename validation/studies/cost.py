@@ -5,15 +5,15 @@ again at a quarter of the increment: contact fraction and separation at the load
 1e-6 of themselves.  The full study does so for seeds 0 to 30; it adds seed 0 with 125 to 8000 harmonics and fits
 exponents, of the whole curve and of its part up to a contact fraction of a fifth.  Seed 0 is also taken
 apart, stage by stage and against patches (cost_breakdown.py), in a run of its own.  Without adhesion, where no path is
-needed, single loads are solved up to 100,000 harmonics.  A run that fails is a line with its message; finished runs are
-kept (harness/store.py).  Counts, memory and digits gate; seconds are those of the machine at hand.
+needed, single loads are solved up to 100,000 harmonics.  Counts, memory and digits gate; seconds are those
+of the machine at hand, and stand in tables.
 """
 
 import math
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
-from pathlib import Path
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,18 +21,25 @@ import numpy as np
 import bem
 from bem.scene.result import FINAL_STATUSES, Progress, State
 from bem.scene.scene import Scene, parse_scene
+from validation.harness.case import Case, Outcome
 from validation.harness.compare import fitted_order
-from validation.harness.execution import Listener, Note
-from validation.harness.provenance import provenance
-from validation.harness.schema import Table
-from validation.harness.store import plain, store_in, write_json
+from validation.harness.execution import Note
+from validation.harness.figure_data import drawn, loglog, trace
+from validation.harness.schema import Figure, Row, Table
+from validation.harness.store import plain
 from validation.references import adapters
-from validation.report.study_figures import Line, Plot, write_svg
-from validation.studies.cost_breakdown import Breakdown, dissected, figures_of, patch_exponents, stage_exponents
-from validation.studies.cost_breakdown import sentences as breakdown_sentences
+from validation.studies.bench import Bench, no_more, none_of, study_case
+from validation.studies.cost_breakdown import (
+    Breakdown,
+    breakdown_tables,
+    dissected,
+    figures_of,
+    patch_exponents,
+    stage_exponents,
+)
 from validation.studies.shown import peak_megabytes
 
-SCHEMA = "linecontact-cost/1"
+SCHEMA = "linecontact-cost/2"
 FILE = "cost.json"
 SEEDS, ALL_SEEDS, PAPER_HARMONICS = range(3), range(31), 1000  # 0 to 10 are the paper's
 HARMONICS = (125, 250, 500, 1000, 2000, 4000, 8000)
@@ -63,14 +70,10 @@ class PaperRun:
 
 
 @dataclass(frozen=True)
-class Cost:
+class Cost(PaperRun):
     """What a realisation cost, and what path convergence is judged by."""
 
-    seed: int
-    harmonics: int
-    increment: float
-    load: float | None
-    status: str
+    status: str = ""
     wall_seconds: float = math.nan
     cpu_seconds: float = math.nan
     cpu_seconds_to_a_fifth: float = math.nan
@@ -114,46 +117,63 @@ def realisations_of(quick: bool) -> list[PaperRun]:
     return paths + [PaperRun(0, harmonics, load=load) for harmonics in sizes for load in BARE_LOADS]
 
 
-def run(
-    folder: Path,
-    quick: bool,
-    report: Listener,
+def cases(
+    bench: Bench,
     realisations: Sequence[PaperRun] | None = None,
     measure: Callable[[PaperRun], Cost] | None = None,
     dissect: Callable[[int], Breakdown] | None = dissected,
-) -> int:
-    """Run the study, print its table, write cost.json; 1 when anything that gates is not reached.
+) -> list[Case]:
+    """The case of the study; quick: only the benchmark.
 
-    Quick: only the benchmark. Other realisations than those of the study may be given, and other measurements of a
-    realisation and of a path taken apart, importable by name; None leaves the latter out.
+    Other realisations than those of the study may be given, and other measurements of a realisation and of a path taken
+    apart, importable by name; None leaves the latter out.
     """
-    chosen = realisations_of(quick) if realisations is None else list(realisations)
-    facts, store, measure = provenance(), store_in(folder, report), measure or measured
+    chosen = realisations_of(bench.quick) if realisations is None else list(realisations)
+    compute = partial(_outcome, bench, chosen, measure or measured, dissect)
+    return [
+        study_case("cost-of-the-paper", compute,
+                   "What does the paper's profile cost against harmonics, and is its path converged?",
+                   r"cost $\propto$ harmonics$^p$; states at loads with increments $\Delta$ and $\Delta / 4$",
+                   "carbone2009", "half_space adhesion slope_term", "bem")
+    ]  # fmt: skip
+
+
+def _outcome(
+    bench: Bench,
+    chosen: Sequence[PaperRun],
+    measure: Callable[[PaperRun], Cost],
+    dissect: Callable[[int], Breakdown] | None,
+) -> Outcome:
     found: list[Cost] = []
     for done, one in enumerate(chosen, 1):
-        answer = store.alone(Cost, measure, one, one.name, one, measure.__qualname__)
+        answer = bench.store.alone(Cost, measure, one, one.name, one, measure.__qualname__)
         found.append(answer if isinstance(answer, Cost) else Cost(**vars(one), status=_told(answer)))
-        report(Note(f"[{done}/{len(chosen)}] {_line(found[-1])}"))
-        _write(folder, facts, found, len(chosen), [])
-    runs, _ = _on_paths(found)
+        bench.say(Note(f"[{done}/{len(chosen)}] {one.name}: {found[-1].status}, {found[-1].cpu_seconds:.1f} s"))
+    runs, dry = _on_paths(found)
     apart: list[Breakdown] = []
     for harmonics in sorted({one.harmonics for one in runs if one.seed == 0 and one.increment == INCREMENT}):
         if dissect is not None:
             name = f"{harmonics} harmonics, stage by stage"
-            taken = store.alone(Breakdown, dissect, harmonics, name, dissect.__qualname__)
+            taken = bench.store.alone(Breakdown, dissect, harmonics, name, dissect.__qualname__)
             apart.append(taken if isinstance(taken, Breakdown) else Breakdown(harmonics, _told(taken), {}, {}, ()))
-            _write(folder, facts, found, len(chosen), apart)
-    print(HEADING, *map(_line, found), sep="\n")
-    for name, order in exponents_of(runs).items():
-        print(f"{name} grows as harmonics^{order:.2f}")
-    for line in breakdown_sentences(apart):
-        print(line)
-    for name, plot in [*_figures(runs), *figures_of(apart)]:
-        write_svg(plot, folder / f"{name}.svg")
-    met = judged(found, drifts_of(runs))
-    for name, text, good, _ in met:
-        print(f"{'met' if good else 'NOT MET'}: {name}: {text}")
-    return 0 if all(good for _, _, good, gates in met if gates) else 1
+    drifts, exponents = drifts_of(runs), exponents_of(runs)
+    bench.write(
+        FILE,
+        SCHEMA,
+        runs=[asdict(one) for one in found],
+        drifts=[asdict(drift) for drift in drifts],
+        exponents=exponents,
+        breakdown=[asdict(one) | {"patch_exponents": patch_exponents(one)} for one in apart],
+        stage_exponents=stage_exponents(apart),
+    )
+    bare = [vars(one) | {"contact_fraction": _only(one.contact_fractions), "closure": one.worst_closure} for one in dry]
+    tables = (
+        _table("Cost of loading the paper's profile to 0.025 E*, one thread.", ON_PATHS, map(vars, runs)),
+        _table("Cost of single loads on the paper's profile without adhesion, one thread.", BARE, bare),
+        _asked(found, exponents),
+        *breakdown_tables(apart),
+    )
+    return Outcome(tuple(judged(found, drifts)), (*_figures(runs), *figures_of(apart)), tables)
 
 
 def measured(one: PaperRun) -> Cost:
@@ -250,75 +270,60 @@ def _curve(runs: Sequence[Cost]) -> list[Cost]:
     return sorted(known, key=lambda run: run.harmonics)
 
 
-def judged(found: Sequence[Cost], drifts: Sequence[Drift]) -> list[tuple[str, str, bool, bool]]:
-    """What is asked for: name, what was found, whether it is met, whether it gates."""
+def judged(found: Sequence[Cost], drifts: Sequence[Drift]) -> list[Row]:
+    """What is asked for and gates."""
     runs, dry = _on_paths(found)
-    paper = [run for run in runs if run.harmonics == PAPER_HARMONICS and run.increment == INCREMENT] or runs
-    slowest, largest = _worst(run.cpu_seconds for run in paper), _worst(run.peak_megabytes for run in paper)
-    closure = _worst(run.worst_closure for run in runs)
-    unfinished = [f"seed {run.seed}, {run.harmonics}: {run.status}" for run in runs if not _complete(run)]
-    failed = sum(run.failed_states for run in runs)
-    not_ok = sum(run.certificates_not_ok for run in runs)
-    area = _worst(drift.contact_fraction for drift in drifts)
-    gap = _worst(drift.separation for drift in drifts)
-    bare = [f"{one.harmonics}, {one.load:g} E*: {one.status}" for one in dry if one.status != "converged"]
-    met = [
-        ("every load reached", "; ".join(unfinished) or f"{len(runs)} runs", not unfinished, True),
-        ("no failed state", f"{failed}", failed == 0, True),
-        ("every certificate ok", f"{not_ok} are not", not_ok == 0, True),
-        (f"closure <= {CLOSURE:g}", f"{closure:.1e}", closure <= CLOSURE, True),
-        (f"contact fraction at a quarter of the increment within {DRIFT:g}", f"{area:.1e}", area <= DRIFT, True),
-        (f"separation at a quarter of the increment within {DRIFT:g}", f"{gap:.1e}", gap <= DRIFT, True),
-        (f"below {MEGABYTES:g} MB", f"{largest:.0f} MB", largest < MEGABYTES, True),
-        (f"at most {SECONDS:g} s of one core (not gating)", f"{slowest:.1f} s", slowest <= SECONDS, False),
-    ]
-    exponent = exponents_of([run for run in runs if run.harmonics >= FEWEST_FITTED]).get("cpu_seconds_to_a_fifth")
-    if exponent is not None:
-        name = f"CPU seconds to a contact fraction of {FRACTION:g} grow no faster than harmonics^{EXPONENT:g}"
-        met.append((f"{name} (not gating)", f"exponent {exponent:.2f}", exponent <= EXPONENT, False))
+    area, gap = (_worst(getattr(drift, name) for drift in drifts) for name in ("contact_fraction", "separation"))
+    quarter = "at a quarter of the increment, relative change"
+    rows = [
+        none_of("runs that do not reach every load",
+                [f"{one.name}: {one.status}" for one in runs if not _complete(one)]),
+        none_of("runs with failed states", [one.name for one in runs if one.failed_states]),
+        none_of("runs with states whose certificate is not ok", [one.name for one in runs if one.certificates_not_ok]),
+        no_more("worst closure", "", _worst(run.worst_closure for run in runs), CLOSURE),
+        no_more(f"contact fraction {quarter}", "", area, DRIFT),
+        no_more(f"separation {quarter}", "", gap, DRIFT),
+        no_more("largest memory", "MB", _worst(run.peak_megabytes for run in _of_paper(runs)), MEGABYTES),
+    ]  # fmt: skip
     if dry:
-        met.append(("every load without adhesion certified", "; ".join(bare) or f"{len(dry)} loads", not bare, True))
-    return met
+        rows.append(none_of("loads without adhesion that are not certified",
+                            [f"{one.name}: {one.status}" for one in dry if one.status != "converged"]))  # fmt: skip
+    return rows
 
 
-def _write(
-    folder: Path, facts: dict[str, Any], found: Sequence[Cost], planned: int, apart: Sequence[Breakdown]
-) -> None:
-    runs, dry = _on_paths(found)
-    drifts = drifts_of(runs)
-    bare = [vars(one) | {"contact_fraction": _only(one.contact_fractions), "closure": one.worst_closure} for one in dry]
-    content = {
-        "schema": SCHEMA,
-        "provenance": facts,
-        "planned": planned,
-        "runs": [{name: value for name, value in asdict(one).items() if name != "load"} for one in runs],
-        "table": _table("Cost of loading the paper's profile to 0.025 E*, one thread.", ON_PATHS, map(vars, runs)),
-        "without_adhesion": _table(
-            "Cost of single loads on the paper's profile without adhesion, one thread.", BARE, bare
-        ),
-        "drifts": [asdict(drift) for drift in drifts],
-        "exponents": exponents_of(runs),
-        "breakdown": [asdict(one) | {"patch_exponents": patch_exponents(one)} for one in apart],
-        "stage_exponents": stage_exponents(apart),
-        "met": {name: bool(good) for name, _, good, _ in judged(found, drifts)},
-    }
-    write_json(folder / FILE, content)
+def _asked(found: Sequence[Cost], exponents: Mapping[str, float]) -> Table:
+    """Seconds and exponents beside what is asked of them, which does not gate."""
+    runs, _ = _on_paths(found)
+    large = exponents_of([run for run in runs if run.harmonics >= FEWEST_FITTED]).get("cpu_seconds_to_a_fifth")
+    return Table(
+        caption=f"Beside what is asked of one core (seconds do not gate); exponents p of cost ~ harmonics^p, the last "
+        f"from {FEWEST_FITTED} harmonics on, to a contact fraction of {FRACTION:g}.",
+        columns=["quantity", "found", "at most"],
+        rows=[["CPU seconds of the slowest run", plain(_worst(run.cpu_seconds for run in _of_paper(runs))), SECONDS],
+              *([f"exponent of {name.replace('_', ' ')}", order, None] for name, order in exponents.items()),
+              ["exponent of CPU seconds", large, EXPONENT]]
+    )  # fmt: skip
 
 
-def _table(caption: str, columns: list[str], found: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
+def _of_paper(runs: Sequence[Cost]) -> Sequence[Cost]:
+    """Those with the harmonics of the paper at the default increment; all where there are none."""
+    return [run for run in runs if run.harmonics == PAPER_HARMONICS and run.increment == INCREMENT] or runs
+
+
+def _table(caption: str, columns: list[str], found: Iterable[Mapping[str, Any]]) -> Table:
     rows = [[plain(one[name]) for name in columns] for one in found]
-    return Table(caption=caption, columns=columns, rows=rows).model_dump(mode="json")
+    return Table(caption=caption, columns=[name.replace("_", " ") for name in columns], rows=rows)
 
 
-def _figures(runs: Sequence[Cost]) -> list[tuple[str, Plot]]:
+def _figures(runs: Sequence[Cost]) -> tuple[Figure, ...]:
     """Seconds, memory and unknowns against harmonics, when more than one number of them ran."""
     curve = _curve(runs)
     if len({run.harmonics for run in curve}) < 2:
-        return []
-    sizes = [float(run.harmonics) for run in curve]
+        return ()
+    sizes = [run.harmonics for run in curve]
     shown = {"CPU seconds": "cpu_seconds", "peak MB": "peak_megabytes", "unknowns": "unknowns", "patches": "patches"}
-    lines = [Line(label, sizes, [float(getattr(run, name)) for run in curve]) for label, name in shown.items()]
-    return [("cost-harmonics", Plot("The paper's profile to 0.025 E*, seed 0", "harmonics", "", lines))]
+    lines = [trace(label, sizes, [getattr(run, name) for run in curve]) for label, name in shown.items()]
+    return (drawn("harmonics", "The paper's profile to 0.025 E*, seed 0.", loglog("harmonics", "cost", *lines)),)
 
 
 def _complete(run: Cost) -> bool:
@@ -345,24 +350,3 @@ def _worst(values: Iterable[float]) -> float:
     """The largest; nan when the values are empty or one is not a number."""
     known = list(values)
     return math.nan if not known or any(math.isnan(value) for value in known) else max(known)
-
-
-HEADING = (
-    "seed harmonics increment  wall/s   cpu/s     MB unknowns patches evaluations accepted rejected events states "
-    "failed not-ok closure status"
-)
-
-
-def _line(found: Cost) -> str:
-    if found.load is not None:
-        return (
-            f"without adhesion, {found.harmonics} harmonics, {found.load:g} E*: {found.cpu_seconds:.1f} s, "
-            f"{found.peak_megabytes:.0f} MB, {found.patches} patches, {found.evaluations} evaluations, "
-            f"contact fraction {_only(found.contact_fractions):.6f}, closure {found.worst_closure:.1e}, {found.status}"
-        )
-    return (
-        f"{found.seed:4d} {found.harmonics:9d} {found.increment:9.4f} {found.wall_seconds:7.1f} "
-        f"{found.cpu_seconds:7.1f} {found.peak_megabytes:6.0f} {found.unknowns:8d} {found.patches:7d} "
-        f"{found.evaluations:11d} {found.accepted:8d} {found.rejected:8d} {found.events:6d} {found.states:6d} "
-        f"{found.failed_states:6d} {found.certificates_not_ok:6d} {found.worst_closure:.1e} {found.status}"
-    )

@@ -21,8 +21,9 @@ from bem.geometry.scaling import Scales
 from bem.scene.result import State
 from bem.scene.scene import Scene
 from validation.harness.compare import fitted_order
+from validation.harness.figure_data import drawn, loglog, trace
+from validation.harness.schema import Cells, Figure, Table
 from validation.references import adapters
-from validation.report.study_figures import Line, Plot
 from validation.studies.stages import timed_stages
 
 FEWEST_PATCHES = 8
@@ -92,39 +93,41 @@ def patch_exponents(run: Breakdown) -> dict[str, float]:
     }
 
 
-def sentences(found: Sequence[Breakdown]) -> list[str]:
-    """Shares of the stages and exponents, in words."""
-    reported = []
-    for run in found:
-        if run.status != "converged":
-            reported.append(f"{run.harmonics} harmonics, stage by stage: {run.status}")
-            continue
-        ranked = sorted(run.stages.items(), key=lambda item: -item[1])
-        shares = ", ".join(f"{stage} {100 * seconds / run.seconds:.0f} %" for stage, seconds in ranked)
-        reported.append(f"{run.harmonics} harmonics, {run.seconds:.1f} s: {shares}")
-    for stage, order in stage_exponents(found).items():
-        reported.append(f"seconds of {stage} grow as harmonics^{order:.2f}")
-    for largest in _converged(found)[-1:]:
-        for name, order in patch_exponents(largest).items():
-            reported.append(f"{name} of one evaluation grow as patches^{order:.2f} ({largest.harmonics} harmonics)")
-    return reported
+def breakdown_tables(found: Sequence[Breakdown]) -> list[Table]:
+    """Seconds of every stage with their exponents, and those of one evaluation against patches."""
+    if not found:
+        return []
+    known, orders = _converged(found), stage_exponents(found)
+    stages = sorted({name for run in known for name in run.stages}, key=lambda name: -known[-1].stages.get(name, 0.0))
+    tables = [
+        Table(caption="CPU seconds of the stages of a path, by harmonics; exponents of those that matter.",
+              columns=["stage", *(f"{run.harmonics} harmonics" for run in found), "exponent"],
+              rows=[*([stage, *(run.stages.get(stage) for run in found), orders.get(stage)] for stage in stages),
+                    ["status", *(run.status for run in found), None]])
+    ]  # fmt: skip
+    for largest in known[-1:]:
+        rows: list[Cells] = [[name, order] for name, order in patch_exponents(largest).items()]
+        caption = f"Of one evaluation, exponents against patches ({largest.harmonics} harmonics)."
+        tables.append(Table(caption=caption, columns=["of one evaluation", "exponent"], rows=rows))
+    return tables
 
 
-def figures_of(found: Sequence[Breakdown]) -> Iterator[tuple[str, Plot]]:
+def figures_of(found: Sequence[Breakdown]) -> Iterator[Figure]:
     """Stages against harmonics, and one evaluation against patches."""
     known = _converged(found)
     if len(known) > 1:
         largest = sorted(known[-1].stages, key=lambda stage: -known[-1].stages[stage])[:6]
-        sizes = [float(run.harmonics) for run in known]
-        lines = [Line(stage, sizes, [run.stages.get(stage, 0.0) for run in known]) for stage in largest]
-        yield "cost-stages", Plot("Stages of a path of the paper's profile", "harmonics", "CPU time / s", lines)
+        sizes = [run.harmonics for run in known]
+        lines = [trace(stage, sizes, [run.stages.get(stage) for run in known]) for stage in largest]
+        yield drawn("stages", "Stages of a path of the paper's profile.", loglog("harmonics", "CPU time / s", *lines))
     if known and known[-1].evaluated:
         lines = [
-            Line(f"{run.harmonics} harmonics", [float(one.patches) for one in run.evaluated],
-                 [one.seconds for one in run.evaluated], notes=[str(one.unknowns) for one in run.evaluated])
+            trace(f"{run.harmonics} harmonics", [one.patches for one in run.evaluated],
+                  [one.seconds for one in run.evaluated]).noted([one.unknowns for one in run.evaluated])
             for run in known
         ]  # fmt: skip
-        yield "cost-patches", Plot("One evaluation (points: unknowns)", "patches", "CPU time / s", lines)
+        yield drawn("patches", "One evaluation; beside the points: unknowns.",
+                    loglog("patches", "CPU time / s", *lines))  # fmt: skip
 
 
 def _converged(found: Sequence[Breakdown]) -> list[Breakdown]:

@@ -3,7 +3,7 @@
 The corpora of the boundary elements, of the finite element reference and of Persson's theory state what they expect
 before anything runs.  Each case runs alone in a process under a time limit; corpus/endings.py says how it may end, and
 counts that apart from whether the result is correct.  Planned and reported cases are counted and compared; a row that
-is missing is an error of the study.  Finished rows are kept (harness/store.py), so that an interrupted study continues.
+is missing is an error of the study.
 
 With `--random N --seed K` the cases are N scenes drawn at random instead (random_scenes.py), which random_trial.py
 judges: the rows go to stability_random.json with the findings counted by kind, and the scenes of rows that do not
@@ -13,18 +13,14 @@ stand to the folder random/, so that each can be run alone.
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import partial
-from pathlib import Path
-from typing import Any, get_args
 
 from validation.corpus.endings import (
-    COLUMNS,
+    GOOD,
     LIMITS,
-    Code,
     Trial,
     TrialRow,
-    cells,
     counts,
     measured,
     row_of,
@@ -33,13 +29,13 @@ from validation.corpus.endings import (
 )
 from validation.corpus.hard.hard_case_run import TrialOutcome
 from validation.corpus.random import random_trial
-from validation.harness.execution import Listener, Note
+from validation.harness.case import Case, Outcome
+from validation.harness.execution import Note
 from validation.harness.executors import fresh_processes, local_processes
-from validation.harness.provenance import provenance
-from validation.harness.store import Store, store_in, write_json
-from validation.studies.shown import text_table
+from validation.harness.schema import Cells, Row, Table
+from validation.studies.bench import Bench, none_of, study_case
 
-SCHEMA = "linecontact-stability/1"
+SCHEMA = "linecontact-stability/2"
 FILE, RANDOM_FILE, RANDOM_FOLDER = "stability.json", "stability_random.json", "random"
 Measure = Callable[[Trial], TrialOutcome]
 ASKED = 10.0  # s of CPU time for a reduced case, as asked for; reported, seconds never gate
@@ -51,40 +47,53 @@ def random_tasks(number: int, seed: int) -> list[Trial]:
     return [Trial("random", name, "reduced", LIMITS["reduced"]) for name in names]
 
 
-def run(
-    folder: Path,
-    quick: bool,
-    report: Listener,
-    tasks: Sequence[Trial] | None = None,
-    measure: Measure | None = None,
-    jobs: int = 1,
-    file: str = FILE,
-) -> int:
-    """Run the study, print its table, write stability.json (or `file`); 1 when a case fails.
+def cases(
+    bench: Bench, tasks: Sequence[Trial] | None = None, measure: Measure | None = None, file: str = FILE
+) -> list[Case]:
+    """The case of the study; quick: the reduced forms instead of the full ones.
 
-    Quick: the reduced forms instead of the full ones. Other tasks than those of the study may be given, and another
-    measurement than `measured`, importable by name. Rows depend on `jobs`, the cases at a time, by their seconds only,
-    as long as none reaches its limit by the clock. RuntimeError for fewer rows than planned: a fault of this module.
+    Other tasks than those of the study may be given, and another measurement than `measured`, importable by name. Rows
+    depend on the processes of the bench by their seconds only, as long as none reaches its limit by the clock.
     """
-    planned = tasks_of(quick) if tasks is None else list(tasks)
-    facts, rows, begun = provenance(), list[TrialRow](), time.monotonic()
-    for row in _rows(measure or measured, planned, jobs, store_in(folder, report, each=False)):
+    planned = tasks_of(bench.quick) if tasks is None else list(tasks)
+    return [
+        study_case("hard-cases", partial(_outcome, bench, planned, measure or measured, file),
+                   "Do the hard cases stay stable: does each end as expected, and is it correct?",
+                   "statuses expected beforehand; certificates, closed forms and second routes", "carbone2009")
+    ]  # fmt: skip
+
+
+def _outcome(bench: Bench, planned: Sequence[Trial], measure: Measure, file: str) -> Outcome:
+    """RuntimeError for fewer rows than planned: a fault of this module."""
+    rows, begun = list[TrialRow](), time.monotonic()
+    for row in _rows(measure, planned, bench):
         rows.append(row)
         elapsed = time.monotonic() - begun
-        report(Note(f"[{len(rows)}/{len(planned)}] {_told(row)}; {elapsed:.0f} s so far"))
-        _write(folder / file, facts, rows, len(planned))
+        bench.say(Note(f"[{len(rows)}/{len(planned)}] {_told(row)}; {elapsed:.0f} s so far"))
     order = {_key(task): place for place, task in enumerate(planned)}
     rows.sort(key=lambda row: order[_key(row)])
     if [_key(row) for row in rows] != list(order):
         raise RuntimeError(f"planned {len(planned)} cases, {len({_key(row) for row in rows})} of them reported")
-    _write(folder / file, facts, rows, len(planned))
+    bench.write(file, SCHEMA, planned=len(planned), reported=len(rows), counts=counts(rows), findings=kinds(rows),
+                rows=[asdict(row) for row in rows])  # fmt: skip
     for row in rows:
         if row.code == "random" and not row.stands:
-            random_trial.case_of(row.id).write(folder / RANDOM_FOLDER)
-    print(text_table(COLUMNS, [cells(row) for row in rows]))
-    for line in summary(rows, len(planned)):
-        print(line)
-    return 0 if all(row.stands for row in rows) else 1
+            random_trial.case_of(row.id).write(bench.folder / RANDOM_FOLDER)
+    return Outcome(tuple(judged(rows)), tables=(summary(rows), table_of(rows)), counts={"cases": len(rows)})
+
+
+def judged(rows: Sequence[TrialRow]) -> list[Row]:
+    """Of every code, cases that did not end as expected, and those that did and are not correct."""
+    found = []
+    for code in dict.fromkeys(row.code for row in rows):
+        chosen = [row for row in rows if row.code == code]
+        ended = [_told(row) for row in chosen if row.ending not in GOOD]
+        wrong = [_told(row) for row in chosen if row.ending in GOOD and not row.correct]
+        found += [
+            none_of(f"{code}: of {len(chosen)} cases, not ended as expected", ended),
+            none_of(f"{code}: of {len(chosen)} cases, ended as expected and not correct", wrong),
+        ]
+    return found
 
 
 def kinds(rows: Iterable[TrialRow]) -> dict[str, int]:
@@ -92,31 +101,27 @@ def kinds(rows: Iterable[TrialRow]) -> dict[str, int]:
     return dict(Counter(kind for row in rows for kind in sorted(set(row.kinds))).most_common())
 
 
-def summary(rows: Sequence[TrialRow], planned: int) -> list[str]:
-    """Counts of every code and of all, over the cases planned."""
-    lines = [f"planned {planned}, reported {len(rows)}"]
-    for code in (*get_args(Code), "all"):
+def summary(rows: Sequence[TrialRow]) -> Table:
+    """Counts of every code and of all; kinds of findings; what took long."""
+    lines: list[Cells] = []
+    for code in (*dict.fromkeys(row.code for row in rows), "all"):
         chosen = [row for row in rows if code in (row.code, "all")]
-        if chosen:
-            reported = ", ".join(f"{name} {count}" for name, count in counts(chosen).items())
-            lines.append(f"{code}: {reported}; of {len(chosen)}")
-    found = kinds(rows)
-    lines += [f"with findings: {', '.join(f'{kind} {count}' for kind, count in found.items())}"] if found else []
-    slow = [f"{row.id} ({row.seconds:.1f} s)" for row in rows if row.form == "reduced" and (row.seconds or 0) > ASKED]
-    lines += [f"above {ASKED:g} s of CPU time: {', '.join(slow)}"] if slow else []
-    return lines + [f"FAILED {row.code} {row.id}: {_told(row)}" for row in rows if not row.stands]
+        lines += [[code, name, count] for name, count in counts(chosen).items()]
+    lines += [["all", f"with a finding of {kind}", count] for kind, count in kinds(rows).items()]
+    slow = [row for row in rows if row.form == "reduced" and (row.seconds or 0) > ASKED]
+    lines += [[row.code, f"above {ASKED:g} s of CPU time: {row.id}", f"{row.seconds:.1f} s"] for row in slow]
+    return Table(caption=f"How {len(rows)} cases ended.", columns=["code", "what", "count"], rows=lines)
 
 
-def _rows(
-    measure: Callable[[Trial], TrialOutcome], tasks: Sequence[Trial], jobs: int, store: Store
-) -> Iterator[TrialRow]:
-    """The rows of cases as they end, up to `jobs` at a time, each in a process of its own; random ones share theirs."""
+def _rows(measure: Measure, tasks: Sequence[Trial], bench: Bench) -> Iterator[TrialRow]:
+    """The rows of cases as they end, each in a process of its own; random ones share theirs."""
     drawn = [task for task in tasks if task.code == "random"]
     others = [task for task in tasks if task.code != "random"]
+    store = replace(bench.store, each=False)
     for some, opener in ((others, fresh_processes), (drawn, local_processes)):
         found = store.answers(
-            TrialRow, partial(_row, measure), some, lambda task: (f"{task.code} {task.id}", task.form), jobs, opener,
-            lambda task: task.limit,
+            TrialRow, partial(_row, measure), some, lambda task: (f"{task.code} {task.id}", task.form), bench.jobs,
+            opener, lambda task: task.limit,
         )  # fmt: skip
         for task, answer, seconds in found:
             late = isinstance(answer, TimeoutError)
@@ -126,20 +131,6 @@ def _rows(
 def _row(measure: Measure, task: Trial) -> TrialRow:
     """In a worker: the row of a case that ends."""
     return row_of(task, measure(task))
-
-
-def _write(path: Path, facts: dict[str, Any], rows: Sequence[TrialRow], planned: int) -> None:
-    content = {
-        "schema": SCHEMA,
-        "provenance": facts,
-        "planned": planned,
-        "reported": len(rows),
-        "counts": counts(rows),
-        "findings": kinds(rows),
-        "rows": [asdict(row) for row in rows],
-        "table": table_of(rows).model_dump(mode="json"),
-    }
-    write_json(path, content)
 
 
 def _key(task: Trial | TrialRow) -> tuple[str, str, str]:

@@ -1,6 +1,5 @@
 """Rates of convergence against those that theory predicts, bounded on both sides: too fast is as wrong as too slow."""
 
-from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -8,9 +7,9 @@ import numpy as np
 from validation.cases.shared.checks import Against, case
 from validation.corpus import convergence_curves as made
 from validation.corpus.convergence_curves import Curve, fem_curve
+from validation.corpus.curves_shown import error_figure, error_table
 from validation.harness.case import Outcome
-from validation.harness.figure_data import axes, drawn, marks, trace
-from validation.harness.schema import Cells, Code, Figure, Row, Table
+from validation.harness.schema import Code, Row, Table
 
 # relative distance of the fitted rate from the predicted one
 MEASURED = {
@@ -41,34 +40,6 @@ def _rate_row(curve: Curve, measured: float) -> Row:
                          code=CODES[curve.code])  # fmt: skip
 
 
-def _figure(name: str, caption: str, curves: Sequence[Curve]) -> Figure:
-    """Errors as points, the predicted rate as lines through the last point fitted."""
-    series = [
-        marks(f"{one.id}: predicted {one.predicted:.3g}, fitted {one.rate.value:.3g}", one.sizes, one.errors)
-        for one in curves
-    ]
-    for curve in curves:
-        series.append(trace(f"predicted, {curve.id}", *made.predicted_line(curve), "dashed"))
-    scale = "linear" if curves[0].law == "geometric" else "log"
-    return drawn(name, caption, axes(curves[0].knob, "error", *series, xscale=scale, yscale="log"))
-
-
-def _table(curves: Sequence[Curve]) -> Table:
-    """Errors with their rates between neighbours."""
-    rows: list[Cells] = []
-    for curve in curves:
-        points = zip(curve.sizes, curve.errors, [None, *curve.rate.pairwise], strict=True)
-        rows += [
-            [curve.id, curve.knob, size, error, rate, "yes" if place in curve.rate.used else "no"]
-            for place, (size, error, rate) in enumerate(points)
-        ]
-    return Table(
-        caption="Errors, rates between neighbours (order, or factor per node), and which points were fitted.",
-        columns=["curve", "knob", "size", "error", "rate", "fitted"],
-        rows=rows,
-    )
-
-
 def _rates() -> Outcome:
     bem = made.bem_curves(0.9, range(4, 49, 4))
     fem = (fem_curve(2, (4, 8, 16), True), fem_curve(4, (8, 16, 32), False))
@@ -83,11 +54,11 @@ def _rates() -> Outcome:
     return Outcome(
         rows=(*(_rate_row(curve, MEASURED[curve.id]) for curve in every), plateau),
         figures=(
-            _figure("convergence-bem", "Errors of the dense route at Johnson's edges, contact fraction 0.9.", bem),
-            _figure("convergence-fem", "Load at prescribed edges: meshes graded to the edges, and uniform.", fem),
-            _figure("convergence-others", "Persson's diffusion and the paper's own method.", others),
+            error_figure("convergence-bem", "Errors of the dense route at Johnson's edges, contact fraction 0.9.", bem),
+            error_figure("convergence-fem", "Load at prescribed edges: meshes graded to the edges, and uniform.", fem),
+            error_figure("convergence-others", "Persson's diffusion and the paper's own method.", others),
         ),
-        tables=(_table(every),),
+        tables=(error_table(every),),
     )
 
 
@@ -98,9 +69,9 @@ def _elements() -> Outcome:
         fem_curve(2, (16, 32, 64), False),
         fem_curve(4, (8, 16, 32), False),
     )
-    figure = _figure("convergence-elements", "Load at prescribed edges, graded and uniform meshes.", curves)
+    figure = error_figure("convergence-elements", "Load at prescribed edges, graded and uniform meshes.", curves)
     rows = (_rate_row(curve, MEASURED_FULL[curve.id]) for curve in curves)
-    return Outcome(rows=tuple(rows), figures=(figure,), tables=(_table(curves),))
+    return Outcome(rows=tuple(rows), figures=(figure,), tables=(error_table(curves),))
 
 
 def _ensemble(harmonics: int, realisations: int) -> Outcome:
@@ -111,9 +82,9 @@ def _ensemble(harmonics: int, realisations: int) -> Outcome:
         columns=["realisations", "mean", "standard error"],
         rows=[[realisations, float(areas.mean()), float(areas.std(ddof=1)) / realisations**0.5]],
     )
-    figure = _figure("convergence-ensemble", "Spread of the mean contact fraction over its mean.", (curve,))
+    figure = error_figure("convergence-ensemble", "Spread of the mean contact fraction over its mean.", (curve,))
     rows = (_rate_row(curve, MEASURED[curve.id]),)
-    return Outcome(rows=rows, figures=(figure,), tables=(_table((curve,)), means))
+    return Outcome(rows=rows, figures=(figure,), tables=(error_table((curve,)), means))
 
 
 CASES = (

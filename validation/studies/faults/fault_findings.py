@@ -14,7 +14,8 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from validation.harness.compare import error_of, error_over_tolerance
-from validation.harness.schema import CaseRecord, Row
+from validation.harness.schema import CaseRecord, Cells, Row, Table
+from validation.harness.store import plain
 from validation.harness.verdict import GATING, case_verdicts, verdict_of
 from validation.studies.faults.fault_injection import Examined, Fault, TooSlowError
 
@@ -157,7 +158,7 @@ def _rows_by_name(record: CaseRecord) -> dict[tuple[str, int], Row]:
     return found
 
 
-SCHEMA = "linecontact-faults/2"
+SCHEMA = "linecontact-faults/3"
 
 
 def failures_of(findings: Iterable[Finding]) -> list[str]:
@@ -171,31 +172,27 @@ def failures_of(findings: Iterable[Finding]) -> list[str]:
     return lines
 
 
-def table_of(findings: Iterable[Finding]) -> str:
-    """The table on stdout."""
-    lines = [f"{'fault':34} {'caught by':>9} {'error/allowed':>13} {'smallest':>9} {'keenest case'}"]
+def table_of(findings: Iterable[Finding]) -> Table:
+    """A line for every fault: how many of the cases asked caught it, by how much, how small it may be."""
+    rows: list[Cells] = []
     for finding in findings:
         best = max(finding.sights, key=lambda sight: sight.excess, default=None)
         unseen = f"by name: {', '.join(sorted(finding.failed))}" if finding.failed else "NOTHING"
         keenest = unseen if best is None else f"{best.case}: {best.quantity}"
-        smallest = "-" if finding.smallest is None else f"{finding.smallest:.0e}"
-        apart = f"  [apart: {', '.join(sorted(finding.apart))}]" if finding.apart else ""
-        lines.append(
-            f"{finding.fault.id:34} {len(finding.excesses):>3} of {len(finding.asked):<2} {finding.excess:>13.3g} "
-            f"{smallest:>9} {keenest}{apart}"
-        )
-    return "\n".join(lines)
+        rows.append([finding.fault.id, f"{len(finding.excesses)} of {len(finding.asked)}", plain(finding.excess),
+                     finding.smallest, keenest, ", ".join(sorted(finding.apart))])  # fmt: skip
+    return Table(
+        caption="Faults, the smallest decade of each that is caught, and the row that saw it best; apart: cut off, or "
+        "rows that are there only with or without the fault. Drawn in faults.svg.",
+        columns=["fault", "caught by", "error / allowed", "smallest", "keenest row", "apart"],
+        rows=rows,
+    )
 
 
-def content_of(
-    facts: dict[str, Any], control: Examined, findings: Iterable[Finding], planned: int, failures: list[str]
-) -> dict[str, Any]:
-    """Contents of faults.json: provenance, control, findings, faults that were to be examined, what was not met."""
+def content_of(control: Examined, findings: Iterable[Finding], planned: int) -> dict[str, Any]:
+    """Contents of faults.json: control, findings, faults that were to be examined."""
     return {
-        "schema": SCHEMA,
-        "provenance": facts,
         "planned": planned,
-        "failures": failures,
         "control": [
             {"case": record.id, "seconds": record.seconds, "verdicts": list(case_verdicts(record))}
             for record in control.records

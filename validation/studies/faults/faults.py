@@ -11,7 +11,7 @@ and counts its errors; in everyday use the baseline of that case pins the count.
 By how much: error over what is allowed, of a band the distance from its middle over half its width.  A fault with a
 size is made smaller in decades until no case sees it, starting where the measured excess predicts, with the cases that
 saw it best.  A red control, or a fault that its case does not notice, fails the study; a fault that does not fit the
-sources is refused before anything runs.  Finished answers are kept (harness/store.py): an interrupted study continues.
+sources is refused before anything runs.
 """
 
 import os
@@ -22,13 +22,14 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from validation.harness import baseline
-from validation.harness.case import registry
-from validation.harness.execution import Listener, Note
-from validation.harness.provenance import provenance
-from validation.harness.store import Store, store_in, write_json
+from validation.harness.case import Case, Outcome, registry
+from validation.harness.execution import Note
+from validation.harness.store import Store
 from validation.harness.verdict import case_verdicts
 from validation.report.map_figures import FaultLine, write_matrix
+from validation.studies.bench import HELD, Bench, none_of, study_case
 from validation.studies.faults.fault_findings import (
+    SCHEMA,
     Finding,
     Search,
     bad,
@@ -73,37 +74,42 @@ class Runs:
         return [found[place] for place in range(len(tasks))]
 
 
-def run(folder: Path, quick: bool, report: Listener, studied: Studied | None = None) -> int:
-    """Run the study, print its table, write faults.json and faults.svg; 1 when anything it asks for is not met.
+def cases(bench: Bench, studied: Studied | None = None) -> list[Case]:
+    """The case of the study; quick: the faults that are `quick` only, with cases below a second, without smaller sizes.
 
-    Quick: the faults that are `quick` only, with cases below a second and without smaller sizes. `studied` is by
-    default the tables of this folder; FaultError where a fault does not fit the sources, or names a case that is not
-    there.
+    `studied` is by default the tables of this folder; FaultError where a fault does not fit the sources, or names a
+    case that is not there.
     """
     studied = studied or Studied(faults_in())
     studied.functions()
-    faults = [fault for fault in studied.faults if fault.quick or not quick]
-    facts = provenance()
-    runs = Runs(studied, store_in(folder, report), os.cpu_count() or 1)
-    control = control_run(runs, faults, quick)
+    return [
+        study_case("faults", partial(_outcome, bench, studied),
+                   "Would the suite notice: is every fault put into the code seen by the case that must see it?",
+                   "error over what is allowed, with the fault", "demillo1978")
+    ]  # fmt: skip
+
+
+def _outcome(bench: Bench, studied: Studied) -> Outcome:
+    faults = [fault for fault in studied.faults if fault.quick or not bench.quick]
+    runs = Runs(studied, bench.store, os.cpu_count() or 1)
+    control = control_run(runs, faults, bench.quick)
     red = [f"{record.id}: {verdict}" for record in control.records for verdict in case_verdicts(record) if bad(verdict)]
     findings = [] if red else examine_faults(runs, faults, control)
-    failures = [f"control run is not green: {line}" for line in red] + failures_of(findings)
-    write_json(folder / FILE, content_of(facts, control, findings, len(faults), failures))
+    if not bench.quick:
+        shrink(runs, findings, control)
+    bench.write(FILE, SCHEMA, **content_of(control, findings, len(faults)))
     if findings:
         lines = [FaultLine(one.fault.id, one.excesses, {*one.failed, *one.apart}, one.asked) for one in findings]
-        write_matrix(folder / FIGURE, [record.id for record in control.records], lines)
-    if not quick:
-        shrink(runs, findings, control)
-        write_json(folder / FILE, content_of(facts, control, findings, len(faults), failures))
-    print(table_of(findings))
-    for line in failures:
-        print(f"NOT MET: {line}")
+        write_matrix(bench.folder / FIGURE, [record.id for record in control.records], lines)
+    rows = (
+        none_of("verdicts of the control run that are not green: faults on a red base prove nothing", red),
+        none_of(f"of {len(faults)} faults, not noticed by the case that must notice them", failures_of(findings)),
+        HELD.count("faults examined", len(faults), len(findings)),
+    )
     caught = sum(finding.caught for finding in findings)
-    by_name = sum(finding.noticed for finding in findings) - caught
-    cases = f"{len(control.records)} cases"
-    print(f"{caught} of {len(faults)} faults caught by {cases}, {by_name} more noticed by name; {folder / FILE}")
-    return 1 if failures or len(findings) != len(faults) else 0
+    counts = {"caught by a verdict": caught, "noticed by name": sum(one.noticed for one in findings) - caught,
+              "cases": len(control.records)}  # fmt: skip
+    return Outcome(rows, tables=(table_of(findings),), counts=counts)
 
 
 def control_run(runs: Runs, faults: Iterable[Fault], quick: bool) -> Examined:

@@ -5,7 +5,7 @@ before and after, with error bars of the ensembles.  Uncertainty of a contact fr
 in its range of loads, without or with adhesion, which contains the scatter of the ensembles it was judged by.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import product
 from typing import Any
 
@@ -67,13 +67,13 @@ def outcome(calibration: Mapping[str, Any], judged: Sequence[HeldOut], planned: 
     return Outcome(tuple(_rows(judged, short)), tuple(figures_of(judged)), (*made, *of_judged), counts)
 
 
-def case_of(made: Outcome, domain: Mapping[str, Any]) -> Case:
+def case_of(compute: Callable[[], Outcome], domain: Mapping[str, Any]) -> Case:
     """The page as a case of a report; `domain` as in the calibration."""
     return Case(id=CASE, group="correction of the theory", level="full",
                 question=QUESTION,
                 equations=EQUATIONS + in_words(domain) + GUARD,
                 sources=("carbone2009", "persson2001", "yang2008", "almqvist2011", "wang2017", "dapp2014",
-                "yastrebov2017"), compute=lambda: made,
+                "yastrebov2017"), compute=compute,
                 effects=("half_space", "adhesion", "pressure_distribution"))  # fmt: skip
 
 

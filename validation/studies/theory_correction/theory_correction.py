@@ -6,7 +6,7 @@
    calibrated correction of the package.
 3. Judgement on the hold-out (hold_out.py) by that calibration: area, separation and distribution of the
    plain theory, of the calibrated correction and of those of the literature.
-4. report.json and report.html: the page for engineers (page.py).
+4. The report: the page for engineers (page.py).
 
 Area, and with adhesion the change of all, are those of persson/contact_slope.py and persson/adhesive_edges.py, which
 have fits of their own.  Source: persson/corrected_variance.py.  Limits: half-space, plane strain, loading; an hour of
@@ -14,24 +14,18 @@ one core.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
-from pathlib import Path
+from dataclasses import asdict, replace
+from functools import partial
 from typing import Any
 
-from bem.scene.atomic_file import write_atomically
 from persson.corrected_data import SCHEMA as CALIBRATION_SCHEMA
-from persson.corrected_data import calibration
+from validation.harness.case import Case, Outcome
 from validation.harness.ensemble import results_of
-from validation.harness.execution import Listener, Note
-from validation.harness.executors import Opener, local_processes
-from validation.harness.provenance import provenance
-from validation.harness.runner import record_of
-from validation.harness.schema import SCHEMA as REPORT_SCHEMA
-from validation.harness.schema import Report, with_checksum
+from validation.harness.execution import Note
+from validation.harness.schema import Table
 from validation.harness.store import write_json
 from validation.references.paper_problem import RMS_SLOPE
-from validation.report.render import failures, write_html
-from validation.studies.shown import text_table
+from validation.studies.bench import Bench, none_of
 from validation.studies.theory_correction.correction_members import (
     FIT_ROOT,
     HOLD_OUT_ROOT,
@@ -43,7 +37,7 @@ from validation.studies.theory_correction.correction_members import (
 )
 from validation.studies.theory_correction.fit import Calibration, calibrate, correction_from
 from validation.studies.theory_correction.hold_out import CALIBRATED, PLAIN, HeldOut, judge, rms, rms_of, theories_of
-from validation.studies.theory_correction.page import JUDGED, case_of, chosen, outcome
+from validation.studies.theory_correction.page import JUDGED, case_of, chosen, known, outcome
 
 SCHEMA = "linecontact-theory-correction-study/1"
 FILE, CALIBRATION = "theory-correction.json", "calibration.json"
@@ -59,61 +53,53 @@ DOMAIN = {  # the hold-out, and where on it the errors were large (persson/domai
 }
 
 
-def run(folder: Path, quick: bool, report: Listener, jobs: int = 1, opener: Opener = local_processes) -> int:
-    """Run the study; 1 when a realisation failed or is not certified, or a row of the report fails.
+def cases(bench: Bench) -> list[Case]:
+    """The case of the study: the page.
 
-    The folder gets members/, calibration.json, theory-correction.json, report.json and report.html. Quick: a few small
-    profiles that show that everything runs; calibrates and judges nothing of use.
+    The folder gets members/, calibration.json, theory-correction.json besides the report. Quick: a few small profiles
+    that show that everything runs; calibrates and judges nothing of use.
     """
-    facts = provenance()
-    chosen_groups = groups(quick)
+    return [case_of(partial(_outcome, bench), DOMAIN)]
+
+
+def _outcome(bench: Bench) -> Outcome:
+    chosen_groups = groups(bench.quick)
     cheap_first = sorted(chosen_groups, key=lambda group: group.harmonics * (4 if group.theta > 0 else 1))
     members = {group.name: group.members() for group in cheap_first}
-    results = results_of(members, folder / "members", report, jobs, opener)
-    if results is None:
-        return 1
-    ensembles = [observed(group, results[group.name]) for group in chosen_groups]
-    return conclude(folder, ensembles, facts, report, short=quick)
+    results = results_of(members, bench.folder / "members", bench.jobs, bench.say, bench.opener)
+    return concluded(bench, [observed(group, results[group.name]) for group in chosen_groups])
 
 
-def conclude(
-    folder: Path, ensembles: Sequence[Observed], facts: Mapping[str, Any], report: Listener, short: bool
-) -> int:
+def concluded(bench: Bench, ensembles: Sequence[Observed]) -> Outcome:
     """Calibrate, judge and write, from ensembles that are there."""
     fit = [one for one in ensembles if one.group.part == "fit"]
     held = [one for one in ensembles if one.group.part == "hold-out"]
-    report(Note("calibration"))
+    bench.say(Note("calibration"))
     found = calibrate(fit)
     correction = correction_from(list(found.values.values()))
     noise = relative_errors(held)
-    judged = [one for group in held for one in judge(group, noise[group.group.name], correction, report)]
-    content = calibration_content(found, fit, judged, facts)
-    write_json(folder / CALIBRATION, content)
-    planned = sum(len(one.group.loads) for one in held)
-    made = report_of(content, judged, planned, facts, short)
-    write_json(folder / FILE, {"schema": SCHEMA, "calibration": content, "judged": [asdict(one) for one in judged]})
-    write_atomically(folder / "report.json", made.model_dump_json(by_alias=True, indent=1) + "\n")
-    write_html(made, folder)
-    wrong = [f"{one.group.name}: {one.not_certified} states not certified" for one in ensembles if one.not_certified]
-    wrong += [f"{case}: {why}" for case, why in failures(made)]
-    for line in wrong:
-        report(Note(f"FAILED {line}"))
-    print(text_table(["adhesion", "theory", "area", "separation", "distribution"], summary(judged)))
-    packaged = calibration()["coefficients"]
-    coefficients = [[name, value, found.errors[name], packaged[name]] for name, value in found.values.items()]
-    print(text_table(["coefficient", "found", "error", "in the package"], coefficients))
-    print(f"{len(judged)} of {planned} loads judged, {len(wrong)} failures; {folder / 'report.html'}")
-    return 1 if wrong else 0
+    judged = [one for group in held for one in judge(group, noise[group.group.name], correction, bench.say)]
+    content = calibration_content(found, fit, judged, bench.facts)
+    write_json(bench.folder / CALIBRATION, content)
+    bench.write(FILE, SCHEMA, calibration=content, judged=[asdict(one) for one in judged])
+    made = outcome(content, judged, sum(len(one.group.loads) for one in held), bench.quick)
+    wrong = [f"{one.group.name}: {one.not_certified}" for one in ensembles if one.not_certified]
+    tables = (*made.tables, summary(judged))
+    return replace(made, rows=(*made.rows, none_of("ensembles with states not certified", wrong)), tables=tables)
 
 
-def summary(judged: Sequence[HeldOut]) -> list[list[Any]]:
+def summary(judged: Sequence[HeldOut]) -> Table:
     """Rms errors over the hold-out by adhesion and theory."""
-    return [
-        ["with" if adhesive else "without", name, *(rms_of(some, quantity, name) for quantity in JUDGED)]
-        for adhesive in (False, True)
-        for some in [chosen(judged, adhesive)]
-        for name in theories_of(some)
-    ]
+    return Table(
+        caption="Rms errors over the hold-out.",
+        columns=["adhesion", "theory", *JUDGED],
+        rows=[
+            ["with" if adhesive else "without", name, *(known(rms_of(some, quantity, name)) for quantity in JUDGED)]
+            for adhesive in (False, True)
+            for some in [chosen(judged, adhesive)]
+            for name in theories_of(some)
+        ],
+    )
 
 
 def calibration_content(
@@ -146,25 +132,6 @@ def calibration_content(
             "groups": [_described(one.group) for one in fit],
         },
     }
-
-
-def report_of(
-    content: Mapping[str, Any], judged: Sequence[HeldOut], planned: int, facts: Mapping[str, Any], short: bool
-) -> Report:
-    """The report of one case: the page."""
-    made = outcome(content, judged, planned, short)
-    form = " --quick" if short else ""
-    return with_checksum(
-        Report(
-            schema_=REPORT_SCHEMA,
-            level="theory correction, short form" if short else "theory correction",
-            command=f"python -m validation study theory-correction{form}",
-            planned=1,
-            provenance=dict(facts),
-            cases=[record_of(case_of(made, content["domain"]), made, 0.0)],
-            changes=[],
-        )
-    )
 
 
 def _described(group: Group) -> dict[str, Any]:

@@ -5,8 +5,7 @@ setting up to 20 times or 2 s (quick: twice or 0.3 s), the least wall time and t
 time, largest memory of the process so far, and set-up, solution and evaluation apart.  Curves and conclusion go by CPU
 time: on one thread it is the wall time of an idle machine, and others do not add to it.  Errors of all quantities are
 kept; the curve shows the larger of those of contact fraction and mean pressure.  Points below the uncertainty of their
-reference are grey, failed ones stay with their message.  Counts, not seconds, are what could be gated.  Each finished
-curve, reference and price list is kept (harness/store.py).
+reference are grey, failed ones stay with their message.  Counts, not seconds, are what could be gated.
 """
 
 import math
@@ -14,20 +13,20 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
+from functools import partial
 from typing import Any
 
 from validation.corpus.accuracy_costs import FILE as STORED
 from validation.corpus.accuracy_costs import AccuracyCosts, CostPoint
 from validation.corpus.effects import loaded_for_nothing
-from validation.harness.case import CaseError
-from validation.harness.execution import Listener
-from validation.harness.provenance import provenance
-from validation.harness.store import Store, store_in, write_json
+from validation.harness.case import Case, CaseError, Outcome
+from validation.harness.figure_data import drawn, loglog, shaded, trace
+from validation.harness.schema import Cells, Figure, Row, Series, Table
+from validation.harness.store import Store, plain, write_json
 from validation.references.posed_contacts import Posed, numbers_of, scenes
-from validation.report.study_figures import Line, Plot, write_svg
 from validation.routes import cohesive_grid
-from validation.studies.shown import peak_megabytes, text_table
+from validation.studies.bench import Bench, failed, none_of, study_case
+from validation.studies.shown import peak_megabytes
 from validation.studies.work_precision.conclusion import MethodCurve, Spot, sentences
 from validation.studies.work_precision.methods import METHODS, SHOWN, Method, MethodPoint, Timed, by_method
 from validation.studies.work_precision.peers import FFT_METHODS, PEER_COLUMNS, peer_sentences, peer_table
@@ -35,11 +34,13 @@ from validation.studies.work_precision.price_list import Price, digits_of, price
 from validation.studies.work_precision.price_list import sentences as price_sentences
 from validation.studies.work_precision.references import SOURCES, Source, Yardstick, source_for
 
-SCHEMA = "linecontact-work-precision/2"
+SCHEMA = "linecontact-work-precision/3"
 FILE = "work-precision.json"
 QUICK_SCENES = ("sinusoid", "theory")
 QUICK_PRICES, PRICES = (60, 3), (250, 3)  # harmonics of the rough scene, runs of each effect
-PRICE_COLUMNS = ("effect", "on top of", "cpu/s", "times", "evaluations", "digits", "reference")
+PRICE_COLUMNS = ["effect", "on top of", "CPU seconds", "times the scene without it", "evaluations", "digits",
+                 "reference"]  # fmt: skip
+SMALLEST_SHOWN = 1e-17  # error
 REPEATS, SECONDS = (20, 2.0), (2, 0.3)  # most repeats and seconds for them: in full, quick
 
 
@@ -74,58 +75,77 @@ class Results:
     quick: bool
     methods: Sequence[Method]
     posed: dict[str, Posed]
-    facts: dict[str, Any] = field(default_factory=provenance)
     points: list[MethodPoint] = field(default_factory=list)
-    failures: list[str] = field(default_factory=list)
+    failures: list[Row] = field(default_factory=list)
     prices: list[Price] = field(default_factory=list)
+    loaded: list[str] = field(default_factory=list)  # modules that the bare scene has for nothing
 
     @property
     def conclusion(self) -> list[str]:
-        """What the points say, in words, scene by scene."""
+        """What points and prices say, in words, scene by scene."""
         said = [line for scene in self.posed for line in sentences(scene, curves_of(self.points, scene))]
-        return [*said, *peer_sentences(self.points)]
+        said += peer_sentences(self.points)
+        return said + price_sentences(self.prices, self.loaded) if self.prices else said
 
-    def write(self, folder: Path) -> None:
+    @property
+    def outcome(self) -> Outcome:
+        """Rows, figures and tables; one row for every method and scene."""
+        answered = {(point.scene, point.method): False for point in self.points}
+        answered |= {(point.scene, point.method): True for point in self.points if not math.isnan(point.error)}
+        without = [f"{scene}, {method}" for (scene, method), known in answered.items() if not known]
+        rows = (
+            none_of("methods without an answer at any setting of a scene", without),
+            none_of("modules of absent effects that the bare scene loads", self.loaded),
+            *self.failures,
+        )
+        return Outcome(rows, tuple(figures_of(self.points, self.posed)), tuple(self._tables()))
+
+    def _tables(self) -> Iterator[Table]:
+        yield Table(caption="What to choose.", columns=["conclusion"], rows=[[line] for line in self.conclusion])
+        yield Table(caption="All settings; errors of contact fraction or mean pressure, the larger.",
+                    columns=COLUMNS, rows=list(map(_row, self.points)))  # fmt: skip
+        if compared := peer_table(self.points):
+            yield Table(caption="FFT solvers.", columns=list(PEER_COLUMNS), rows=compared)
+        if self.prices:
+            yield Table(
+                caption="The price of each effect.", columns=PRICE_COLUMNS,
+                rows=[[p.effect, p.on_top_of, plain(p.seconds), str(p.times or ""), p.evaluations, digits_of(p),
+                       p.reference] for p in self.prices]
+            )  # fmt: skip
+        left_out = [[m.name, f"not run on {scene}: {why}"] for m in self.methods for scene, why in m.cannot.items()
+                    if scene in self.posed]  # fmt: skip
+        if absent := cohesive_grid.missing():
+            left_out.append(["fft", f"not run: {absent}"])
+        rows: list[Cells] = [[m.name, f"{m.knob} is the knob; fixed: {m.fixed}"] for m in self.methods]
+        yield Table(caption="The methods, and what they cannot do.", columns=["method", "in words"],
+                    rows=[*rows, *left_out])  # fmt: skip
+
+    def write(self, bench: Bench) -> None:
         """work-precision.json, and what validation/corpus keeps of it."""
-        content = {
-            "schema": SCHEMA,
-            "provenance": self.facts,
-            "quick": self.quick,
-            "threads": 1,
-            "scenes": {name: asdict(posed) for name, posed in self.posed.items()},
-            "methods": [
-                {"name": m.name, "knob": m.knob, "fixed": m.fixed, "settings": [str(s) for s in m.settings],
-                 "scenes": list(m.scenes), "not run on": dict(m.cannot)}
-                for m in self.methods
-            ],
-            "points": [
-                asdict(point) | {"error": point.error, "within_uncertainty": point.grey} for point in self.points
-            ],
-            "peers": cohesive_grid.missing() or "installed",
-            "conclusion": self.conclusion,
-            "prices": [asdict(price) | {"digits": price.digits} for price in self.prices],
-            "failures": self.failures,
-        }  # fmt: skip
-        write_json(folder / FILE, content)
-        write_json(folder / STORED, asdict(kept_costs(self.points, self.facts)))
+        methods = [
+            {"name": m.name, "knob": m.knob, "fixed": m.fixed, "settings": [str(s) for s in m.settings],
+             "scenes": list(m.scenes), "not run on": dict(m.cannot)}
+            for m in self.methods
+        ]  # fmt: skip
+        points = [asdict(point) | {"error": point.error, "within_uncertainty": point.grey} for point in self.points]
+        bench.write(FILE, SCHEMA, threads=1, scenes={name: asdict(posed) for name, posed in self.posed.items()},
+                    methods=methods, points=points, conclusion=self.conclusion,
+                    prices=[asdict(price) | {"digits": price.digits} for price in self.prices])  # fmt: skip
+        write_json(bench.folder / STORED, asdict(kept_costs(self.points, bench.facts)))
 
 
-def run(
-    folder: Path,
-    quick: bool,
-    report: Listener,
+def cases(
+    bench: Bench,
     methods: Sequence[Method] = METHODS,
     sources: dict[str, tuple[Source, ...]] = SOURCES,
     with_prices: bool = True,
     peers: bool = False,
-) -> int:
-    """Run the study, print points, price list and conclusion, write work-precision.json and a figure for each scene.
+) -> list[Case]:
+    """The case of the study. Quick: fewer scenes, settings and repeats.
 
-    1 when a reference fails, or a method on every setting of a scene, or the price list, or when the bare scene loads
-    a module of an effect that it does not have. Quick: fewer scenes, settings and repeats. Other methods and
-    references (by scene) than those of the study may be given, and the price list left out. `peers`: the scenes of the
-    FFT peers only, side by side; else they take part where their extra is installed. CaseError where they are asked
-    for and not installed.
+    Other methods and references (by scene) than those of the study may be given, and the price list left out. `peers`:
+    the scenes of the FFT peers only, side by side; else they take part where their extra is installed. CaseError where
+    they are asked for and not installed.
     """
     absent = cohesive_grid.missing()
     if peers and absent:
@@ -135,25 +155,29 @@ def run(
     chosen = {
         name: posed
         for name, posed in scenes().items()
-        if (not quick or name in QUICK_SCENES) and (not peers or name in FFT_METHODS[0].scenes)
+        if (not bench.quick or name in QUICK_SCENES) and (not peers or name in FFT_METHODS[0].scenes)
     }
-    results, store = Results(quick, methods, chosen), store_in(folder, report)
-    for posed in chosen.values():
-        taking_part = [method for method in methods if posed.id in method.scenes]
-        references = _references(posed, taking_part, sources, store, results.failures)
+    results = Results(bench.quick, methods, chosen)
+    return [
+        study_case("work-precision", partial(_outcome, bench, results, sources, with_prices and not peers),
+                   "Which error does each method reach in which time, and what does each effect of a scene cost?",
+                   "error of contact fraction and mean pressure, the larger, over their scales; CPU seconds of one "
+                   "thread", "johnson1995 carbone2009", "half_space layer adhesion")
+    ]  # fmt: skip
+
+
+def _outcome(bench: Bench, results: Results, sources: dict[str, tuple[Source, ...]], with_prices: bool) -> Outcome:
+    for posed in results.posed.values():
+        taking_part = [method for method in results.methods if posed.id in method.scenes]
+        references = _references(posed, taking_part, sources, bench.store, results.failures)
         for method in taking_part:
             reference = references.get(source_for(posed.id, method, sources).name)
-            found = [point_of(posed, method, timed, reference) for timed in _swept(posed, method, quick, store)]
-            results.points += found
-            if all(math.isnan(point.error) for point in found):
-                results.failures.append(f"{posed.id}, {method.name}: no setting has an answer")
-            results.write(folder)
-    told = _prices(results, store) if with_prices and not peers else []
-    results.write(folder)
-    _print(results, told)
-    for name, plot in figures_of(results.points, chosen):
-        write_svg(plot, folder / f"{name}.svg")
-    return 1 if results.failures else 0
+            timed = _swept(posed, method, bench.quick, bench.store)
+            results.points += [point_of(posed, method, one, reference) for one in timed]
+    if with_prices:
+        _price(results, bench.store)
+    results.write(bench)
+    return results.outcome
 
 
 def _swept(posed: Posed, method: Method, quick: bool, store: Store) -> list[Timed]:
@@ -162,27 +186,6 @@ def _swept(posed: Posed, method: Method, quick: bool, store: Store) -> list[Time
     decides = (posed, method.fixed, sweep.settings, sweep.repeats, sweep.seconds)
     answer = store.alone(list[Timed], measured, sweep, f"{posed.id}, {method.name}", *decides)
     return answer if isinstance(answer, list) else [Timed("all", f"{type(answer).__name__}: {answer}")]
-
-
-def _print(results: Results, told: Sequence[str]) -> None:
-    columns = ["scene", "method", "setting", "unknowns", "error", "of it the reference's", "wall/s", "spread", "cpu/s",
-               "MB", "repeats", "status"]  # fmt: skip
-    print(text_table(columns, [_row(point) for point in results.points]))
-    for method in results.methods:
-        print(f"{method.name}: {method.knob} is the knob; fixed: {method.fixed}")
-        for scene, reason in method.cannot.items():
-            if scene in results.posed:
-                print(f"  not run on {scene}: {reason}")
-    if absent := cohesive_grid.missing():
-        print(f"fft: not run: {absent}")
-    elif compared := peer_table(results.points):
-        print(text_table(PEER_COLUMNS, compared))
-    if results.prices:
-        prices = [[p.effect, p.on_top_of, p.seconds, str(p.times or ""), p.evaluations, digits_of(p), p.reference]
-                  for p in results.prices]  # fmt: skip
-        print(text_table(PRICE_COLUMNS, prices))
-    for line in [*results.conclusion, *told, *(f"FAILED: {message}" for message in results.failures)]:
-        print(line)
 
 
 def point_of(posed: Posed, method: Method, timed: Timed, reference: Yardstick | None) -> MethodPoint:
@@ -207,26 +210,44 @@ def curves_of(points: Sequence[MethodPoint], scene: str) -> list[MethodCurve]:
     return curves
 
 
-def figures_of(points: Sequence[MethodPoint], chosen: dict[str, Posed]) -> Iterator[tuple[str, Plot]]:
-    """A figure for every scene."""
+def figures_of(points: Sequence[MethodPoint], chosen: Mapping[str, Posed]) -> Iterator[Figure]:
+    """A figure for every scene: what each reference cannot resolve is shaded, points within it are grey."""
     for scene, posed in chosen.items():
         found = by_method(points, scene)
-        lines = [
-            Line(
-                label=f"{name}, against {known[0].reference}",
-                x=[max(point.error, 1e-17) for point in known],
-                y=[point.timed.cpu_seconds for point in known],
-                notes=[str(point.timed.found.unknowns) if point.timed.found else "" for point in known],
-                grey=[point.grey for point in known],
-            )
-            for name, known in found.items()
-        ]
+        lost = [f"{p.method} at {p.timed.setting}: {p.timed.status}" for p in points
+                if p.scene == scene and p.timed.found is None]  # fmt: skip
+        if not found:
+            continue
+        curves = [one for hue, (name, known) in enumerate(found.items()) for one in _curve(name, known, hue)]
+        times = [point.timed.cpu_seconds for known in found.values() for point in known]
+        least = min(min(_shown(point) for point in known) for known in found.values())
         bands = {f"uncertainty of {known[0].reference}": known[0].floor for known in found.values()}
-        failed = [f"{p.method} at {p.timed.setting}: {p.timed.status}" for p in points
-                  if p.scene == scene and p.timed.found is None]  # fmt: skip
-        across, up = "error of contact fraction and mean pressure, the larger", "CPU time / s, one thread"
-        yield f"work-precision-{scene}", Plot(f"{posed.title} (points: unknowns)", across, up, lines,
-                                              bands=list(bands.items()), failures=failed, size=(8.4, 6.0))  # fmt: skip
+        shades = [
+            shaded(label, [min(least, floor) / 4, floor], [min(times)] * 2, [max(times)] * 2, 5)
+            for label, floor in bands.items() if floor > 0
+        ]  # fmt: skip
+        yield drawn(
+            f"cost-{scene}", f"{posed.title}; beside the points: unknowns; grey: within the uncertainty of the "
+            f"reference.{''.join(f' Failed: {one}.' for one in lost)}",
+            loglog("error of contact fraction and mean pressure, the larger", "CPU time / s, one thread", *curves,
+                   *shades)
+        )  # fmt: skip
+
+
+def _curve(name: str, known: Sequence[MethodPoint], hue: int) -> Iterator[Series]:
+    """The points of a method, joined, with their unknowns; those that its reference does not resolve in grey."""
+    at, seconds = list(map(_shown, known)), [point.timed.cpu_seconds for point in known]
+    unknowns = [point.timed.found.unknowns if point.timed.found else "" for point in known]
+    yield trace(f"{name}, against {known[0].reference}", at, seconds, hue=hue)
+    yield trace("", at, seconds, "points", hue).noted(unknowns)
+    grey = [(x, y) for x, y, point in zip(at, seconds, known, strict=True) if point.grey]
+    if grey:
+        yield trace("", [x for x, _ in grey], [y for _, y in grey], "grey", hue)
+
+
+def _shown(point: MethodPoint) -> float:
+    """Its error, where it can be drawn."""
+    return max(point.error, SMALLEST_SHOWN)
 
 
 def _timed(task: Sweep, setting: Any) -> Timed:
@@ -250,22 +271,19 @@ def _timed(task: Sweep, setting: Any) -> Timed:
     )
 
 
-def _prices(results: Results, store: Store) -> list[str]:
-    """The price list added, and what it says in words."""
+def _price(results: Results, store: Store) -> None:
+    """The price list, and what the bare scene loads."""
     harmonics, runs = QUICK_PRICES if results.quick else PRICES
     answer = store.alone(list[Price], priced, (harmonics, runs), f"price list, {harmonics} harmonics", runs)
     loaded = store.alone(list[str], loaded_for_nothing, harmonics, "the bare scene, alone", harmonics)
-    if not isinstance(answer, list) or not isinstance(loaded, list):
-        results.failures.append(f"price list: {answer if isinstance(answer, Exception) else loaded}")
-        return []
-    if loaded:
-        results.failures.append(f"the bare scene loads {', '.join(loaded)}")
-    results.prices = answer
-    return price_sentences(answer, loaded)
+    if isinstance(answer, list) and isinstance(loaded, list):
+        results.prices, results.loaded = answer, loaded
+    else:
+        results.failures.append(failed("price list", answer if isinstance(answer, Exception) else loaded))
 
 
 def _references(
-    posed: Posed, methods: Sequence[Method], known: dict[str, tuple[Source, ...]], answers: Store, failures: list[str]
+    posed: Posed, methods: Sequence[Method], known: dict[str, tuple[Source, ...]], answers: Store, failures: list[Row]
 ) -> dict[str, Yardstick]:
     """The references that these methods need, by name; those that fail are reported."""
     wanted = {source.name: source for source in (source_for(posed.id, method, known) for method in methods)}
@@ -276,16 +294,22 @@ def _references(
         if isinstance(answer, Yardstick):
             found[name] = answer
         else:
-            failures.append(f"{posed.id}, reference {name}: {type(answer).__name__}: {answer}")
+            failures.append(failed(task, answer))
     return found
 
 
-def _row(point: MethodPoint) -> list[Any]:
+COLUMNS = ["scene", "method", "setting", "unknowns", "error", "of it the reference's", "wall / s", "spread", "CPU / s",
+           "MB", "repeats", "status"]  # fmt: skip
+
+
+def _row(point: MethodPoint) -> Cells:
     timed = point.timed
     unknowns = timed.found.unknowns if timed.found else None
     reported = timed.status if timed.found is None or not point.grey else "within the uncertainty of its reference"
-    return [point.scene, point.method, timed.setting, unknowns, point.error, point.floor, timed.wall_seconds,
-            timed.spread, timed.cpu_seconds, timed.peak_megabytes, timed.repeats, reported]  # fmt: skip
+    return [point.scene, point.method, timed.setting, unknowns,
+            *map(plain, (point.error, point.floor, timed.wall_seconds, timed.spread, timed.cpu_seconds,
+                         timed.peak_megabytes)),
+            timed.repeats, reported]  # fmt: skip
 
 
 def kept_costs(points: Sequence[MethodPoint], facts: Mapping[str, Any]) -> AccuracyCosts:
