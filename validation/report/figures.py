@@ -175,7 +175,8 @@ def described(figure: Figure) -> str:
     'load against x: a & b.'
     """
     panels = filter(None, (figure.solution, figure.error))
-    return " ".join(f"{one.ylabel} against {one.xlabel}: {', '.join(s.label for s in one.series)}." for one in panels)
+    named = ((one, ", ".join(filter(None, (series.label for series in one.series)))) for one in panels)
+    return " ".join(f"{one.ylabel} against {one.xlabel}: {names}." for one, names in named)
 
 
 def _draw(axes: Axes, panel: Panel, most_inside: int = MOST_INSIDE, small: bool = False) -> None:

@@ -219,16 +219,19 @@ def figures_of(points: Sequence[MethodPoint], chosen: Mapping[str, Posed]) -> It
         if not found:
             continue
         curves = [one for hue, (name, known) in enumerate(found.items()) for one in _curve(name, known, hue)]
+        references = {
+            known[0].reference: (hue, known[0].floor) for hue, known in reversed([*enumerate(found.values())])
+        }
         times = [point.timed.cpu_seconds for known in found.values() for point in known]
-        least = min(min(_shown(point) for point in known) for known in found.values())
-        bands = {f"uncertainty of {known[0].reference}": known[0].floor for known in found.values()}
+        least = min(_shown(point) for known in found.values() for point in known)
         shades = [
-            shaded(label, [min(least, floor) / 4, floor], [min(times)] * 2, [max(times)] * 2, 5)
-            for label, floor in bands.items() if floor > 0
+            shaded("", [min(least, floor) / 4, floor], [min(times)] * 2, [max(times)] * 2, hue)
+            for hue, floor in references.values() if floor > 0
         ]  # fmt: skip
         yield drawn(
-            f"cost-{scene}", f"{posed.title}; beside the points: unknowns; grey: within the uncertainty of the "
-            f"reference.{''.join(f' Failed: {one}.' for one in lost)}",
+            f"cost-{scene}",
+            f"{posed.title}, against {'; '.join(references)}. Beside the points: unknowns. Shaded: the uncertainty of "
+            f"the reference; grey: points within it.{''.join(f' Failed: {one}.' for one in lost)}",
             loglog("error of contact fraction and mean pressure, the larger", "CPU time / s, one thread", *curves,
                    *shades)
         )  # fmt: skip
@@ -238,7 +241,7 @@ def _curve(name: str, known: Sequence[MethodPoint], hue: int) -> Iterator[Series
     """The points of a method, joined, with their unknowns; those that its reference does not resolve in grey."""
     at, seconds = list(map(_shown, known)), [point.timed.cpu_seconds for point in known]
     unknowns = [point.timed.found.unknowns if point.timed.found else "" for point in known]
-    yield trace(f"{name}, against {known[0].reference}", at, seconds, hue=hue)
+    yield trace(name, at, seconds, hue=hue)
     yield trace("", at, seconds, "points", hue).noted(unknowns)
     grey = [(x, y) for x, y, point in zip(at, seconds, known, strict=True) if point.grey]
     if grey:
