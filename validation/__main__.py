@@ -256,6 +256,8 @@ def _study(options: argparse.Namespace) -> int:
     if options.name == OF_A_SCENE:
         if options.scene is None:
             raise CaseError(f"study {OF_A_SCENE}: a scene file is needed: study {OF_A_SCENE} SCENE --out DIR")
+        if options.json:
+            raise CaseError(f"--json: study {OF_A_SCENE} does not take it, its study.json holds everything")
         given = {key: value for key in ("seeds", "budget") if (value := getattr(options, key)) is not None}
         plan = module.Options(jobs=options.jobs or 1, quick=options.quick, overwrite=options.overwrite, **given)
         return int(module.run(options.scene, options.out, plan, say))

@@ -189,6 +189,7 @@ def exit_code(words):
         (["work-precision", "--peers"], "not installed: pip install"),
         (["work-precision", "--executor", "dask://host:1"], "runs on this machine only"),
         (["cost", "--jobs", "2"], "study cost runs in one process"),
+        (["scene", "one-wave.toml", "--json"], "--json: study scene does not take it"),
         (["other"], "invalid choice"),
     ],
 )
