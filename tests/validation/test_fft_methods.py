@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from carried import carried, lines
 
 from validation.harness import route
 from validation.harness.route import Answer
@@ -89,10 +90,10 @@ def test_absent_peers_are_named(monkeypatch):
     assert missing() == 'Adhesion not installed: pip install ".[peers]"'
 
 
-def test_study_says_that_absent_peers_are_not_run(monkeypatch, tmp_path, capsys):
+def test_study_says_that_absent_peers_are_not_run(monkeypatch, tmp_path):
     monkeypatch.setattr(cohesive_grid, "missing", lambda: "Adhesion not installed")
-    work_precision.run(tmp_path, True, lambda note: None, (), {}, with_prices=False)
-    assert "fft: not run: Adhesion not installed" in capsys.readouterr().out
+    report = carried(work_precision, tmp_path, methods=(), sources={}, with_prices=False)
+    assert "fft not run: Adhesion not installed" in lines(report)
 
 
 @pytest.mark.skipif(bool(missing()), reason="needs the extra peers")
