@@ -119,9 +119,11 @@ def render_challenge(judged: Mapping[str, Any], standings: Mapping[str, Any]) ->
     ahead = table[: next(index for index, row in enumerate(table) if row.judged)]
     return filled(
         "challenge_page.jinja",
+        {"tenths": lambda digits: "–" if digits is None else f"{digits:.1f}"},
         judged=judged,
         problems=problems,
-        table=table,
+        ranking=table,
+        here=table[len(ahead)],
         place=1 + len({row.solver for row in ahead}),
         solvers=len({row.solver for row in table}),
         overall=standings_svg("overall", "All problems: geometric means over the problems answered",

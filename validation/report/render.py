@@ -77,10 +77,11 @@ def render(report: Report, jobs: int = 1) -> str:
         raise ReportError(f"the provenance of the report has no {' and no '.join(absent)}")
     lines = {case.id: [_line(case, place, row) for place, row in enumerate(case.rows)] for case in report.cases}
     groups = list(dict.fromkeys(case.group for case in report.cases))
-    hard, compared = first_screen.hard_map(report.cases), matrix.matrix_of(report.cases)
+    hard = first_screen.hard_map(report.cases)
     drawn, overview = _drawn(report.cases, jobs), first_screen.scatter(report)
     return filled(
         "page.jinja",
+        {"short": _short, "sha256": lambda text: hashlib.sha256(text.encode()).hexdigest()},
         report=report,
         sentence=first_screen.first_sentence(report),
         passed=not fails(report) and is_intact(report),
@@ -93,7 +94,6 @@ def render(report: Report, jobs: int = 1) -> str:
         failing=failures(report),
         known=_known(report, lines),
         groups=[(group, [case for case in report.cases if case.group == group]) for group in groups],
-        scenes={case.id: hashlib.sha256(case.scene.encode()).hexdigest() for case in report.cases},
         placed={
             place: [one for given in drawn.values() for one, at in given if at == place]
             for place in first_screen.PLACES
@@ -104,9 +104,8 @@ def render(report: Report, jobs: int = 1) -> str:
         },
         hard=hard,
         hard_counts=first_screen.counted_endings(hard),
-        matrix=compared,
+        matrix=matrix.matrix_of(report.cases),
         columns=list(matrix.COLUMNS),
-        signs=list(compared.signs.items()),
         tally=matrix.tally(report.cases),
         tallied=matrix.TALLIED,
         kinds=matrix.KINDS,
@@ -114,7 +113,6 @@ def render(report: Report, jobs: int = 1) -> str:
             kind: [(c, line) for c, given in lines.items() for line in given if line["kind"] == kind]
             for kind in matrix.KINDS
         },
-        without_rows=[case for case in report.cases if not case.rows],
         unstated=unstated(report.cases),
         loose=loose(report.cases),
         loose_factor=LOOSE,
@@ -136,8 +134,9 @@ def filled(template: str, filters: Mapping[str, Callable[..., Any]] | None = Non
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    made.filters |= {"number": number, "short": _short, "typeset": typeset, "with_links": with_links}
-    made.filters |= {"subscripts": subscripts, "counted": counted} | dict(filters or {})
+    made.filters |= {"number": number, "typeset": typeset, "with_links": with_links}
+    made.filters |= {"subscripts": subscripts, "counted": counted, "judgement": judgement, "sorted_by": sorted_by}
+    made.filters |= dict(filters or {})
     style, script = Markup(asset("style.css")), Markup(asset("sort.js"))
     policy = Markup(POLICY).format(script=_source_of(script), style=_source_of(style))
     return printable(made.get_template(template).render(style=style, script=script, policy=policy, **values))
@@ -163,6 +162,16 @@ def number(value: Any) -> str:
     if math.isnan(value):
         return "not a number"
     return f"{value:.4g}"
+
+
+def judgement(good: Any) -> tuple[str, str]:
+    """The verdict and the mark of what holds, or does not."""
+    return ("agrees", "✓") if good else ("deviates", "✗")
+
+
+def sorted_by(value: Any) -> Any:
+    """What a cell is sorted by: nothing where its number is not known."""
+    return "" if value is None else value
 
 
 def failures(report: Report) -> list[tuple[str, str]]:
@@ -234,8 +243,8 @@ def _line(case: CaseRecord, place: int, row: Row) -> Line:
         allowed=allowed,
         ratio=None if row.band else error_over_tolerance(row),
         verdict=verdict_of(row),
-        sort_expected="" if row.expected[worst] is None else row.expected[worst],
-        sort_computed="" if row.computed[worst] is None else row.computed[worst],
+        sort_expected=row.expected[worst],
+        sort_computed=row.computed[worst],
         sort_allowed=row.band.high if row.band else combined_tolerance(row),
     )
 
