@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.command_line.answer_table import axis_unit, readable
+from bem.command_line.answer_table import axis_unit, quantity, readable
 from bem.scene.result import Result, State
 from validation.harness.figure_data import axes, drawn, semilogx, semilogy, trace
 from validation.harness.schema import Figure, Panel, Series
 from validation.report.run_curves import curves_of, finite
-from validation.report.run_words import quantity
 from validation.report.scan_figure import preparation_figure, spectrum_figure
 
 MOST_SHAPES = 8

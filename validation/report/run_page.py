@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from bem.command_line.answer_table import Cell, Inputs, csv_text, heads, pull_off_words, rows, share
+from bem.command_line.answer_table import Cell, Inputs, csv_text, heads, pull_off_words, quantity, rows, share
 from bem.command_line.console import scene_text
 from bem.cut_sensitivity import in_words
 from bem.scene.atomic_file import write_atomically
@@ -21,7 +21,7 @@ from bem.scene.result_file import read_result
 from validation.report.figures import svg_of
 from validation.report.render import PAGE, ReportError, filled, judgement, number
 from validation.report.run_figures import MOST_SHAPES, figures_of, shape_states
-from validation.report.run_words import outcome, quantity, scene_in_words, succeeded
+from validation.report.run_words import outcome, scene_in_words, succeeded
 from validation.report.study_page import DOUBTFUL
 from validation.report.study_page import FILE as STUDY
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from bem.command_line.answer_table import axis_unit
+from bem.command_line.answer_table import quantity as quantity
 from bem.scene.result import Result
 from validation.harness.verdict import counted
 
@@ -15,18 +15,6 @@ CONTROLS = {
     "total_displacement": ("the displacement of the plate from first touch", "m"),
 }
 LISTED = 8  # targets that are spelt out
-
-
-def quantity(value: float, unit: str) -> str:
-    """A number with a prefix before its unit.
-
-    Examples
-    --------
-    >>> quantity(5e-05, "m"), quantity(1.25e6, "Pa"), quantity(0.0, "m"), quantity(3e-30, "m")
-    ('50 µm', '1.25 MPa', '0 m', '3e-30 m')
-    """
-    factor, prefixed = axis_unit(abs(value), unit)
-    return f"{value * factor:.6g} {prefixed}"
 
 
 def outcome(result: Result) -> str:

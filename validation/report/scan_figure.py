@@ -12,11 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.command_line.answer_table import axis_unit
+from bem.command_line.answer_table import axis_unit, quantity
 from bem.scans.scan_keys import CUTOFFS
 from validation.harness.figure_data import axes, drawn, loglog, trace
 from validation.harness.schema import Figure
-from validation.report.run_words import quantity
 
 SAID = {
     "outliers": {"keep": "spikes found and kept: {count}", "replace": "spikes replaced: {count}"},

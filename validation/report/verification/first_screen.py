@@ -12,10 +12,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from validation.harness.compare import error_over_tolerance
-from validation.harness.figure_data import loglog, marks, trace
+from validation.harness.figure_data import drawn, loglog, marks, trace
 from validation.harness.schema import CaseRecord, Figure, Report, Row, Table, is_intact
 from validation.harness.verdict import GATING, PASSING, counted, counts, fails, verdict_of
-from validation.report.verification.matrix import KINDS, kind_of, worst_place
+from validation.report.verification.matrix import KINDS, kind_of, rows_of, worst_place
 
 PLACES = ("problem", "centre", "cost", "landing")
 HARD, PRICE = "hard", "price"
@@ -83,7 +83,7 @@ def first_sentence(report: Report) -> str:
     'Failed: 0 of 0 comparisons with something else agree; 0 of 1 planned case reported; changed after it was written.'
     """
     given = counts(report.cases)
-    rows = [row for case in report.cases for row in case.rows if row.band is None and row.status != "not run"]
+    rows = [row for _, _, row in rows_of(report.cases) if row.band is None and row.status != "not run"]
     judged = {kind: [row for row in rows if kind_of(row) == kind] for kind in KINDS}
     others = [*judged["self-comparison"], *judged["limit"]]
     held = {kind: sum(verdict_of(row) in PASSING for row in rows) for kind, rows in judged.items()}
@@ -121,18 +121,12 @@ def scatter(report: Report) -> Figure | None:
 
     Each comparison is drawn where its two sides differ most, in SI units whatever they are of.
     """
-    places: dict[str, list[tuple[float, float, float]]] = {
-        "agrees": [],
-        "marginal": [],
-        "known deviation": [],
-        "fails": [],
-    }
-    total = 0
-    for row, x, y in _pairs(report):
-        total += 1
-        verdict = verdict_of(row)
-        kind = "known deviation" if verdict == "expected deviation" else verdict if verdict in PASSING else "fails"
+    pairs = list(_pairs(report))
+    places: dict[str, list[tuple[float, float, float]]] = {name: [] for name in HUES}
+    for row, x, y in pairs:
         if x * y > 0 and math.isfinite(x) and math.isfinite(y):
+            verdict = verdict_of(row)
+            kind = "known deviation" if verdict == "expected deviation" else verdict if verdict in PASSING else "fails"
             places[kind].append((abs(x), abs(y), error_over_tolerance(row)))
     shown = {name: points for name, points in places.items() if points}
     ends = [x for points in shown.values() for x, _, _ in points]
@@ -144,7 +138,7 @@ def scatter(report: Report) -> Figure | None:
                    *(marks(name, [x for x, _, _ in points], [y for _, y, _ in points], hue=HUES[name])
                      for name, points in shown.items()))  # fmt: skip
     judged = {name: [(x, ratio) for x, _, ratio in points if 0 < ratio < math.inf] for name, points in shown.items()}
-    count = sum(map(len, shown.values()))
+    count, total = len(ends), len(pairs)
     exact = sum(ratio == 0 for points in shown.values() for _, _, ratio in points)
     below = loglog("expected (magnitude, SI units)", "error / allowed",
                    trace("allowed", across, (1.0, 1.0), "dashed", hue=5),
@@ -155,7 +149,7 @@ def scatter(report: Report) -> Figure | None:
         f"Not on logarithmic axes: {total - count}, where zero is expected or computed. Below, how much of the "
         f"tolerance each one uses; {exact} agree to the last bit, known deviations have a band instead."
     )
-    return Figure(id="all-results", caption=caption, solution=above, error=below)
+    return drawn("all-results", caption, above, below)
 
 
 HUES = {"agrees": 0, "marginal": 4, "known deviation": 3, "fails": 1}
@@ -163,9 +157,8 @@ HUES = {"agrees": 0, "marginal": 4, "known deviation": 3, "fails": 1}
 
 def _pairs(report: Report) -> Iterator[tuple[Row, float, float]]:
     """Every row that was compared, with the expected and the computed value at its worst place."""
-    for case in report.cases:
-        for row in case.rows:
-            k = worst_place(row)
-            expected, computed = row.expected[k], row.computed[k]
-            if kind_of(row) == "comparison" and row.status == "run" and expected is not None and computed is not None:
-                yield row, expected, computed
+    for _, _, row in rows_of(report.cases):
+        k = worst_place(row)
+        expected, computed = row.expected[k], row.computed[k]
+        if kind_of(row) == "comparison" and row.status == "run" and expected is not None and computed is not None:
+            yield row, expected, computed
