@@ -7,7 +7,7 @@ the error is sqrt((n - 1) / n sum (t_k - mean t)^2).  Loads in units of E*, leng
 Source of the jackknife: B. Efron, C. Stein, Ann. Statist. 9 (1981) 586, doi:10.1214/aos/1176345462.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -21,9 +21,10 @@ from bem.scene.result import Result, State
 from persson import AdhesiveContact, DiscreteSpectrum, NonadhesiveContact, solve, solve_nonadhesive
 from validation.harness.arrays import FloatArray
 from validation.harness.figure_data import marks, shaded, trace
-from validation.harness.schema import Series
+from validation.harness.schema import Series, Table
 from validation.references.paper_problem import MODULUS
 from validation.replicate.members import LOADS, PAPER, Size
+from validation.replicate.statements import Passage
 
 SAME_LOAD = 1e-9  # of E*
 
@@ -111,6 +112,10 @@ class Evidence:
             return f"only {len(self.loading)} of {self.size.seeds} realisations reached {LOADS[-1]:g} E*"
         return ""
 
+    def paper(self, where: str) -> Passage:
+        """A passage of the paper that this is judged by."""
+        return Passage(where, self.shortfall)
+
     @cached_property
     def lines(self) -> DiscreteSpectrum:
         """The spectrum that all profiles of the loading ensemble share."""
@@ -131,9 +136,33 @@ class Evidence:
         """The realisations that have a state at this load, for spectra and distributions."""
         return tuple(one for one in self.loading if one.index_of(load) is not None)
 
-    def values(self, of: Callable[[State], float]) -> FloatArray:
-        """A number of the states at `LOADS`, (n_realisations, n_loads)."""
-        return np.array([[one.value_at(load, of) for load in LOADS] for one in self.loading])
+    def against_load(
+        self, of: Callable[[State], float], said: Callable[[AdhesiveContact | NonadhesiveContact], float | None]
+    ) -> "LoadCurve":
+        """A number of the states, and what the theories say of it, at `LOADS`."""
+        values = np.array([[one.value_at(load, of) for load in LOADS] for one in self.loading])
+        wet, dry = (
+            np.array([said(theory[load]) for load in LOADS], dtype=np.float64)
+            for theory in (self.with_adhesion, self.without_adhesion)
+        )
+        return LoadCurve(values, *mean_and_error(values), wet, dry)
+
+
+@dataclass(frozen=True, eq=False)
+class LoadCurve:
+    """A number at `LOADS`: of every realisation, (n_realisations, n_loads), and of both theories, (n_loads,)."""
+
+    values: FloatArray
+    mean: FloatArray
+    error: FloatArray  # standard
+    wet: FloatArray  # the theory with adhesion
+    dry: FloatArray
+
+    def points(self, caption: str, more: Mapping[str, FloatArray]) -> Table:
+        """A line for each load, with more columns."""
+        columns = {"p/E*": np.array(LOADS), "bem, mean": self.mean, "standard error": self.error,
+                   "Persson with adhesion": self.wet, "Persson without": self.dry, **more}  # fmt: skip
+        return Table(caption=caption, columns=list(columns), rows=np.stack(list(columns.values()), axis=1).tolist())
 
 
 def lines_of(one: Realisation) -> DiscreteSpectrum:

@@ -18,7 +18,7 @@ from validation.harness.rows import Against
 from validation.harness.schema import Table
 from validation.replicate.evidence import Evidence, estimate, jackknife, mean_and_error, scattered
 from validation.replicate.members import FAINT_AT, FAINT_WORKS
-from validation.replicate.statements import Alternative, statement, unless_short
+from validation.replicate.statements import Alternative, unless_short
 
 WORKS = np.array(FAINT_WORKS[1:])  # J/m^2
 FITTED = WORKS < 1e-3
@@ -55,10 +55,9 @@ def compute(evidence: Evidence) -> Outcome:
         f"exponent of the gain of area, {WORKS[FITTED][0]:g} to {WORKS[FITTED][-1]:g} J/m^2", "", 0.5, power,
         (0.012, 0.0041), "absolute", uncertainty=power_error)  # fmt: skip
     rows = (
-        statement(f"gain of contact area by {JUDGED:g} J/m^2 over that without adhesion, mean of 0.005 to 0.02 E*",
-                  *estimate(gains[:, place]), 0.0, 0.01, Alternative(full, f"that of {WORKS[-1]:g} J/m^2"),
-                  measured=0.0028, where="text: with vanishing adhesion, loading tends to that without adhesion",
-                  shortfall=evidence.shortfall),
+        evidence.paper("text: with vanishing adhesion, loading tends to that without adhesion").states(
+            f"gain of contact area by {JUDGED:g} J/m^2 over that without adhesion, mean of 0.005 to 0.02 E*",
+            *estimate(gains[:, place]), 0.0, 0.01, Alternative(full, f"that of {WORKS[-1]:g} J/m^2"), measured=0.0028),
         unless_short(power_row, evidence.shortfall),
     )  # fmt: skip
     table = Table(
