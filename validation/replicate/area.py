@@ -13,12 +13,12 @@ Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.
 """
 
 from collections.abc import Callable
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
-from bem.scene.result import State
 from persson import solve_nonadhesive
 from validation.harness.case import Outcome
 from validation.harness.figure_data import axes, drawn, trace
@@ -28,6 +28,7 @@ from validation.replicate.evidence import Evidence, estimate, jackknife, mean_an
 from validation.replicate.members import LOADS
 from validation.replicate.statements import Alternative, Passage
 
+AREA = attrgetter("contact_fraction")
 FITTED = tuple(load for load in LOADS if load >= 0.005)
 STRAIGHT_TO = (0.15, 0.2)  # of A0: so far the theory is linear
 COMPARED = (0.005, 0.01, 0.015, 0.02, 0.025)
@@ -101,13 +102,9 @@ def _straightness(evidence: Evidence) -> Row:
         Alternative(overlapping, "areas that overlap at random"), measured=0.0108)  # fmt: skip
 
 
-def _area(state: State) -> float:
-    return state.contact_fraction
-
-
 def compute(evidence: Evidence) -> Outcome:
     """Rows, figure and tables."""
-    area, load = evidence.against_load(_area, lambda theory: theory.contact_fraction), np.array(LOADS)
+    area, load = evidence.against_load(AREA, AREA), np.array(LOADS)
     fitted, compared = np.isin(load, FITTED), np.isin(load, COMPARED)
     (intercept, slope), (intercept_error, slope_error) = (
         map(float, both) for both in mean_and_error([line_through(load[fitted], one[fitted]) for one in area.values])
@@ -155,7 +152,7 @@ def compute(evidence: Evidence) -> Outcome:
         "Contact area against load: every realisation, their mean with its standard error and straight line, "
         "and both theories.",
         axes("mean pressure $p/E^*$", "contact fraction $A/A_0$",
-             *scattered([one.path(_area) for one in evidence.loading], LOADS, area.values),
+             *scattered([one.path(AREA) for one in evidence.loading], LOADS, area.values),
              trace(f"line through the mean, slope {slope:.3g}", ends, [intercept + slope * end for end in ends],
                    "dashed", hue=0),
              trace("Persson with adhesion", [0.0, *LOADS], [0.0, *area.wet], hue=1),

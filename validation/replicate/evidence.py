@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from bem.geometry.profile import Profile
 from bem.scene.result import Result, State
+from bem.scene.scene_rules import surface_of
 from persson import AdhesiveContact, DiscreteSpectrum, NonadhesiveContact, solve, solve_nonadhesive
 from validation.harness.arrays import FloatArray
 from validation.harness.figure_data import marks, shaded, trace
@@ -39,15 +40,12 @@ class Realisation:
     @cached_property
     def surface(self) -> Profile:
         """The profile, SI units."""
-        table = self.result.scene["profile"]
-        return Profile.self_affine(*(table[name] for name in ("period", "hurst", "rms_height", "harmonics", "seed")))
+        return surface_of(self.result.scene["profile"], None)
 
     @cached_property
-    def highest(self) -> float:
-        """Height of the highest crest above the mean plane, m."""
-        table = self.result.scene["profile"]
-        waves = table["orders"], table["amplitudes"], table["phases"]
-        return float(Profile.from_harmonics(table["period"], *waves).max_height)
+    def lines(self) -> DiscreteSpectrum:
+        """The lines of the profile, for the theory."""
+        return DiscreteSpectrum.of_profile(self.surface)
 
     @property
     def touching(self) -> list[State]:
@@ -119,7 +117,7 @@ class Evidence:
     @cached_property
     def lines(self) -> DiscreteSpectrum:
         """The spectrum that all profiles of the loading ensemble share."""
-        return lines_of(self.loading[0])
+        return self.loading[0].lines
 
     @cached_property
     def with_adhesion(self) -> dict[float, AdhesiveContact]:
@@ -141,10 +139,8 @@ class Evidence:
     ) -> "LoadCurve":
         """A number of the states, and what the theories say of it, at `LOADS`."""
         values = np.array([[one.value_at(load, of) for load in LOADS] for one in self.loading])
-        wet, dry = (
-            np.array([said(theory[load]) for load in LOADS], dtype=np.float64)
-            for theory in (self.with_adhesion, self.without_adhesion)
-        )
+        theories = (self.with_adhesion, self.without_adhesion)
+        wet, dry = (np.array([said(theory[load]) for load in LOADS], dtype=np.float64) for theory in theories)
         return LoadCurve(values, *mean_and_error(values), wet, dry)
 
 
@@ -165,11 +161,6 @@ class LoadCurve:
         return Table(caption=caption, columns=list(columns), rows=np.stack(list(columns.values()), axis=1).tolist())
 
 
-def lines_of(one: Realisation) -> DiscreteSpectrum:
-    """The lines of a profile for the theory."""
-    return DiscreteSpectrum(one.surface.q0 * one.surface.orders, one.surface.amplitudes)
-
-
 def theory_with_adhesion(one: Realisation, load: float, detached_width: float = 1.0) -> AdhesiveContact:
     """Persson's theory for the lines of this profile; the raw constants of its scene are handed over.
 
@@ -177,7 +168,7 @@ def theory_with_adhesion(one: Realisation, load: float, detached_width: float = 
     """
     scene = one.result.scene
     work = scene["adhesion"]["work_of_adhesion"]
-    found = solve(lines_of(one), load * MODULUS, work_of_adhesion=work, detached_width=detached_width, **scene["solid"])
+    found = solve(one.lines, load * MODULUS, work_of_adhesion=work, detached_width=detached_width, **scene["solid"])
     assert isinstance(found, AdhesiveContact)
     return found
 

@@ -16,7 +16,7 @@ from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
 from validation.harness.figure_data import drawn, loglog, trace
 from validation.harness.schema import Cells, Row, Series, Table
-from validation.replicate.evidence import Evidence, Realisation, lines_of, scattered, theory_with_adhesion
+from validation.replicate.evidence import Evidence, Realisation, scattered, theory_with_adhesion
 from validation.replicate.paper_spectra import Exponent, banded, exponent, exponent_of, exponent_of_mean
 from validation.replicate.statements import Alternative
 
@@ -83,5 +83,4 @@ def _row(value: float, found: Exponent, alone: Exponent, theory: float, evidence
 def _followed(one: Realisation, orders: int) -> FloatArray:
     """C_u / C at the last target, (n_orders,)."""
     last = len(one.result.targets) - 1
-    q0 = one.surface.q0
-    return np.asarray(one.result.fields[f"C_u_{last}"][:orders] / lines_of(one).power(q0))
+    return np.asarray(one.result.fields[f"C_u_{last}"][:orders] / one.lines.power(one.surface.q0))

@@ -205,13 +205,13 @@ def _high_load(one: Realisation, paper: Callable[[str], Passage]) -> tuple[Row, 
     """C_u / C as contact becomes complete: at the highest load, in bands of orders, and its mean at every load."""
     profile = one.result.fields["C_h"]
     carried = np.flatnonzero(profile > 0)
-    series, lines = list[Series](), list[Cells]()
+    series, lines = list[Series](), list[tuple[float, ...]]()
     for k, state in enumerate(one.result.targets):
         ratio = one.result.fields[f"C_u_{k}"][carried] / profile[carried]
         order, followed = banded(ratio)
         load, fraction = state.mean_pressure / MODULUS, state.contact_fraction
         series.append(trace(f"p = {load:.3g} E*, A/A0 = {fraction:.4f}", order, followed, hue=k))
-        lines.append([state.separation * 1e6, load, fraction, *estimate(ratio), max(abs(v - 1) for v in followed)])
+        lines.append((state.separation * 1e6, load, fraction, *estimate(ratio), max(abs(v - 1) for v in followed)))
     (_, _, first, least, *_), (_, _, last, mean, error, _) = lines[0], lines[-1]
     row = paper("section 5: C_u tends to C at very high load").states(
         f"C_u over C at contact fraction {last:.4f}, mean over orders", mean, error, 1.0, 0.02,
@@ -225,7 +225,7 @@ def _high_load(one: Realisation, paper: Callable[[str], Passage]) -> tuple[Row, 
         caption=f"C_u / C of a profile with {one.surface.max_order} harmonics (seed "
         f"{one.result.scene['profile']['seed']}) as contact becomes complete: mean over orders, and its largest miss.",
         columns=["s / um", "p/E*", "contact fraction", "C_u / C, mean", "standard error", "farthest band from 1"],
-        rows=lines,
+        rows=np.array(lines).tolist(),
     )
     return row, figure, table
 

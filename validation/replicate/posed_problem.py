@@ -36,6 +36,6 @@ def compute(evidence: Evidence) -> Outcome:
             mean_over_period(one, 0, above) / state.separation, (1e-3, 3.6e-4), "absolute"),
         Against("exact", "s = h_max - Delta").row(
             "separation and penetration over the highest crest", "", 1.0,
-            (state.separation + state.penetration) / one.highest, (1e-15, 2.2e-16), "absolute"),
+            (state.separation + state.penetration) / one.surface.max_height, (1e-15, 2.2e-16), "absolute"),
     )  # fmt: skip
     return Outcome(rows=rows, figures=sketches(one.result, "problem-layer", "problem-heights"))

@@ -25,7 +25,7 @@ from validation.harness.figure_data import axes, drawn, semilogy, trace
 from validation.harness.schema import Figure, Report, Series
 from validation.harness.verdict import counts
 from validation.report.figures import COLOURS, svg_of
-from validation.report.render import filled, number
+from validation.report.render import filled, number, short
 
 Kind = Literal["error", "count"]
 Key = tuple[str, str, Kind]  # case, quantity
@@ -179,7 +179,7 @@ def _date(report: Report) -> str:
 
 def _commit(report: Report) -> str:
     commit = str(report.provenance.get("commit", "no commit"))
-    return f"commit {commit[:12]}{commit[40:]}" if commit[:40].isalnum() and len(commit) >= 40 else commit
+    return commit if short(commit) == commit else f"commit {short(commit)}"
 
 
 def _cells(report: Report, k: int, rises: int) -> list[float | str | None]:

@@ -82,7 +82,7 @@ def render(report: Report, jobs: int = 1) -> str:
     drawn, overview = _drawn(report.cases, jobs), first_screen.scatter(report)
     return filled(
         "page.jinja",
-        {"short": _short, "error": error_of, "sha256": lambda text: hashlib.sha256(text.encode()).hexdigest()},
+        {"short": short, "error": error_of, "sha256": lambda text: hashlib.sha256(text.encode()).hexdigest()},
         report=report,
         sentence=first_screen.first_sentence(report),
         passed=not fails(report) and is_intact(report),
@@ -241,7 +241,7 @@ def _value(values: list[float | None], worst: int) -> Markup:
     return text if len(values) == 1 else text + Markup(" <small>largest error of {}</small>").format(len(values))
 
 
-def _short(commit: str) -> str:
+def short(commit: str) -> str:
     """A commit by its first twelve digits; what follows them in words is kept."""
     return re.sub(r"^([0-9a-f]{12})[0-9a-f]{28}", r"\1", str(commit))
 

@@ -85,35 +85,30 @@ def first_sentence(report: Report) -> str:
     given = counts(report.cases)
     rows = [row for _, _, row in rows_of(report.cases) if row.band is None and row.status != "not run"]
     judged = {kind: [row for row in rows if kind_of(row) == kind] for kind in KINDS}
-    others = [*judged["self-comparison"], *judged["limit"]]
     held = {kind: sum(verdict_of(row) in PASSING for row in rows) for kind, rows in judged.items()}
     failed = fails(report) or not is_intact(report)
-    compared = len(judged["comparison"])
-    agree = "agrees" if compared == 1 else "agree"
-    words = [f"{'Failed' if failed else 'Passed'}: {held['comparison']} of {counted(compared, 'comparison')} with "
-             f"something else {agree}"]  # fmt: skip
-    if others:
-        within = held["self-comparison"] + held["limit"]
-        words.append(f"{within} of {len(others)} self-comparisons, counts and limits hold")
+    compared, others = len(judged["comparison"]), len(judged["self-comparison"]) + len(judged["limit"])
+    within = held["self-comparison"] + held["limit"]
+    known, outside = given["expected deviation"], given["changed"]
     many = {"deviates": "deviate", "error": "errors"}
     failing = {name: count for name, count in given.items() if count and name in GATING and name != "changed"}
-    words += [counted(count, name, many.get(name, name)) for name, count in failing.items()]
-    if given["marginal"]:
-        words.append(f"{given['marginal']} of these marginal")
-    if given["expected deviation"]:
-        words.append(counted(given["expected deviation"], "known deviation"))
-    if given["changed"]:
-        words.append(f"{counted(given['changed'], 'known deviation')} outside the recorded band")
-    if given["not run"]:
-        words.append(f"{given['not run']} not run")
-    if len(report.cases) != report.planned:
-        words.append(f"{len(report.cases)} of {counted(report.planned, 'planned case')} reported")
-    if not is_intact(report):
-        words.append("changed after it was written")
     slowest = max(report.cases, key=lambda case: case.seconds, default=None)
-    if slowest is not None and slowest.seconds:
-        words.append(f"slowest: {slowest.id}, {slowest.seconds:.3g} s")
-    return "; ".join(words) + "."
+    words = [
+        f"{'Failed' if failed else 'Passed'}: {held['comparison']} of {counted(compared, 'comparison')} with something "
+        f"else {'agrees' if compared == 1 else 'agree'}",
+        f"{within} of {others} self-comparisons, counts and limits hold" if others else "",
+        *(counted(count, name, many.get(name, name)) for name, count in failing.items()),
+        f"{given['marginal']} of these marginal" if given["marginal"] else "",
+        counted(known, "known deviation") if known else "",
+        f"{counted(outside, 'known deviation')} outside the recorded band" if outside else "",
+        f"{given['not run']} not run" if given["not run"] else "",
+        f"{len(report.cases)} of {counted(report.planned, 'planned case')} reported"
+        if len(report.cases) != report.planned
+        else "",
+        "" if is_intact(report) else "changed after it was written",
+        f"slowest: {slowest.id}, {slowest.seconds:.3g} s" if slowest and slowest.seconds else "",
+    ]
+    return "; ".join(filter(None, words)) + "."
 
 
 def scatter(report: Report) -> Figure | None:
