@@ -75,8 +75,14 @@ def readable(value: float, unit: str, figures: int) -> str:
     return f"{_fixed(rounded * factor, figures)} {prefixed}"
 
 
-def _exact(value: float, unit: str) -> str:
-    """A number that is given, with the digits that it has."""
+def quantity(value: float, unit: str) -> str:
+    """A number that is given, with the digits that it has and a prefix before its unit.
+
+    Examples
+    --------
+    >>> quantity(5e-05, "m"), quantity(1.25e6, "Pa"), quantity(0.0, "m"), quantity(3e-30, "m")
+    ('50 µm', '1.25 MPa', '0 m', '3e-30 m')
+    """
     factor, prefixed = axis_unit(abs(value), unit)
     return f"{value * factor:.6g} {prefixed}"
 
@@ -119,7 +125,7 @@ def rows(result: Result, inputs: Inputs | None = None) -> Iterator[list[Cell]]:
     for k in range(len(result.targets)):
         row = {name: values[k] for name, values in columns.items()}
         known = (inputs or {}).get(k, {})
-        held = (UNKNOWN, "") if math.isnan(row["target"]) else (_exact(row["target"], unit), row["target"])
+        held = (UNKNOWN, "") if math.isnan(row["target"]) else (quantity(row["target"], unit), row["target"])
         cells = {
             "mean pressure": _cell(row, "mean_pressure", "Pa", known),
             "separation": _cell(row, "separation", "m", known),

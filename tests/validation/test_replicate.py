@@ -29,7 +29,7 @@ from validation.replicate.paper_spectra import (
     _shift_rows,
 )
 from validation.replicate.pressure import density
-from validation.replicate.statements import Alternative, disagreement, stale, statement
+from validation.replicate.statements import Alternative, Passage, stale
 from validation.report.figures import linked, table_of, write_figure
 from validation.report.render import render
 from validation.studies.bench import Bench
@@ -55,9 +55,13 @@ def test_names_of_members_differ():
     assert len(set(names)) == len(names) == 11 + 1 + 1 + 12 + 36 + 1
 
 
-def claimed(ours, error=0.0, **more):
+def claimed(ours, error=0.0, shortfall="", **more):
     full = Alternative(-2.4, "full contact")
-    return statement("exponent", ours, error, -2.73, 0.1, full, measured=0.05, where="section 5", **more)
+    return Passage("section 5", shortfall).states("exponent", ours, error, -2.73, 0.1, full, measured=0.05, **more)
+
+
+def otherwise(ours, error=0.0, paper=3.0, band=(0.6, 0.8), where="section 5"):
+    return Passage(where).is_otherwise("moment", ours, error, paper, band, "few waves")
 
 
 @pytest.mark.parametrize(
@@ -70,8 +74,8 @@ def claimed(ours, error=0.0, **more):
         (claimed(-2.6, error=0.04), "deviates"),
         (claimed(-2.6, error=0.17), "not run"),
         (claimed(-2.65, shortfall="only 3 of 11 realisations"), "not run"),
-        (disagreement("moment", 2.1, 0.0, 3.0, (0.6, 0.8), "few waves", where="section 5"), "expected deviation"),
-        (disagreement("moment", 3.0, 0.0, 3.0, (0.6, 0.8), "few waves", where="section 5"), "changed"),
+        (otherwise(2.1), "expected deviation"),
+        (otherwise(3.0), "changed"),
     ],
     ids=[
         "within",
@@ -96,7 +100,7 @@ def test_what_is_told_stands_beside_the_verdict():
 
 def test_tolerance_that_reaches_the_alternative_is_refused():
     with pytest.raises(ValueError, match=r"does not exclude -2\.6"):
-        statement("exponent", -2.7, 0.0, -2.73, 0.1, Alternative(-2.6, "another"), measured=0.03, where="section 5")
+        Passage("section 5").states("exponent", -2.7, 0.0, -2.73, 0.1, Alternative(-2.6, "another"), measured=0.03)
 
 
 @pytest.mark.parametrize(("ours", "counts"), [(-2.68, 0), (-2.66, 0), (-2.65, 1), (-2.73, 1)])
@@ -108,11 +112,11 @@ def test_stored_difference_that_moved_is_counted(ours, counts):
 
 def test_band_that_holds_agreement_is_refused():
     with pytest.raises(ValueError, match="holds 1, where the two agree"):
-        disagreement("moment", 2.1, 0.0, 3.0, (0.6, 1.1), "few waves", where="section 5")
+        otherwise(2.1, band=(0.6, 1.1))
 
 
 def test_difference_within_two_standard_errors_is_no_finding():
-    row = disagreement("moment", 2.1, 0.5, 3.0, (0.6, 0.8), "few waves", where="section 5")
+    row = otherwise(2.1, error=0.5)
     assert (verdict_of(row), row.message) == ("not run", "no finding: 1.8 errors apart")
 
 
@@ -120,7 +124,7 @@ def test_difference_within_two_standard_errors_is_no_finding():
 def test_shift_of_a_spectrum_is_found_whatever_its_exponent(factor, verdict):
     order = np.arange(1.0, 201.0)
     power = np.outer([0.99, 1.0, 1.01], factor * order**-2.7)
-    (row,) = _shift_rows(0.02, power, order**-2.7, "")
+    (row,) = _shift_rows(0.02, power, order**-2.7, Passage)
     assert verdict_of(row) == verdict
     assert row.message == f"over the theory's: {factor:.2f} +- 0.01"
 
@@ -128,12 +132,12 @@ def test_shift_of_a_spectrum_is_found_whatever_its_exponent(factor, verdict):
 def test_shift_within_its_scatter_is_not_found():
     order = np.arange(1.0, 201.0)
     power = np.outer([0.5, 2.3], order**-2.7)
-    assert verdict_of(_shift_rows(0.02, power, order**-2.7, "")[0]) == "deviates"
+    assert verdict_of(_shift_rows(0.02, power, order**-2.7, Passage)[0]) == "deviates"
 
 
 def test_every_statement_of_the_paper_is_on_the_page_with_its_verdict():
     ours = claimed(-2.65).model_copy(update={"reference": Reference(kind="exact", source="JKR edges")})
-    known = disagreement("moment", [2.9, 2.1], 0.1, [3.0, 3.0], (0.6, 0.8), "few waves", where="section 4: Gaussian")
+    known = otherwise([2.9, 2.1], 0.1, [3.0, 3.0], where="section 4: Gaussian")
     case = CaseRecord(id="replicate-one", group="paper", level="full", question="One?", equations="a = b", sources=[],
                       rows=[claimed(-2.5), ours, known])  # fmt: skip
     outcome = statements.summary_of([case])

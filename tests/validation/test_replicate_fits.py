@@ -26,6 +26,7 @@ from validation.replicate.paper_spectra import (
     exponent_of_mean,
 )
 from validation.replicate.pressure import decay_power
+from validation.replicate.statements import Passage
 
 SIGMA = np.linspace(-0.29, 0.69, 50)
 
@@ -108,12 +109,12 @@ def test_scatter_in_size_alone_is_no_error_of_the_end(sample):
 def test_the_factor_is_judged_by_what_is_nearer(end, verdict):
     shape = double_gaussian(SIGMA, 0.02, end, 0.018 / (2 * 0.02**2))
     one = Sample(0.02, SIGMA, np.array([shape, shape]), 0.05, 0.13)
-    assert verdict_of(one.rows("")[0]) == verdict
+    assert verdict_of(one.rows(Passage)[0]) == verdict
 
 
 def test_a_factor_that_depends_on_the_window_is_no_test(sample):
     tail = sample.mean + 0.05 * np.exp(10 * SIGMA) * (SIGMA < 0.05)
-    factor, _, _ = Sample(0.02, SIGMA, np.array([tail, tail]), 0.05, 0.13).rows("")
+    factor, _, _ = Sample(0.02, SIGMA, np.array([tail, tail]), 0.05, 0.13).rows(Passage)
     assert verdict_of(factor) == "not run"
     assert factor.message.startswith("no test: ")
     assert re.search(r"the paper states no window and no weights: \d\.\d\d to \d\.\d\d over ours", factor.message)
@@ -121,11 +122,11 @@ def test_a_factor_that_depends_on_the_window_is_no_test(sample):
 
 
 def test_a_double_gaussian_is_a_good_approximation_of_itself_and_not_of_twice_itself(sample):
-    _, close, carried = sample.rows("")
+    _, close, carried = sample.rows(Passage)
     assert verdict_of(close) == "changed"  # it agrees too well
     load = np.sum(SIGMA * sample.mean) * (SIGMA[1] - SIGMA[0])
     assert carried.computed == pytest.approx([load / 0.02] * len(carried.computed), rel=1e-3)
-    twice = Sample(0.02, SIGMA, 2 * sample.values, 0.05, 0.13).rows("")[1]
+    twice = Sample(0.02, SIGMA, 2 * sample.values, 0.05, 0.13).rows(Passage)[1]
     assert verdict_of(twice) == "expected deviation"
 
 
@@ -139,7 +140,7 @@ def drawn_problem():
 
 
 def posed(one):
-    return posed_problem.compute(SimpleNamespace(sketch=one, shortfall="", missing={}))
+    return posed_problem.compute(SimpleNamespace(sketch=one, paper=Passage, missing={}))
 
 
 def test_the_problem_is_drawn_from_a_solution_that_has_its_heights(drawn_problem):
@@ -172,7 +173,7 @@ def test_adhesion_vanishes_as_its_square_root(power, verdicts):
         return SimpleNamespace(value_at=lambda load, number: load * (1 + gain))
 
     faint = [[of(work, seed) for work in members.FAINT_WORKS] for seed in range(3)]
-    outcome = vanishing_adhesion.compute(SimpleNamespace(faint=faint, shortfall=""))
+    outcome = vanishing_adhesion.compute(SimpleNamespace(faint=faint, paper=Passage, shortfall=""))
     assert [verdict_of(row) for row in outcome.rows] == verdicts
 
 

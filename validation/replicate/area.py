@@ -13,29 +13,22 @@ Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.
 """
 
 from collections.abc import Callable
-from functools import partial
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
-from bem.scene.result import State
 from persson import solve_nonadhesive
 from validation.harness.case import Outcome
 from validation.harness.figure_data import axes, drawn, trace
 from validation.harness.schema import Row, Table
 from validation.references.paper_problem import MODULUS
-from validation.replicate.evidence import (
-    Evidence,
-    estimate,
-    jackknife,
-    mean_and_error,
-    scattered,
-    theory_with_adhesion,
-)
+from validation.replicate.evidence import Evidence, estimate, jackknife, mean_and_error, scattered, theory_with_adhesion
 from validation.replicate.members import LOADS
-from validation.replicate.statements import Alternative, disagreement, statement
+from validation.replicate.statements import Alternative, Passage
 
+AREA = attrgetter("contact_fraction")
 FITTED = tuple(load for load in LOADS if load >= 0.005)
 STRAIGHT_TO = (0.15, 0.2)  # of A0: so far the theory is linear
 COMPARED = (0.005, 0.01, 0.015, 0.02, 0.025)
@@ -49,6 +42,7 @@ GAIN = (
     "the theory of this code gains a sixth of its area from adhesion, at every load; the paper shows two curves that "
     "it calls hardly different, without numbers"
 )
+UNTESTED = "not testable here: roughness in two directions is not computed"
 
 
 def line_through(load: ArrayLike, area: ArrayLike) -> tuple[float, float]:
@@ -101,56 +95,48 @@ def _straightness(evidence: Evidence) -> Row:
     def wet(load: float) -> float:
         return theory_with_adhesion(one, load).contact_fraction
 
-    return statement("A/p of the theory at A/A0 = 15 and 20 % over that at 0.001 E*, less 1, without and with adhesion",
-                     [*departures(dry), *departures(wet)], 0.0, [0.0] * 2 * len(STRAIGHT_TO), 0.02,
-                     Alternative(departures(lambda load: -np.expm1(-load))[0], "areas that overlap at random"),
-                     measured=0.0108, where="text: the theory is linear up to 15 to 20 % of the nominal area",
-                     shortfall=evidence.shortfall)  # fmt: skip
-
-
-def _area(state: State) -> float:
-    return state.contact_fraction
+    overlapping = departures(lambda load: -np.expm1(-load))[0]
+    return evidence.paper("text: the theory is linear up to 15 to 20 % of the nominal area").states(
+        "A/p of the theory at A/A0 = 15 and 20 % over that at 0.001 E*, less 1, without and with adhesion",
+        [*departures(dry), *departures(wet)], 0.0, [0.0] * 2 * len(STRAIGHT_TO), 0.02,
+        Alternative(overlapping, "areas that overlap at random"), measured=0.0108)  # fmt: skip
 
 
 def compute(evidence: Evidence) -> Outcome:
     """Rows, figure and tables."""
-    areas, load = evidence.values(_area), np.array(LOADS)
-    mean, error = mean_and_error(areas)
-    wet, dry = (
-        np.array([theory[load].contact_fraction for load in LOADS])
-        for theory in (evidence.with_adhesion, evidence.without_adhesion)
-    )
+    area, load = evidence.against_load(AREA, AREA), np.array(LOADS)
     fitted, compared = np.isin(load, FITTED), np.isin(load, COMPARED)
     (intercept, slope), (intercept_error, slope_error) = (
-        map(float, both) for both in mean_and_error([line_through(load[fitted], one[fitted]) for one in areas])
+        map(float, both) for both in mean_and_error([line_through(load[fitted], one[fitted]) for one in area.values])
     )
-    bend, bend_error = jackknife(lambda curve: curvature(load[fitted], curve[fitted]), areas)
-    theory_slope = line_through(load[fitted], wet[fitted])[1]
-    says = partial(statement, shortfall=evidence.shortfall)
-    otherwise = partial(disagreement, shortfall=evidence.shortfall)
+    bend, bend_error = jackknife(lambda curve: curvature(load[fitted], curve[fitted]), area.values)
+    theory_slope = line_through(load[fitted], area.wet[fitted])[1]
+    paper = evidence.paper
     rows = (
-        says("contact area over that of Persson's theory with adhesion, mean of 0.005 to 0.025 E*",
-             *estimate((areas / wet)[:, compared].mean(axis=1)), 2.0, 0.2, Alternative(1.0, "the theory's own area"),
-             measured=0.074, where="abstract: the theory underestimates the area by about 50 %"),
-        says("curvature of the area over 0.005 to 0.025 E*, over the largest area", bend, bend_error, 0.0, 0.015,
-             Alternative(curvature(load[fitted], np.sqrt(load[fitted])), "one Hertzian contact, A ~ sqrt p"),
-             measured=0.0148, where="abstract: the area is linear in the load also with adhesion",
-             reported=f"{bend / bend_error:+.1f} standard errors from a straight line"),
-        otherwise("slope of the straight line over that of the theory with adhesion", slope / theory_slope,
-                  slope_error / theory_slope, 2.0, (0.75, 0.95), CAUSE,
-                  where="caption of the area figure: the theory's coefficient of proportionality is about half"),
-        otherwise("contact area over that of Persson's theory with adhesion at 0.001 E*", float(mean[0] / wet[0]),
-                  float(error[0] / wet[0]), 2.0, (1.2, 1.8), CAUSE, where="abstract: about 50 % for any given load"),
-        otherwise("theory's contact area with adhesion over that without, mean of 0.005 to 0.025 E*",
-                  float(np.mean((wet / dry)[compared])), 0.0, 1.0, (1.1, 1.25), GAIN,
-                  where="caption: not significantly different; text: only marginal, the adhesion energy is small"),
+        paper("abstract: the theory underestimates the area by about 50 %").states(
+            "contact area over that of Persson's theory with adhesion, mean of 0.005 to 0.025 E*",
+            *estimate((area.values / area.wet)[:, compared].mean(axis=1)), 2.0, 0.2,
+            Alternative(1.0, "the theory's own area"), measured=0.074),
+        paper("abstract: the area is linear in the load also with adhesion").states(
+            "curvature of the area over 0.005 to 0.025 E*, over the largest area", bend, bend_error, 0.0, 0.015,
+            Alternative(curvature(load[fitted], np.sqrt(load[fitted])), "one Hertzian contact, A ~ sqrt p"),
+            measured=0.0148, reported=f"{bend / bend_error:+.1f} standard errors from a straight line"),
+        paper("caption of the area figure: the theory's coefficient of proportionality is about half").is_otherwise(
+            "slope of the straight line over that of the theory with adhesion", slope / theory_slope,
+            slope_error / theory_slope, 2.0, (0.75, 0.95), CAUSE),
+        paper("abstract: about 50 % for any given load").is_otherwise(
+            "contact area over that of Persson's theory with adhesion at 0.001 E*", float(area.mean[0] / area.wet[0]),
+            float(area.error[0] / area.wet[0]), 2.0, (1.2, 1.8), CAUSE),
+        paper("caption: not significantly different; text: only marginal, the adhesion energy is small").is_otherwise(
+            "theory's contact area with adhesion over that without, mean of 0.005 to 0.025 E*",
+            float(np.mean((area.wet / area.dry)[compared])), 0.0, 1.0, (1.1, 1.25), GAIN),
         _straightness(evidence),
-        statement("larger underestimate than for isotropic surfaces without adhesion", float("nan"), 0.0, 1.0, 0.4,
-                  Alternative(0.0, "no larger"), measured=0.0, where="abstract: the discrepancy is larger than in 2D",
-                  shortfall=evidence.shortfall or "not testable here: roughness in two directions is not computed"),
+        Passage("abstract: the discrepancy is larger than in 2D", evidence.shortfall or UNTESTED).states(
+            "larger underestimate than for isotropic surfaces without adhesion", float("nan"), 0.0, 1.0, 0.4,
+            Alternative(0.0, "no larger"), measured=0.0),
     )  # fmt: skip
     lines = [["bem, mean", intercept, intercept_error, slope, slope_error, slope / theory_slope]]
-    for name, theory in (("with", wet), ("without", dry)):
+    for name, theory in (("with", area.wet), ("without", area.dry)):
         a, b = line_through(load[fitted], theory[fitted])
         lines.append([f"Persson {name} adhesion", a, None, b, None, b / theory_slope])
     slopes = Table(
@@ -158,20 +144,18 @@ def compute(evidence: Evidence) -> Outcome:
         columns=["curve", "a", "error of a", "b", "error of b", "b over that of the theory with adhesion"],
         rows=lines,
     )
-    points = Table(caption="Contact fractions at the loads asked for.",
-                   columns=["p/E*", "bem, mean", "standard error", "Persson with adhesion", "Persson without",
-                            "bem/with", "bem/without"],
-                   rows=np.stack([load, mean, error, wet, dry, mean / wet, mean / dry], axis=1).tolist())  # fmt: skip
+    points = area.points("Contact fractions at the loads asked for.",
+                         {"bem/with": area.mean / area.wet, "bem/without": area.mean / area.dry})  # fmt: skip
     ends = [FITTED[0], FITTED[-1]]
     figure = drawn(
         "landing-area-against-load",
         "Contact area against load: every realisation, their mean with its standard error and straight line, "
         "and both theories.",
         axes("mean pressure $p/E^*$", "contact fraction $A/A_0$",
-             *scattered([one.path(_area) for one in evidence.loading], LOADS, areas),
+             *scattered([one.path(AREA) for one in evidence.loading], LOADS, area.values),
              trace(f"line through the mean, slope {slope:.3g}", ends, [intercept + slope * end for end in ends],
                    "dashed", hue=0),
-             trace("Persson with adhesion", [0.0, *LOADS], [0.0, *wet], hue=1),
-             trace("Persson without adhesion", [0.0, *LOADS], [0.0, *dry], hue=2)),
+             trace("Persson with adhesion", [0.0, *LOADS], [0.0, *area.wet], hue=1),
+             trace("Persson without adhesion", [0.0, *LOADS], [0.0, *area.dry], hue=2)),
     )  # fmt: skip
     return Outcome(rows=rows, figures=(figure,), tables=(slopes, points))

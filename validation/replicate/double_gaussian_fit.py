@@ -17,7 +17,7 @@ and the load of the fit over the one carried, each 1 for a perfect fit.
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, section 5.  Stresses over E*.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -28,7 +28,7 @@ from validation.harness.arrays import FloatArray
 from validation.harness.figure_data import axes, drawn, shaded, trace
 from validation.harness.schema import Cells, Figure, Row, Series, Table
 from validation.replicate.evidence import jackknife
-from validation.replicate.statements import Alternative, disagreement, statement
+from validation.replicate.statements import Alternative, Passage
 
 FACTOR = 1.4  # of the paper, on the theory's sigma_a
 NEARER = (1 + 2**0.5) / 2  # above it sqrt 2 is nearer to the fit than 1
@@ -77,13 +77,15 @@ class Sample:
         return fit_double_gaussian(self.centres[inside], chosen[inside], self.load, free_amplitude=free_amplitude,
                                    logarithmic=logarithmic)  # fmt: skip
 
+    def over_theory(self, fit: DoubleGaussian) -> float:
+        """Fitted sigma_a over the theory's."""
+        return fit.detachment_stress / self.detachment_stress
+
     def ratio(self, start: float, free_amplitude: bool = False, logarithmic: bool = True) -> tuple[float, float]:
         """Fitted sigma_a over the theory's, and its standard error."""
-
-        def of(mean: FloatArray) -> float:
-            return self.over(start, mean, free_amplitude, logarithmic).detachment_stress / self.detachment_stress
-
-        return jackknife(of, self.values)
+        return jackknife(
+            lambda mean: self.over_theory(self.over(start, mean, free_amplitude, logarithmic)), self.values
+        )
 
     @cached_property
     def printed(self) -> dict[tuple[float, bool], DoubleGaussian]:
@@ -98,7 +100,7 @@ class Sample:
     @cached_property
     def range(self) -> tuple[float, float]:
         """Least and largest fitted sigma_a over the theory's, of all windows and weights."""
-        ratios = [fit.detachment_stress / self.detachment_stress for fit in self.printed.values()]
+        ratios = list(map(self.over_theory, self.printed.values()))
         return min(ratios), max(ratios)
 
     @cached_property
@@ -107,26 +109,24 @@ class Sample:
         ratio, error = self.with_errors[START]
         return ratio, float(np.hypot(error, (self.range[1] - self.range[0]) / 2))
 
-    def rows(self, short: str) -> tuple[Row, Row, Row]:
+    def rows(self, paper: Callable[[str], Passage]) -> tuple[Row, Row, Row]:
         """Whether the theory with half the detached width is closer to the fit; how good an approximation this is."""
         spread = f"the paper states no window and no weights: {self.range[0]:.2f} to {self.range[1]:.2f} over ours; "
-        ratio, uncertainty = self.judged
         said = f"{spread}standard error {self.with_errors[START][1]:.2f}"
-        factor = statement(
+        factor = paper("section 5: they differ, a factor of about 1.4 brings it closer").states(
             f"sigma_a of the double Gaussian fitted as printed, ln P from {START:g} E*, over the theory's, "
-            f"{self.load:g} E*", ratio, uncertainty, 2**0.5, NEARER - 1, Alternative(1.0, "the theory's own sigma_a"),
-            measured=MEASURED[self.load], where="section 5: they differ, a factor of about 1.4 brings it closer",
-            reported=said, shortfall=short)  # fmt: skip
-        good = "section 5: the double Gaussian is a good approximation"
+            f"{self.load:g} E*", *self.judged, 2**0.5, NEARER - 1, Alternative(1.0, "the theory's own sigma_a"),
+            measured=MEASURED[self.load], reported=said)  # fmt: skip
+        good = paper("section 5: the double Gaussian is a good approximation")
         fits, chosen = list(self.printed.values()), self.printed[START, True]
         whole = f"double Gaussian fitted as printed, all windows and weights, {self.load:g} E*"
-        close = disagreement(
+        close = good.is_otherwise(
             f"1 - rms residual over the peak of P, {whole}", [1 - fit.residual for fit in fits], 0.0,
-            [1.0] * len(fits), CLOSENESS, CAUSE, where=good, shortfall=short,
+            [1.0] * len(fits), CLOSENESS, CAUSE,
             reported=f"residual {chosen.residual:.0%} of the peak for ln P from {START:g} E*")  # fmt: skip
-        carried = disagreement(
+        carried = good.is_otherwise(
             f"load of the fit over the one carried, {whole}", [fit.load / self.load for fit in fits], 0.0,
-            [1.0] * len(fits), LOADS_OF_FITS, CAUSE, where=good, shortfall=short,
+            [1.0] * len(fits), LOADS_OF_FITS, CAUSE,
             reported=f"{chosen.load / self.load:.2f} for ln P from {START:g} E*")  # fmt: skip
         return factor, close, carried
 
@@ -137,13 +137,8 @@ def window_figure(samples: Sequence[Sample]) -> Figure:
     x = list(WINDOWS)
     for hue, sample in enumerate(samples):
         found = list(sample.with_errors.values())
-        even, free = (
-            [fit.detachment_stress / sample.detachment_stress for fit in fits]
-            for fits in (
-                [sample.printed[start, False] for start in WINDOWS],
-                [sample.over(start, None, True, False) for start in WINDOWS],
-            )
-        )
+        even = [sample.over_theory(sample.printed[start, False]) for start in WINDOWS]
+        free = [sample.over_theory(sample.over(start, None, True, False)) for start in WINDOWS]
         series += [
             shaded(f"{sample.load:g} E*, standard error", x, [v - e for v, e in found], [v + e for v, e in found], hue),
             trace(f"{sample.load:g} E*, as printed, ln P", x, [v for v, _ in found], hue=hue),
@@ -167,8 +162,7 @@ def window_table(samples: Sequence[Sample], theories: Sequence[FloatArray]) -> T
 
         def line(what: str, start: float, fit: DoubleGaussian, one: Sample = sample) -> Cells:
             variance = 2 * fit.diffusivity * one.load**2 / one.spread**2
-            stress = fit.detachment_stress
-            return [one.load, what, start, fit.amplitude, stress, stress / one.detachment_stress, variance,
+            return [one.load, what, start, fit.amplitude, fit.detachment_stress, one.over_theory(fit), variance,
                     fit.load / one.load, fit.residual]  # fmt: skip
 
         lines += [

@@ -7,7 +7,7 @@ the error is sqrt((n - 1) / n sum (t_k - mean t)^2).  Loads in units of E*, leng
 Source of the jackknife: B. Efron, C. Stein, Ann. Statist. 9 (1981) 586, doi:10.1214/aos/1176345462.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -18,12 +18,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from bem.geometry.profile import Profile
 from bem.scene.result import Result, State
+from bem.scene.scene_rules import surface_of
 from persson import AdhesiveContact, DiscreteSpectrum, NonadhesiveContact, solve, solve_nonadhesive
 from validation.harness.arrays import FloatArray
 from validation.harness.figure_data import marks, shaded, trace
-from validation.harness.schema import Series
+from validation.harness.schema import Series, Table
 from validation.references.paper_problem import MODULUS
 from validation.replicate.members import LOADS, PAPER, Size
+from validation.replicate.statements import Passage
 
 SAME_LOAD = 1e-9  # of E*
 
@@ -38,15 +40,12 @@ class Realisation:
     @cached_property
     def surface(self) -> Profile:
         """The profile, SI units."""
-        table = self.result.scene["profile"]
-        return Profile.self_affine(*(table[name] for name in ("period", "hurst", "rms_height", "harmonics", "seed")))
+        return surface_of(self.result.scene["profile"], None)
 
     @cached_property
-    def highest(self) -> float:
-        """Height of the highest crest above the mean plane, m."""
-        table = self.result.scene["profile"]
-        waves = table["orders"], table["amplitudes"], table["phases"]
-        return float(Profile.from_harmonics(table["period"], *waves).max_height)
+    def lines(self) -> DiscreteSpectrum:
+        """The lines of the profile, for the theory."""
+        return DiscreteSpectrum.of_profile(self.surface)
 
     @property
     def touching(self) -> list[State]:
@@ -111,10 +110,14 @@ class Evidence:
             return f"only {len(self.loading)} of {self.size.seeds} realisations reached {LOADS[-1]:g} E*"
         return ""
 
+    def paper(self, where: str) -> Passage:
+        """A passage of the paper that this is judged by."""
+        return Passage(where, self.shortfall)
+
     @cached_property
     def lines(self) -> DiscreteSpectrum:
         """The spectrum that all profiles of the loading ensemble share."""
-        return lines_of(self.loading[0])
+        return self.loading[0].lines
 
     @cached_property
     def with_adhesion(self) -> dict[float, AdhesiveContact]:
@@ -131,14 +134,31 @@ class Evidence:
         """The realisations that have a state at this load, for spectra and distributions."""
         return tuple(one for one in self.loading if one.index_of(load) is not None)
 
-    def values(self, of: Callable[[State], float]) -> FloatArray:
-        """A number of the states at `LOADS`, (n_realisations, n_loads)."""
-        return np.array([[one.value_at(load, of) for load in LOADS] for one in self.loading])
+    def against_load(
+        self, of: Callable[[State], float], said: Callable[[AdhesiveContact | NonadhesiveContact], float | None]
+    ) -> "LoadCurve":
+        """A number of the states, and what the theories say of it, at `LOADS`."""
+        values = np.array([[one.value_at(load, of) for load in LOADS] for one in self.loading])
+        theories = (self.with_adhesion, self.without_adhesion)
+        wet, dry = (np.array([said(theory[load]) for load in LOADS], dtype=np.float64) for theory in theories)
+        return LoadCurve(values, *mean_and_error(values), wet, dry)
 
 
-def lines_of(one: Realisation) -> DiscreteSpectrum:
-    """The lines of a profile for the theory."""
-    return DiscreteSpectrum(one.surface.q0 * one.surface.orders, one.surface.amplitudes)
+@dataclass(frozen=True, eq=False)
+class LoadCurve:
+    """A number at `LOADS`: of every realisation, (n_realisations, n_loads), and of both theories, (n_loads,)."""
+
+    values: FloatArray
+    mean: FloatArray
+    error: FloatArray  # standard
+    wet: FloatArray  # the theory with adhesion
+    dry: FloatArray
+
+    def points(self, caption: str, more: Mapping[str, FloatArray]) -> Table:
+        """A line for each load, with more columns."""
+        columns = {"p/E*": np.array(LOADS), "bem, mean": self.mean, "standard error": self.error,
+                   "Persson with adhesion": self.wet, "Persson without": self.dry, **more}  # fmt: skip
+        return Table(caption=caption, columns=list(columns), rows=np.stack(list(columns.values()), axis=1).tolist())
 
 
 def theory_with_adhesion(one: Realisation, load: float, detached_width: float = 1.0) -> AdhesiveContact:
@@ -148,7 +168,7 @@ def theory_with_adhesion(one: Realisation, load: float, detached_width: float = 
     """
     scene = one.result.scene
     work = scene["adhesion"]["work_of_adhesion"]
-    found = solve(lines_of(one), load * MODULUS, work_of_adhesion=work, detached_width=detached_width, **scene["solid"])
+    found = solve(one.lines, load * MODULUS, work_of_adhesion=work, detached_width=detached_width, **scene["solid"])
     assert isinstance(found, AdhesiveContact)
     return found
 

@@ -11,8 +11,6 @@ Where the long waves are taken out, more waves share the rest, and the fourth mo
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, section 4.
 """
 
-from functools import partial
-
 import numpy as np
 
 from bem.geometry.profile import Profile
@@ -23,7 +21,7 @@ from validation.harness.rows import Against
 from validation.harness.schema import Table
 from validation.references.paper_problem import RMS_HEIGHT
 from validation.replicate.evidence import Evidence, estimate, mean_and_error, scattered
-from validation.replicate.statements import Alternative, disagreement, statement
+from validation.replicate.statements import Alternative
 
 BOUNDS = np.linspace(-3.5, 3.5, 36)  # of h_rms
 FIRST_KEPT = (1, 2, 4, 8, 16, 32)  # longest waves of the profiles whose fourth moment is shown
@@ -46,13 +44,12 @@ def compute(evidence: Evidence) -> Outcome:
     shared = evidence.loading[0].surface
     power = {order: np.asarray(shared.amplitudes[shared.orders >= order] ** 2) for order in first}
     fourth = {order: _fourth_moment(evidence, order) for order in first}
-    says = partial(statement, where="section 4: heights of the generated profiles are Gaussian",
-                   shortfall=evidence.shortfall)  # fmt: skip
+    paper = evidence.paper("section 4: heights of the generated profiles are Gaussian")
     rows = (
-        says("rms height over the one asked for, every profile", rms, 0.0, [1.0] * len(rms), 1e-12,
-             Alternative(1 + 1e-9, "a profile that is not scaled"), measured=2e-16),
-        says("skewness of the heights, mean over profiles", skewness, skewness_error, 0.0, 0.2,
-             Alternative(1.0, "a profile of crests"), measured=0.074),
+        paper.states("rms height over the one asked for, every profile", rms, 0.0, [1.0] * len(rms), 1e-12,
+                     Alternative(1 + 1e-9, "a profile that is not scaled"), measured=2e-16),
+        paper.states("skewness of the heights, mean over profiles", skewness, skewness_error, 0.0, 0.2,
+                     Alternative(1.0, "a profile of crests"), measured=0.074),
         Against("exact", "-(3/2) sum h_m^4 / (sum h_m^2)^2").row(
             "excess kurtosis of the heights, mean over profiles, against that of independent phases", "",
             _excess(power[first[0]]), excess, (0.25, 0.11), "absolute", uncertainty=excess_error),
@@ -60,8 +57,8 @@ def compute(evidence: Evidence) -> Outcome:
             f"fourth moment of the heights without the waves longer than order {first[-1]}, mean over profiles, "
             "against a Gaussian's 3", "", 3.0, fourth[first[-1]][0], (0.17, 0.057), "absolute",
             uncertainty=fourth[first[-1]][1]),
-        disagreement("fourth moment of the heights, mean over profiles, against a Gaussian's 3", excess + 3,
-                     excess_error, 3.0, (0.6, 0.8), CAUSE, **says.keywords),
+        paper.is_otherwise("fourth moment of the heights, mean over profiles, against a Gaussian's 3", excess + 3,
+                           excess_error, 3.0, (0.6, 0.8), CAUSE),
     )  # fmt: skip
     table = Table(caption="Profiles of the loading ensemble.",
                   columns=["seed", "highest crest / um", "skewness", "excess kurtosis"],

@@ -10,17 +10,15 @@ steeper.
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, section 5.
 """
 
-from typing import Any
-
 import numpy as np
 
 from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
 from validation.harness.figure_data import drawn, loglog, trace
 from validation.harness.schema import Cells, Row, Series, Table
-from validation.replicate.evidence import Evidence, Realisation, lines_of, scattered, theory_with_adhesion
+from validation.replicate.evidence import Evidence, Realisation, scattered, theory_with_adhesion
 from validation.replicate.paper_spectra import Exponent, banded, exponent, exponent_of, exponent_of_mean
-from validation.replicate.statements import Alternative, disagreement, statement
+from validation.replicate.statements import Alternative
 
 WINDOWS = ((0.1, 1.0), (0.07, 0.7), (0.15, 1.0))  # of the highest order
 LEVEL = 0.8  # the Hurst exponent at which short waves are in full contact
@@ -47,7 +45,7 @@ def compute(evidence: Evidence) -> Outcome:
         area = float(np.mean([one.result.targets[-1].contact_fraction for one in group]))
         lines.append([value, len(group), orders, group[0].final_load, area, theory.contact_fraction, found.value,
                       found.error, found.low, found.high, alone.value, alone.error, said])  # fmt: skip
-        rows.append(_row(value, found, alone, said, evidence.shortfall))
+        rows.append(_row(value, found, alone, said, evidence))
         bands = [banded(one, 16) for one in power]
         series += scattered(bands, bands[0][0], [y for _, y in bands], name=f"H = {value:g}, ", hue=hue)
         series.append(trace(f"H = {value:g}, Persson's A(q)/A0", range(1, orders + 1), theory.contact_fractions,
@@ -68,21 +66,21 @@ def compute(evidence: Evidence) -> Outcome:
     return Outcome(rows=tuple(rows), figures=(figure,), tables=(table,))
 
 
-def _row(value: float, found: Exponent, alone: Exponent, theory: float, short: str) -> Row:
+def _row(value: float, found: Exponent, alone: Exponent, theory: float, evidence: Evidence) -> Row:
     """Level at short waves for H > 0.5; falling, otherwise than in the theory, for H < 0.5."""
     name = f"exponent of C_u / C at short waves, H = {value:g}"
-    where = "section 5: full contact at short wavelengths as the theory, computed here, expects for H > 0.5"
+    passage = evidence.paper(
+        "section 5: full contact at short wavelengths as the theory, computed here, expects for H > 0.5"
+    )
     reported = f"{found.reported()}; fitted to each realisation {alone.value:.3f} +- {alone.error:.3f}"
-    told: dict[str, Any] = {"where": where, "shortfall": short, "reported": reported}
     if value < LEVEL:
         name += ", over that of the theory"
-        return disagreement(name, found.value, found.error, theory, (0.7, 0.97), CAUSE, **told)
+        return passage.is_otherwise(name, found.value, found.error, theory, (0.7, 0.97), CAUSE, reported=reported)
     falls = Alternative(-(1 - 0.3), "the fall of H = 0.3, about -(1 - H)")
-    return statement(name, found.value, found.error, theory, 0.25, falls, measured=0.137, **told)
+    return passage.states(name, found.value, found.error, theory, 0.25, falls, measured=0.137, reported=reported)
 
 
 def _followed(one: Realisation, orders: int) -> FloatArray:
     """C_u / C at the last target, (n_orders,)."""
     last = len(one.result.targets) - 1
-    q0 = one.surface.q0
-    return np.asarray(one.result.fields[f"C_u_{last}"][:orders] / lines_of(one).power(q0))
+    return np.asarray(one.result.fields[f"C_u_{last}"][:orders] / one.lines.power(one.surface.q0))

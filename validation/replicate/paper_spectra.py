@@ -11,9 +11,8 @@ Theory: C_u = C A(q)/A0, exponent -(2 + H) where adhesion is negligible; 1 - 2 H
 every q, C_sigma ~ q^2 C.  Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -25,7 +24,7 @@ from validation.harness.schema import Cells, Figure, Row, Series, Table
 from validation.references.paper_problem import HURST, MODULUS
 from validation.replicate.evidence import Evidence, Realisation, estimate, jackknife, scattered
 from validation.replicate.members import LOADS, SPECTRA_AT
-from validation.replicate.statements import Alternative, differs, statement
+from validation.replicate.statements import Alternative, Passage
 
 Window = tuple[float, float]
 
@@ -125,7 +124,7 @@ def compute(evidence: Evidence) -> Outcome:
         power = spectra(evidence, load)
         theory = evidence.with_adhesion[load].displacement_power(evidence.loading[0].surface.q0)
         for judge in (_middle_rows, _shift_rows, _high_rows):
-            rows += judge(load, power, theory, evidence.shortfall)
+            rows += judge(load, power, theory, evidence.paper)
         for window in (*MIDDLE, HIGH, *OTHERS):
             if window[1] <= evidence.size.harmonics:
                 found, of_mean = exponent_of(power, [window]), exponent_of_mean(power, [window])
@@ -144,72 +143,91 @@ def compute(evidence: Evidence) -> Outcome:
             rows=lines,
         )
     ]  # fmt: skip
-    figures = [_displacement_figure(evidence), _pressure_figure(evidence), _ratio_figure(evidence)]
+    figures = list(_figures(evidence))
     if evidence.high_load is not None:
-        rows.append(_high_load_row(evidence.high_load, evidence.shortfall))
-        figures.append(_high_load_figure(evidence.high_load))
-        tables.append(_high_load_table(evidence.high_load))
+        row, figure, table = _high_load(evidence.high_load, evidence.paper)
+        rows, figures, tables = [*rows, row], [*figures, figure], [*tables, table]
     return Outcome(rows=tuple(rows), figures=tuple(figures), tables=tuple(tables))
 
 
-def _middle_rows(load: float, power: FloatArray, theory: FloatArray, short: str) -> list[Row]:
+def _middle_rows(load: float, power: FloatArray, theory: FloatArray, paper: Callable[[str], Passage]) -> list[Row]:
     """The paper's exponents of the middle range: of C_u, of its theory, of C_sigma."""
     here = [window for window in MIDDLE if window[1] <= power.shape[1]]
     found = exponent_of(power, here)
     said = float(np.mean([exponent(theory, window) for window in here])) if here else np.nan
     of_mean = exponent_of_mean(power, here).value if here else np.nan
-    full, says = "the exponent of full contact", partial(statement, shortfall=short)
+    full = "the exponent of full contact"
     return [
-        says(f"exponent of C_u at {load:g} E*, middle range", found.value, found.error, PAPERS, 0.15,
-             Alternative(FULL_CONTACT, full), measured=MEASURED["C_u"][load], last_digit=0.005,
-             where="section 5: -2.73, theory -2.7",
-             reported=f"{found.reported()}; fitted to the mean spectrum {of_mean:.3f}"),
-        says(f"exponent of C_u in the theory with adhesion at {load:g} E*, middle range", said, 0.0, -2.7, 0.1,
-             Alternative(FULL_CONTACT, full), measured=MEASURED["theory"][load], last_digit=0.05,
-             where="section 5: theory -2.7"),
-        says(f"exponent of C_sigma at {load:g} E*, middle range (that of C_u plus 2)", found.value + 2, found.error,
-             -HURST, 0.15, Alternative(FULL_CONTACT + 2, full), measured=MEASURED["C_sigma"][load],
-             where="section 5: -H in the middle range", reported=found.reported(2)),
+        paper("section 5: -2.73, theory -2.7").states(
+            f"exponent of C_u at {load:g} E*, middle range", found.value, found.error, PAPERS, 0.15,
+            Alternative(FULL_CONTACT, full), measured=MEASURED["C_u"][load], last_digit=0.005,
+            reported=f"{found.reported()}; fitted to the mean spectrum {of_mean:.3f}"),
+        paper("section 5: theory -2.7").states(
+            f"exponent of C_u in the theory with adhesion at {load:g} E*, middle range", said, 0.0, -2.7, 0.1,
+            Alternative(FULL_CONTACT, full), measured=MEASURED["theory"][load], last_digit=0.05),
+        paper("section 5: -H in the middle range").states(
+            f"exponent of C_sigma at {load:g} E*, middle range (that of C_u plus 2)", found.value + 2, found.error,
+            -HURST, 0.15, Alternative(FULL_CONTACT + 2, full), measured=MEASURED["C_sigma"][load],
+            reported=found.reported(2)),
     ]  # fmt: skip
 
 
-def _shift_rows(load: float, power: FloatArray, theory: FloatArray, short: str) -> list[Row]:
+def _shift_rows(load: float, power: FloatArray, theory: FloatArray, paper: Callable[[str], Passage]) -> list[Row]:
     """By how much C_u lies above that of the theory, whatever the exponents: mean over the orders of `SHIFTED`."""
     if power.shape[1] < SHIFTED[1]:
         return []
     inside = slice(int(SHIFTED[0]) - 1, int(SHIFTED[1]))
     ratio, error = estimate((power[:, inside] / theory[inside]).mean(axis=1))
-    return [
-        differs(f"C_u at {load:g} E* is off that of the theory with adhesion by more than {NEGLIGIBLE:.0%} and two "
-                "standard errors, orders 3 to 100", abs(ratio - 1) > max(NEGLIGIBLE, 2 * error),
-                f"over the theory's: {ratio:.2f} +- {error:.2f}",
-                where="section 5: a non-negligible shift, the exponents the same", shortfall=short)
-    ]  # fmt: skip
+    row = paper("section 5: a non-negligible shift, the exponents the same").says_they_differ(
+        f"C_u at {load:g} E* is off that of the theory with adhesion by more than {NEGLIGIBLE:.0%} and two "
+        "standard errors, orders 3 to 100", abs(ratio - 1) > max(NEGLIGIBLE, 2 * error),
+        f"over the theory's: {ratio:.2f} +- {error:.2f}")  # fmt: skip
+    return [row]
 
 
-def _high_rows(load: float, power: FloatArray, theory: FloatArray, short: str) -> list[Row]:
+def _high_rows(load: float, power: FloatArray, theory: FloatArray, paper: Callable[[str], Passage]) -> list[Row]:
     """The exponent of C_sigma at the high end, and by how much it has risen from the middle."""
     if power.shape[1] < HIGH[1]:
         return []
     found = exponent_of(power, [HIGH])
     rise = [exponent(one, HIGH) - np.mean([exponent(one, window) for window in MIDDLE]) for one in power]
-    says = partial(statement, where="section 5: from -H in the middle range to 1 - 2 H of full contact at high q",
-                   shortfall=short)  # fmt: skip
+    passage = paper("section 5: from -H in the middle range to 1 - 2 H of full contact at high q")
     return [
-        says(f"exponent of C_sigma at {load:g} E*, orders 250 to 1000", found.value + 2, found.error, 1 - 2 * HURST,
-             0.15, Alternative(-HURST, "that of the middle range"), measured=MEASURED["high"][load]),
-        says(f"rise of the exponent of C_sigma to orders 250 to 1000, {load:g} E*", *estimate(rise), 1 - HURST, 0.15,
-             Alternative(0.0, "no rise"), measured=MEASURED["rise"][load]),
+        passage.states(f"exponent of C_sigma at {load:g} E*, orders 250 to 1000", found.value + 2, found.error,
+                       1 - 2 * HURST, 0.15, Alternative(-HURST, "that of the middle range"),
+                       measured=MEASURED["high"][load]),
+        passage.states(f"rise of the exponent of C_sigma to orders 250 to 1000, {load:g} E*", *estimate(rise),
+                       1 - HURST, 0.15, Alternative(0.0, "no rise"), measured=MEASURED["rise"][load]),
     ]  # fmt: skip
 
 
-def _high_load_row(one: Realisation, short: str) -> Row:
-    first, last = (one.result.targets[k].contact_fraction for k in (0, -1))
-    ratio, error, _ = _closeness(one, len(one.result.targets) - 1)
-    return statement(
-        f"C_u over C at contact fraction {last:.4f}, mean over orders", ratio, error, 1.0, 0.02,
-        Alternative(_closeness(one, 0)[0], f"its value at {first:.3f}"), measured=0.0055,
-        where="section 5: C_u tends to C at very high load", shortfall=short)  # fmt: skip
+def _high_load(one: Realisation, paper: Callable[[str], Passage]) -> tuple[Row, Figure, Table]:
+    """C_u / C as contact becomes complete: at the highest load, in bands of orders, and its mean at every load."""
+    profile = one.result.fields["C_h"]
+    carried = np.flatnonzero(profile > 0)
+    series, lines = list[Series](), list[tuple[float, ...]]()
+    for k, state in enumerate(one.result.targets):
+        ratio = one.result.fields[f"C_u_{k}"][carried] / profile[carried]
+        order, followed = banded(ratio)
+        load, fraction = state.mean_pressure / MODULUS, state.contact_fraction
+        series.append(trace(f"p = {load:.3g} E*, A/A0 = {fraction:.4f}", order, followed, hue=k))
+        lines.append((state.separation * 1e6, load, fraction, *estimate(ratio), max(abs(v - 1) for v in followed)))
+    (_, _, first, least, *_), (_, _, last, mean, error, _) = lines[0], lines[-1]
+    row = paper("section 5: C_u tends to C at very high load").states(
+        f"C_u over C at contact fraction {last:.4f}, mean over orders", mean, error, 1.0, 0.02,
+        Alternative(least, f"its value at {first:.3f}"), measured=0.0055)  # fmt: skip
+    figure = drawn(
+        "high-load",
+        f"C_u / C of a profile with {carried.size} harmonics as contact becomes complete, in bands of orders.",
+        semilogx("$q/q_0$", "$C_u/C$", *series),
+    )
+    table = Table(
+        caption=f"C_u / C of a profile with {one.surface.max_order} harmonics (seed "
+        f"{one.result.scene['profile']['seed']}) as contact becomes complete: mean over orders, and its largest miss.",
+        columns=["s / um", "p/E*", "contact fraction", "C_u / C, mean", "standard error", "farthest band from 1"],
+        rows=np.array(lines).tolist(),
+    )
+    return row, figure, table
 
 
 def banded(values: FloatArray, bands: int = BANDS) -> tuple[list[float], list[float]]:
@@ -231,41 +249,37 @@ def banded(values: FloatArray, bands: int = BANDS) -> tuple[list[float], list[fl
     )
 
 
-def _displacement_figure(evidence: Evidence) -> Figure:
-    q0 = evidence.loading[0].surface.q0
-    series = [trace("profile", _orders(evidence), evidence.lines.power(q0), hue=5)]
+def _figures(evidence: Evidence) -> Iterator[Figure]:
+    """Both spectra, and that of the displacement over the profile's, level where short waves are in full contact."""
+    profile, q0 = evidence.lines.power(evidence.loading[0].surface.q0), evidence.loading[0].surface.q0
+    order = range(1, evidence.size.harmonics + 1)
+    stiffness = evidence.with_adhesion[LOADS[-1]].plane_strain_modulus * q0 * np.array(order) / 2
+    displaced = [trace("profile", order, profile, hue=5)]
+    pressed = [trace("full contact, slope 1 - 2H", order, stiffness**2 * profile / MODULUS**2, "dashed", hue=5)]
+    followed: list[Series] = []
     for hue, load in enumerate(SPECTRA_AT):
-        power = spectra(evidence, load)
-        series += _curves(power, evidence.with_adhesion[load].displacement_power(q0), f"{load:g} E*", hue)
+        name, theory = f"{load:g} E*", evidence.with_adhesion[load]
+        power, stress = spectra(evidence, load), spectra(evidence, load, "C_sigma") / MODULUS**2
+        displaced += _curves(power, theory.displacement_power(q0), name, hue)
         for slope, level, window in _fits(power, [DRAWN]):
-            series += [
-                trace(f"{load:g} E*, fit, slope {slope:.2f}", *_power_law(slope, level, window), "dashed", hue=hue),
-                trace(f"{load:g} E*, the paper's slope {PAPERS}", *_power_law(PAPERS, level + MIDST * (slope - PAPERS)),
+            displaced += [
+                _fitted(name, slope, level, window, hue),
+                trace(f"{name}, the paper's slope {PAPERS}", *_power_law(PAPERS, level + MIDST * (slope - PAPERS)),
                       "dashed", hue=5),
             ]  # fmt: skip
-    return drawn("displacement-spectrum", f"Spectrum C_u of the displacement against the order. {HOW_DRAWN}",
-                 loglog("$q/q_0$", "$C_u$ / m³", *series))  # fmt: skip
+        pressed += _curves(stress, theory.pressure_power(q0) / MODULUS**2, name, hue)
+        pressed += [_fitted(name, *fit, hue) for fit in _fits(stress, [DRAWN, HIGH])]
+        followed += _curves(power / profile, theory.contact_fractions, name, hue)[1:]
+    yield drawn("displacement-spectrum", f"Spectrum C_u of the displacement against the order. {HOW_DRAWN}",
+                loglog("$q/q_0$", "$C_u$ / m³", *displaced))  # fmt: skip
+    yield drawn("pressure-spectrum", f"Spectrum C_sigma over E*^2 of the pressure against the order. {HOW_DRAWN}",
+                loglog("$q/q_0$", r"$C_\sigma/E^{*2}$ / m", *pressed))  # fmt: skip
+    yield drawn("displacement-over-profile", "C_u / C of the profile, in bands of orders, beside the theory's A(q)/A0.",
+                loglog("$q/q_0$", "$C_u/C$", *followed))  # fmt: skip
 
 
-def _pressure_figure(evidence: Evidence) -> Figure:
-    order, q0 = _orders(evidence), evidence.loading[0].surface.q0
-    stiffness = evidence.with_adhesion[LOADS[-1]].plane_strain_modulus * q0 * np.array(order) / 2
-    full = stiffness**2 * evidence.lines.power(q0) / MODULUS**2
-    series = [trace("full contact, slope 1 - 2H", order, full, "dashed", hue=5)]
-    for hue, load in enumerate(SPECTRA_AT):
-        power = spectra(evidence, load, "C_sigma") / MODULUS**2
-        theory = evidence.with_adhesion[load].pressure_power(q0) / MODULUS**2
-        series += _curves(power, theory, f"{load:g} E*", hue)
-        series += [
-            trace(f"{load:g} E*, fit, slope {slope:.2f}", *_power_law(slope, level, window), "dashed", hue=hue)
-            for slope, level, window in _fits(power, [DRAWN, HIGH])
-        ]
-    return drawn("pressure-spectrum", f"Spectrum C_sigma over E*^2 of the pressure against the order. {HOW_DRAWN}",
-                 loglog("$q/q_0$", r"$C_\sigma/E^{*2}$ / m", *series))  # fmt: skip
-
-
-def _orders(evidence: Evidence) -> range:
-    return range(1, evidence.size.harmonics + 1)
+def _fitted(name: str, slope: float, level: float, window: Window, hue: int) -> Series:
+    return trace(f"{name}, fit, slope {slope:.2f}", *_power_law(slope, level, window), "dashed", hue=hue)
 
 
 def _curves(power: FloatArray, theory: FloatArray, name: str, hue: int) -> list[Series]:
@@ -292,49 +306,3 @@ def _fits(power: FloatArray, windows: Sequence[Window]) -> Iterator[tuple[float,
 def _power_law(slope: float, level: float, window: Window = DRAWN) -> tuple[list[float], list[float]]:
     """The ends of a straight line."""
     return list(window), [float(np.exp(level + slope * np.log(end))) for end in window]
-
-
-def _ratio_figure(evidence: Evidence) -> Figure:
-    """C_u / C in bands of orders: level where short waves are in full contact within the contact."""
-    profile, series = evidence.lines.power(evidence.loading[0].surface.q0), list[Series]()
-    for hue, load in enumerate(SPECTRA_AT):
-        theory = evidence.with_adhesion[load].contact_fractions
-        series += _curves(spectra(evidence, load) / profile, theory, f"{load:g} E*", hue)[1:]
-    return drawn("displacement-over-profile",
-                 "C_u / C of the profile, in bands of orders, beside the theory's A(q)/A0.",
-                 loglog("$q/q_0$", "$C_u/C$", *series))  # fmt: skip
-
-
-def _high_load_figure(one: Realisation) -> Figure:
-    profile = one.result.fields["C_h"]
-    carried = np.flatnonzero(profile > 0)
-    series = []
-    for k, state in enumerate(one.result.targets):
-        order, followed = banded(one.result.fields[f"C_u_{k}"][carried] / profile[carried])
-        label = f"p = {state.mean_pressure / MODULUS:.3g} E*, A/A0 = {state.contact_fraction:.4f}"
-        series.append(trace(label, order, followed, hue=k))
-    return drawn(
-        "high-load",
-        f"C_u / C of a profile with {carried.size} harmonics as contact becomes complete, in bands of orders.",
-        semilogx("$q/q_0$", "$C_u/C$", *series),
-    )
-
-
-def _high_load_table(one: Realisation) -> Table:
-    return Table(
-        caption=f"C_u / C of a profile with {one.surface.max_order} harmonics (seed "
-        f"{one.result.scene['profile']['seed']}) as contact becomes complete: mean over orders, and its largest miss.",
-        columns=["s / um", "p/E*", "contact fraction", "C_u / C, mean", "standard error", "farthest band from 1"],
-        rows=[
-            [state.separation * 1e6, state.mean_pressure / MODULUS, state.contact_fraction, *_closeness(one, k)]
-            for k, state in enumerate(one.result.targets)
-        ],
-    )
-
-
-def _closeness(one: Realisation, k: int) -> tuple[float, float, float]:
-    """Mean of C_u / C over the orders at target k, its standard error, and the largest distance of a band from 1."""
-    power, profile = one.result.fields[f"C_u_{k}"], one.result.fields["C_h"]
-    ratio = power[profile > 0] / profile[profile > 0]
-    worst = max(abs(value - 1) for value in banded(ratio)[1])
-    return float(ratio.mean()), float(ratio.std(ddof=1) / np.sqrt(ratio.size)), worst

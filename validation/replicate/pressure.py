@@ -10,16 +10,16 @@ The fit of the double Gaussian, and why its sigma_a is what it is: double_gaussi
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, section 5.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
 from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
-from validation.harness.figure_data import drawn, loglog, marks, shaded, trace
+from validation.harness.figure_data import axes, drawn, loglog, marks, semilogy, shaded, trace
 from validation.harness.rows import Against
-from validation.harness.schema import Figure, Panel, Row, Series, Table
+from validation.harness.schema import Figure, Row, Series, Table
 from validation.references.paper_problem import MODULUS
 from validation.replicate.double_gaussian_fit import FACTOR, Sample, window_figure, window_table
 from validation.replicate.evidence import (
@@ -32,7 +32,7 @@ from validation.replicate.evidence import (
     theory_with_adhesion,
 )
 from validation.replicate.members import SPECTRA_AT
-from validation.replicate.statements import Alternative, statement, unless_short
+from validation.replicate.statements import Alternative, unless_short
 
 BOUNDS = np.linspace(-0.3, 0.7, 51)  # of E*
 CENTRES = (BOUNDS[1:] + BOUNDS[:-1]) / 2
@@ -79,9 +79,7 @@ def compute(evidence: Evidence) -> Outcome:
         theories = {factor: _distribution(evidence, load, factor) for factor in FACTORS}
         sample = Sample(load, CENTRES, values, evidence.with_adhesion[load].detachment_stress / MODULUS, spread)
         samples.append(sample)
-        rows.append(_gaussian_row(load, values, spread, evidence.shortfall))
-        rows.append(_tensile_row(evidence, load))
-        rows += sample.rows(evidence.shortfall)
+        rows += [_gaussian_row(evidence, sample), _tensile_row(evidence, load), *sample.rows(evidence.paper)]
         figures += _figures(sample, theories[1.0], theories[FACTOR])
     rows.append(_factor_row(evidence, samples))
     figures += [window_figure(samples), _tail_figure(evidence)]
@@ -106,11 +104,10 @@ def _distance(evidence: Evidence, sample: Sample, factor: float) -> float:
 
 def _factor_row(evidence: Evidence, samples: Sequence[Sample]) -> Row:
     closer = sum(_distance(evidence, one, FACTOR) < _distance(evidence, one, 1.0) for one in samples)
-    return statement(f"loads of {len(samples)} at which the theory's P(sigma) comes closer with {FACTOR:g} sigma_a",
-                     float(closer), 0.0, float(len(samples)), 0.5,
-                     Alternative(float(len(samples) - 1), "a load at which it does not"), measured=0.0,
-                     where="section 5: a factor of about 1.4 brings the theory closer",
-                     shortfall=evidence.shortfall)  # fmt: skip
+    return evidence.paper("section 5: a factor of about 1.4 brings the theory closer").states(
+        f"loads of {len(samples)} at which the theory's P(sigma) comes closer with {FACTOR:g} sigma_a",
+        float(closer), 0.0, float(len(samples)), 0.5,
+        Alternative(float(len(samples) - 1), "a load at which it does not"), measured=0.0)  # fmt: skip
 
 
 def _factor_table(evidence: Evidence, samples: Sequence[Sample]) -> Table:
@@ -123,13 +120,13 @@ def _factor_table(evidence: Evidence, samples: Sequence[Sample]) -> Table:
     )
 
 
-def _gaussian_row(load: float, values: FloatArray, spread: float, short: str) -> Row:
-    low, high = (bound * spread for bound in COMPRESSIVE_END)
+def _gaussian_row(evidence: Evidence, sample: Sample) -> Row:
+    low, high = (bound * sample.spread for bound in COMPRESSIVE_END)
     end = (low <= CENTRES) & (high >= CENTRES)
-    power, error = jackknife(lambda mean: decay_power(CENTRES[end], mean[end]), values)
-    return statement(f"power k of ln P = a - b sigma^k at high pressure, {load:g} E*", power, error, 2.0, 0.5,
-                     Alternative(1.0, "an exponential tail"), measured={0.005: 0.046, 0.02: 0.143}[load],
-                     where="section 5: Gaussian tail at high pressure", shortfall=short)  # fmt: skip
+    power, error = jackknife(lambda mean: decay_power(CENTRES[end], mean[end]), sample.values)
+    return evidence.paper("section 5: Gaussian tail at high pressure").states(
+        f"power k of ln P = a - b sigma^k at high pressure, {sample.load:g} E*", power, error, 2.0, 0.5,
+        Alternative(1.0, "an exponential tail"), measured={0.005: 0.046, 0.02: 0.143}[sample.load])  # fmt: skip
 
 
 def _tensile_row(evidence: Evidence, load: float) -> Row:
@@ -150,44 +147,34 @@ def _tensile_row(evidence: Evidence, load: float) -> Row:
 
 def _figures(
     sample: Sample, said: Callable[[FloatArray], FloatArray], raised: Callable[[FloatArray], FloatArray]
-) -> list[Figure]:
+) -> Iterator[Figure]:
     """The distribution, linear and logarithmic."""
     mean, error = mean_and_error(sample.values)
     smooth = np.linspace(BOUNDS[0], BOUNDS[-1], 401)
-    free = sample.over(float(BOUNDS[0]), None, True, False)
-    found = []
-    for name, scale in (("linear", "linear"), ("logarithmic", "log")):
-        least = 1e-4 * float(mean.max()) if scale == "log" else -np.inf
-        floor = least if scale == "log" else 0.0
+    curves = (
+        ("double Gaussian, fitted as printed", sample.fit(smooth), "line", 3),
+        ("ours: with a free amplitude", sample.over(float(BOUNDS[0]), None, True, False)(smooth), "dashed", 3),
+        ("Persson with adhesion", said(smooth), "line", 1),
+        (rf"the same with {FACTOR:g} $\sigma_a$", raised(smooth), "dashed", 1),
+    )
+    for name, panel, least in (("linear", axes, -np.inf), ("logarithmic", semilogy, 1e-4 * float(mean.max()))):
 
-        def shown(y: FloatArray, least: float = least) -> list[float | None]:
-            return [float(value) if value > least else None for value in y]
+        def shown(values: Iterable[float | None], least: float = least) -> list[float | None]:
+            return [value if value is not None and value > least else None for value in values]
 
         carried = mean > least
-        lower = np.maximum(mean - error, floor)[carried]
-        thin_x, thin_y = joined([(CENTRES.tolist(), one.tolist()) for one in sample.values])
-        found.append(
-            drawn(
-                f"pressure-distribution-{sample.load:g}-{name}",
-                f"Distribution of the pressure at {sample.load:g} E*, {name}: every realisation, their mean "
-                "with its standard error, the double Gaussian fitted to the mean, and the theory.",
-                Panel(
-                    xlabel=r"$\sigma/E^*$",
-                    ylabel="$P\\,E^*$",
-                    yscale="log" if scale == "log" else "linear",
-                    series=[
-                        trace("realisations", thin_x, [None if v is None or v <= least else v for v in thin_y], "thin"),
-                        shaded("mean and standard error", CENTRES[carried], lower, (mean + error)[carried], 0),
-                        marks("mean", CENTRES, shown(mean), hue=0),
-                        trace("double Gaussian, fitted as printed", smooth, shown(sample.fit(smooth)), hue=3),
-                        trace("ours: with a free amplitude", smooth, shown(free(smooth)), "dashed", hue=3),
-                        trace("Persson with adhesion", smooth, shown(said(smooth)), hue=1),
-                        trace(rf"the same with {FACTOR:g} $\sigma_a$", smooth, shown(raised(smooth)), "dashed", hue=1),
-                    ],
-                ),
-            )
-        )
-    return found
+        lower = np.maximum(mean - error, max(least, 0.0))[carried]
+        single_x, single_y = joined([(CENTRES.tolist(), one.tolist()) for one in sample.values])
+        yield drawn(
+            f"pressure-distribution-{sample.load:g}-{name}",
+            f"Distribution of the pressure at {sample.load:g} E*, {name}: every realisation, their mean "
+            "with its standard error, the double Gaussian fitted to the mean, and the theory.",
+            panel(r"$\sigma/E^*$", "$P\\,E^*$",
+                  trace("realisations", single_x, shown(single_y), "thin"),
+                  shaded("mean and standard error", CENTRES[carried], lower, (mean + error)[carried], 0),
+                  marks("mean", CENTRES, shown(mean), hue=0),
+                  *(trace(label, smooth, shown(values), style, hue) for label, values, style, hue in curves)),
+        )  # fmt: skip
 
 
 def _tail_figure(evidence: Evidence) -> Figure:

@@ -39,47 +39,100 @@ class Alternative:
     words: str
 
 
-def statement(
-    quantity: str,
-    ours: float | Sequence[float],
-    error: float,
-    paper: float | Sequence[float],
-    allowed: float,
-    against: Alternative,
-    *,
-    measured: float,
-    where: str,
-    last_digit: float = 0.0,
-    shortfall: str = "",
-    reported: str = "",
-) -> Row:
-    """A row that agrees or deviates: our number, with its standard error `error`, and the paper's, at `where`.
+@dataclass(frozen=True)
+class Passage:
+    """Where the paper says something; `shortfall` is why the ensemble is not the paper's: its rows are not run then.
 
-    `allowed` is the tolerance of the difference, `measured` the difference found when it was set, `last_digit` the
-    uncertainty of the paper's number, `against` what would contradict it. `reported` is to be read beside the verdict.
-    With a `shortfall`, why the ensemble is not the paper's, the row is not run; else ValueError where the tolerance
-    itself reaches further than half the way to the alternative.
+    In all rows `ours` is our number, with its standard error `error`, and `paper` the paper's; `reported` is to be read
+    beside the verdict.
     """
-    said = _values(paper)
-    distance = min(abs(against.value - value) for value in said if value is not None)
-    if allowed > distance / 2 and not shortfall:
-        raise ValueError(f"{quantity}: a tolerance of {allowed:g} does not exclude {against.value:g}, {against.words}")
-    excludes = f"excludes {against.value:.4g}, {against.words}"
-    message = shortfall or "; ".join(filter(None, (excludes, reported)))
-    source = Reference(kind="independent code", source=f"{PAPER}, {where}", uncertainty=last_digit)
-    row = Row(quantity=quantity, unit="", reference=source, norm="absolute", expected=said, computed=_values(ours),
-              uncertainty=error, tolerance=Tolerance(value=allowed, measured=measured, basis="required"),
-              status="not run" if shortfall else "run", message=message)  # fmt: skip
-    accepted = combined_tolerance(row)
-    if row.status == "run" and accepted > distance / 2:
-        why = f"no test: {accepted:.2g} is accepted, {against.value:.4g} ({against.words}) is {distance:.2g} away"
-        return row.model_copy(update={"status": "not run", "message": "; ".join(filter(None, (why, reported)))})
-    return row
+
+    where: str
+    shortfall: str = ""
+
+    @property
+    def source(self) -> str:
+        """As rows cite it."""
+        return f"{PAPER}, {self.where}"
+
+    def states(
+        self,
+        quantity: str,
+        ours: float | Sequence[float],
+        error: float,
+        paper: float | Sequence[float],
+        allowed: float,
+        against: Alternative,
+        *,
+        measured: float,
+        last_digit: float = 0.0,
+        reported: str = "",
+    ) -> Row:
+        """A row that agrees or deviates.
+
+        `allowed` is the tolerance of the difference, `measured` the difference found when it was set, `last_digit` the
+        uncertainty of the paper's number, `against` what would contradict it.  ValueError where the tolerance itself
+        reaches further than half the way to the alternative, unless the row is not run.
+        """
+        said = _values(paper)
+        distance = min(abs(against.value - value) for value in said if value is not None)
+        if allowed > distance / 2 and not self.shortfall:
+            raise ValueError(
+                f"{quantity}: a tolerance of {allowed:g} does not exclude {against.value:g}, {against.words}"
+            )
+        source = Reference(kind="independent code", source=self.source, uncertainty=last_digit)
+        tolerance = Tolerance(value=allowed, measured=measured, basis="required")
+        row = Row(quantity=quantity, unit="", reference=source, norm="absolute", expected=said, computed=_values(ours),
+                  uncertainty=error, tolerance=tolerance)  # fmt: skip
+        accepted = combined_tolerance(row)
+        if accepted > distance / 2:
+            why = f"no test: {accepted:.2g} is accepted, {against.value:.4g} ({against.words}) is {distance:.2g} away"
+            row = not_run(row, _said(why, reported))
+        else:
+            row = row.model_copy(update={"message": _said(f"excludes {against.value:.4g}, {against.words}", reported)})
+        return unless_short(row, self.shortfall)
+
+    def is_otherwise(
+        self,
+        quantity: str,
+        ours: float | Sequence[float],
+        error: float,
+        paper: float | Sequence[float],
+        band: tuple[float, float],
+        cause: str,
+        *,
+        unit: str = "",
+        reported: str = "",
+    ) -> Row:
+        """A row where we find otherwise than the paper, or than the theory: the ratio lies in a band, for this cause.
+
+        ValueError where the band holds 1, where there is no disagreement.
+        """
+        if band[0] <= 1 <= band[1]:
+            raise ValueError(f"{quantity}: a band of {band[0]:g} to {band[1]:g} holds 1, where the two agree")
+        row = Against("independent code", self.source).ratio(quantity, unit, _values(paper), _values(ours), band, cause,
+                                                             self.source, uncertainty=error)  # fmt: skip
+        apart = abs(error_of(row.model_copy(update={"band": None})))
+        if apart < 2 * error:
+            row = not_run(row, f"no finding: {apart / error:.1f} errors apart")
+        else:
+            row = row.model_copy(update={"message": reported})
+        return unless_short(row, self.shortfall)
+
+    def says_they_differ(self, quantity: str, found: bool, message: str) -> Row:
+        """A row where the paper gives no number for how two things differ: yes (1) or no (0), with what was found."""
+        row = Against("independent code", self.source).count(f"{quantity} (yes: 1)", 1.0, found, message=message)
+        return unless_short(row, self.shortfall)
+
+
+def not_run(row: Row, message: str) -> Row:
+    """The row with the reason why it judges nothing."""
+    return row.model_copy(update={"status": "not run", "message": message})
 
 
 def unless_short(row: Row, shortfall: str) -> Row:
     """The row, not run where the ensemble is not the paper's: two short realisations have no error to speak of."""
-    return row.model_copy(update={"status": "not run", "message": shortfall}) if shortfall else row
+    return not_run(row, shortfall) if shortfall else row
 
 
 def stale(rows: Sequence[Row]) -> Row:
@@ -96,42 +149,8 @@ def stale(rows: Sequence[Row]) -> Row:
     return stored.count("statements whose stored difference is stale", 0.0, len(moved), message="; ".join(moved))
 
 
-def disagreement(
-    quantity: str,
-    ours: float | Sequence[float],
-    error: float,
-    paper: float | Sequence[float],
-    band: tuple[float, float],
-    cause: str,
-    *,
-    where: str,
-    unit: str = "",
-    shortfall: str = "",
-    reported: str = "",
-) -> Row:
-    """A row where we find otherwise than the paper, or than the theory: the ratio lies in a band, for this cause.
-
-    ValueError where the band holds 1, where there is no disagreement.
-    """
-    if band[0] <= 1 <= band[1]:
-        raise ValueError(f"{quantity}: a band of {band[0]:g} to {band[1]:g} holds 1, where the two agree")
-    source = f"{PAPER}, {where}"
-    row = Against("independent code", source).ratio(quantity, unit, _values(paper), _values(ours), band, cause, source,
-                                                    uncertainty=error)  # fmt: skip
-    if shortfall:
-        return row.model_copy(update={"status": "not run", "message": shortfall})
-    row = row.model_copy(update={"message": reported})
-    apart = abs(error_of(row.model_copy(update={"band": None})))
-    if apart < 2 * error:
-        return row.model_copy(update={"status": "not run", "message": f"no finding: {apart / error:.1f} errors apart"})
-    return row
-
-
-def differs(quantity: str, found: bool, message: str, *, where: str, shortfall: str = "") -> Row:
-    """A row where the paper says that two things differ, without a number: yes (1) or no (0), with what was found."""
-    row = Against("independent code", f"{PAPER}, {where}").count(f"{quantity} (yes: 1)", 1.0, found,
-                                                                 message=shortfall or message)  # fmt: skip
-    return row.model_copy(update={"status": "not run"}) if shortfall else row
+def _said(*parts: str) -> str:
+    return "; ".join(filter(None, parts))
 
 
 def _values(value: float | Sequence[float]) -> list[float | None]:
@@ -177,10 +196,9 @@ def _line(topic: str, row: Row) -> Cells:
     paper, ours = _farthest(row)
     accepted = f"+- {combined_tolerance(row):.2g}" if row.band is None else f"x {row.band.low:g} to {row.band.high:g}"
     cause = row.band.cause if row.band is not None and row.status == "run" else ""
-    why = "; ".join(part for part in (cause, row.message) if part)
     said = row.reference.source.removeprefix(f"{PAPER}, ")
     error = row.uncertainty or None
-    return [topic, said, row.quantity, paper, ours, error, accepted, verdict_of(row), why, BOX]
+    return [topic, said, row.quantity, paper, ours, error, accepted, verdict_of(row), _said(cause, row.message), BOX]
 
 
 def _farthest(row: Row) -> tuple[float | None, float | None]:

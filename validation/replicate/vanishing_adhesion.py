@@ -8,36 +8,23 @@ the exponent is that of the mean gain, fitted to the works of `FITTED`, with the
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.
 """
 
+from operator import attrgetter
+
 import numpy as np
 
-from bem.scene.result import State
-from validation.harness.arrays import FloatArray
 from validation.harness.case import Outcome
+from validation.harness.compare import fitted_order
 from validation.harness.figure_data import drawn, loglog, trace
 from validation.harness.rows import Against
 from validation.harness.schema import Table
 from validation.replicate.evidence import Evidence, estimate, jackknife, mean_and_error, scattered
 from validation.replicate.members import FAINT_AT, FAINT_WORKS
-from validation.replicate.statements import Alternative, statement, unless_short
+from validation.replicate.statements import Alternative, unless_short
 
 WORKS = np.array(FAINT_WORKS[1:])  # J/m^2
 FITTED = WORKS < 1e-3
 JUDGED = 1e-6  # J/m^2
-
-
-def _area(state: State) -> float:
-    return state.contact_fraction
-
-
-def exponent_of_gain(gain: FloatArray) -> float:
-    """k of gain ~ gamma^k over the works fitted, of gains (n_works,).
-
-    Examples
-    --------
-    >>> round(exponent_of_gain(3 * np.sqrt(WORKS)), 12)
-    0.5
-    """
-    return float(np.polyfit(np.log(WORKS[FITTED]), np.log(gain[FITTED]), 1)[0])
+AREA = attrgetter("contact_fraction")
 
 
 def compute(evidence: Evidence) -> Outcome:
@@ -45,20 +32,20 @@ def compute(evidence: Evidence) -> Outcome:
     if len(evidence.faint) < 2:
         return Outcome(skipped=f"{len(evidence.faint)} profiles with every work of adhesion; 2 at least are needed")
     areas = np.array(
-        [[[one.value_at(load, _area) for load in FAINT_AT] for one in group] for group in evidence.faint]
+        [[[one.value_at(load, AREA) for load in FAINT_AT] for one in group] for group in evidence.faint]
     )  # (n_seeds, n_works + 1, n_loads)
     gains = np.mean(areas[:, 1:] / areas[:, :1] - 1, axis=2)
     mean, error = mean_and_error(gains)
-    power, power_error = jackknife(exponent_of_gain, gains)
+    fitted = WORKS[FITTED].tolist()
+    power, power_error = jackknife(lambda gain: fitted_order(fitted, gain[FITTED].tolist()), gains)
     place, full = FAINT_WORKS.index(JUDGED) - 1, float(mean[-1])
     power_row = Against("exact", "edges move by a length ~ sqrt(gamma)").row(
-        f"exponent of the gain of area, {WORKS[FITTED][0]:g} to {WORKS[FITTED][-1]:g} J/m^2", "", 0.5, power,
+        f"exponent of the gain of area, {fitted[0]:g} to {fitted[-1]:g} J/m^2", "", 0.5, power,
         (0.012, 0.0041), "absolute", uncertainty=power_error)  # fmt: skip
     rows = (
-        statement(f"gain of contact area by {JUDGED:g} J/m^2 over that without adhesion, mean of 0.005 to 0.02 E*",
-                  *estimate(gains[:, place]), 0.0, 0.01, Alternative(full, f"that of {WORKS[-1]:g} J/m^2"),
-                  measured=0.0028, where="text: with vanishing adhesion, loading tends to that without adhesion",
-                  shortfall=evidence.shortfall),
+        evidence.paper("text: with vanishing adhesion, loading tends to that without adhesion").states(
+            f"gain of contact area by {JUDGED:g} J/m^2 over that without adhesion, mean of 0.005 to 0.02 E*",
+            *estimate(gains[:, place]), 0.0, 0.01, Alternative(full, f"that of {WORKS[-1]:g} J/m^2"), measured=0.0028),
         unless_short(power_row, evidence.shortfall),
     )  # fmt: skip
     table = Table(

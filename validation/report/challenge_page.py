@@ -35,7 +35,10 @@ class SolverCurve:
     points: tuple[tuple[float | None, float], ...]
 
 
-def drawn_standings(title: str, recorded: Sequence[SolverCurve], judged: SolverCurve | None = None) -> Figure:
+NOBODY = SolverCurve("", ())
+
+
+def drawn_standings(title: str, recorded: Sequence[SolverCurve], judged: SolverCurve = NOBODY) -> Figure:
     """Error against seconds on logarithmic axes; the judged solver as stars, or as a line where it has no seconds."""
     with styled():
         canvas = Figure(figsize=SIZE, layout="constrained")
@@ -45,8 +48,7 @@ def drawn_standings(title: str, recorded: Sequence[SolverCurve], judged: SolverC
             if known:
                 axes.plot(*zip(*known, strict=True), marker=SIGNS[index % len(SIGNS)], color=HUES[index % len(HUES)],
                           linewidth=1.1, markersize=4.4, label=curve.label)  # fmt: skip
-        for x, y in judged.points if judged is not None else ():
-            assert judged is not None
+        for x, y in judged.points:
             if x is None:
                 axes.axhline(y, color=JUDGED, linestyle="--", linewidth=1.3, label=judged.label)
             else:
@@ -63,12 +65,10 @@ def drawn_standings(title: str, recorded: Sequence[SolverCurve], judged: SolverC
     return canvas
 
 
-def standings_svg(
-    prefix: str, title: str, recorded: Sequence[SolverCurve], judged: SolverCurve | None = None
-) -> Markup:
+def standings_svg(prefix: str, title: str, recorded: Sequence[SolverCurve], judged: SolverCurve) -> Markup:
     """The same as an element of a page, described in words."""
-    every = [*recorded, judged] if judged is not None else recorded
-    told = (f"{curve.label}: {', '.join(_word(x, y) for x, y in curve.points)}." for curve in every if curve.points)
+    every = [curve for curve in (*recorded, judged) if curve.points]
+    told = (f"{curve.label}: {', '.join(_word(x, y) for x, y in curve.points)}." for curve in every)
     return inline_svg(drawn_standings(title, recorded, judged), prefix, title, " ".join(told))
 
 
@@ -104,7 +104,6 @@ class Standing:
     asked: int
     digits: float | None  # median over the quantities that have any
     seconds: float | None  # CPU seconds of the problems answered, in all
-    judged: bool = False
 
 
 def render_challenge(judged: Mapping[str, Any], standings: Mapping[str, Any]) -> str:
@@ -112,17 +111,24 @@ def render_challenge(judged: Mapping[str, Any], standings: Mapping[str, Any]) ->
     names = [problem["problem"] for problem in judged["problems"]]
     entries = [entry for entry in standings["entries"] if entry["problem"] in names]
     label = judged["solver"].rpartition(".")[2] if ":" in judged["solver"] else judged["solver"]
-    problems = [(problem, _figure(problem, entries, label)) for problem in judged["problems"]]
     limit = judged["digits"]
-    table = [*standing_rows(entries, limit), standing(judged["solver"], "judged here", judged["problems"], limit, True)]
+    here = standing(judged["solver"], "judged here", judged["problems"], limit)
+    table = [*(standing(*key, problems, limit) for key, problems in _grouped(entries).items()), here]
     table.sort(key=lambda row: (-row.right, math.inf if row.seconds is None else row.seconds))
-    ahead = table[: next(index for index, row in enumerate(table) if row.judged)]
+
+    def figure(problem: Shipped) -> Markup:
+        name = problem["problem"]
+        of_problem = overall_curves(entry for entry in entries if entry["problem"] == name)
+        return standings_svg(name, f"{name}: error against seconds", of_problem, _curve(label, [[problem]]))
+
     return filled(
         "challenge_page.jinja",
+        {"tenths": lambda digits: "–" if digits is None else f"{digits:.1f}"},
         judged=judged,
-        problems=problems,
-        table=table,
-        place=1 + len({row.solver for row in ahead}),
+        problems=[(problem, figure(problem)) for problem in judged["problems"]],
+        ranking=table,
+        here=here,
+        place=1 + len({row.solver for row in table[: table.index(here)]}),
         solvers=len({row.solver for row in table}),
         overall=standings_svg("overall", "All problems: geometric means over the problems answered",
                               overall_curves(entries), _curve(label, [judged["problems"]])),
@@ -131,9 +137,7 @@ def render_challenge(judged: Mapping[str, Any], standings: Mapping[str, Any]) ->
     )  # fmt: skip
 
 
-def standing(
-    solver: str, setting: str, problems: Sequence[Shipped], limit: float = 3.0, judged: bool = False
-) -> Standing:
+def standing(solver: str, setting: str, problems: Sequence[Shipped], limit: float) -> Standing:
     """One line of the table; a whole answer with `limit` digits is right."""
     rows = [row for problem in problems for row in problem["rows"]]
     digits = [digit for problem in problems for digit in _digits(problem)]
@@ -147,13 +151,7 @@ def standing(
         asked=len(rows),
         digits=statistics.median(digits) if digits else None,
         seconds=sum(seconds) if seconds else None,
-        judged=judged,
     )
-
-
-def standing_rows(entries: Iterable[Shipped], limit: float = 3.0) -> list[Standing]:
-    """A line for each solver and setting on record."""
-    return [standing(*key, problems, limit) for key, problems in _grouped(entries).items()]
 
 
 def grid_errors(entries: Sequence[Shipped]) -> list[tuple[str, str, str, float, float, float]]:
@@ -179,12 +177,6 @@ def overall_curves(entries: Iterable[Shipped]) -> list[SolverCurve]:
     for (solver, _), problems in _grouped(entries).items():
         by_solver[solver].append(problems)
     return [_curve(solver, settings) for solver, settings in by_solver.items()]
-
-
-def _figure(problem: Shipped, entries: Sequence[Shipped], solver: str) -> Markup:
-    of_problem = [entry for entry in entries if entry["problem"] == problem["problem"]]
-    title = f"{problem['problem']}: error against seconds"
-    return standings_svg(problem["problem"], title, overall_curves(of_problem), _curve(solver, [[problem]]))
 
 
 def _curve(label: str, settings: Iterable[Sequence[Shipped]]) -> SolverCurve:

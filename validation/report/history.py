@@ -14,7 +14,7 @@ Rows with a band have no error to follow; their verdict is in the report itself.
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -22,10 +22,10 @@ from typing import Any, Literal
 from bem.scene.atomic_file import write_atomically
 from validation.harness.compare import combined_tolerance, error_of
 from validation.harness.figure_data import axes, drawn, semilogy, trace
-from validation.harness.schema import Figure, Report
+from validation.harness.schema import Figure, Report, Series
 from validation.harness.verdict import counts
 from validation.report.figures import COLOURS, svg_of
-from validation.report.render import filled, number
+from validation.report.render import filled, number, short
 
 Kind = Literal["error", "count"]
 Key = tuple[str, str, Kind]  # case, quantity
@@ -50,6 +50,11 @@ class Course:
         """Whether the value of report k is above its band, or no number."""
         value, band = self.values[k], self.bands[k]
         return value is not None and (math.isnan(value) or (band is not None and not value <= band))
+
+    @property
+    def changed(self) -> bool:
+        """Whether the reports that have it differ."""
+        return len({value for value in self.values if value is not None}) > 1
 
     def told(self, k: int) -> str:
         """The rise of report k in words."""
@@ -147,25 +152,20 @@ def write_history(history: History, folder: Path) -> Path:
 
 def render_history(history: History) -> str:
     """The page of a history as text."""
-    n = len(history.reports)
-    names = list(dict.fromkeys(line.case for line in history.lines))
-    lines = {name: [line for line in history.lines if line.case == name] for name in names}
-    figures = {name: figure for name in names if (figure := _figure(name, lines[name])) is not None}
+    lines: dict[str, list[Course]] = {}
+    for line in history.lines:
+        lines.setdefault(line.case, []).append(line)
+    told = [(named(report, k), report, history.rises(k - 1)) for k, report in enumerate(history.reports, 1)]
     return filled(
         "history.jinja",
-        n=n,
-        newest=named(history.reports[-1], n),
+        history=history,
         factor=FACTOR,
-        reports=[_report(report, k + 1, len(history.rises(k))) for k, report in enumerate(history.reports)],
-        rises=[(named(report, k + 1), rises) for k, report in reversed(list(enumerate(history.reports)))
-               if (rises := history.rises(k))],
-        now=history.rises(n - 1),
-        gone=history.gone,
-        unjudged=history.unjudged,
-        summary=[_summary(name, lines[name]) for name in names],
-        tables={name: [_cells(line) for line in lines[name]] for name in names},
-        figures={name: (figure.caption, svg_of(figure, f"history-{name}")) for name, figure in figures.items()},
-    )  # fmt: skip
+        newest=told[-1][0],
+        now=told[-1][2],
+        rises=[(name, rises) for name, _, rises in reversed(told) if rises],
+        reports=[(len(rises), _cells(report, k, len(rises))) for k, (_, report, rises) in enumerate(told, 1)],
+        cases=[_case(name, given) for name, given in lines.items()],
+    )
 
 
 def named(report: Report, k: int) -> str:
@@ -179,66 +179,59 @@ def _date(report: Report) -> str:
 
 def _commit(report: Report) -> str:
     commit = str(report.provenance.get("commit", "no commit"))
-    return f"commit {commit[:12]}{commit[40:]}" if commit[:40].isalnum() and len(commit) >= 40 else commit
+    return commit if short(commit) == commit else f"commit {short(commit)}"
 
 
-def _report(report: Report, k: int, rises: int) -> list[tuple[str, float | str]]:
-    """Cells of a report: text, and what it is sorted by."""
-    facts = report.provenance
-    failing = sum(count for verdict, count in counts(report.cases).items() if verdict in ("deviates", "error"))
-    texts = [_date(report), _commit(report).removeprefix("commit ")]
+def _cells(report: Report, k: int, rises: int) -> list[float | str | None]:
+    """A report in the table, besides its verdict."""
+    facts, given = report.provenance, counts(report.cases)
     kernels = ", ".join(filter(None, (str(facts.get("blas", "")).rpartition(" ")[2], str(facts.get("kernels") or ""))))
-    seconds = facts.get("seconds")
-    numbers = [len(report.cases), failing, rises, seconds if isinstance(seconds, int | float) else None]
-    return [("✗ rises" if rises else "✓ in band", rises), (str(k), k), *((text, text) for text in (*texts, kernels)),
-            *((number(value), "" if value is None else float(value)) for value in numbers)]  # fmt: skip
+    failing, seconds = given["deviates"] + given["error"], facts.get("seconds")
+    return [k, _date(report), _commit(report).removeprefix("commit "), kernels, len(report.cases), failing, rises,
+            seconds if isinstance(seconds, int | float) else None]  # fmt: skip
 
 
-def _summary(name: str, lines: list[Course]) -> dict[str, Any]:
-    """The newest state of a case: whether it rose, its largest error over tolerance and over band, its counts."""
+def _case(name: str, lines: list[Course]) -> dict[str, Any]:
+    """A case on the page: what rose in the newest report, its largest errors, its counts, and its figure."""
     errors = [line for line in lines if line.kind == "error"]
-    counted = [line for line in lines if line.kind == "count" and line.values[-1] is not None]
+    known = [line for line in lines if line.kind == "count" and line.values[-1] is not None]
+    figure = _figure(name, lines)
     return {
-        "case": name,
+        "name": name,
+        "lines": lines,
         "rises": sum(line.rises(-1) for line in lines),
-        "tolerance": _largest([_over(line.values[-1], line.limits[-1]) for line in errors]),
-        "band": _largest([_over(line.values[-1], line.bands[-1]) for line in errors]),
-        "counts": ", ".join(f"{number(line.values[-1])} {line.quantity}" for line in counted),
+        "over_tolerance": _largest(_over(line.values[-1], line.limits[-1]) for line in errors),
+        "over_band": _largest(_over(line.values[-1], line.bands[-1]) for line in errors),
+        "counts": ", ".join(f"{number(line.values[-1])} {line.quantity}" for line in known),
+        "caption": figure and figure.caption,
+        "svg": figure and svg_of(figure, f"history-{name}"),
     }
-
-
-def _cells(line: Course) -> dict[str, Any]:
-    changed = len({value for value in line.values if value is not None}) > 1
-    values = [(number(value), line.rises(k)) for k, value in enumerate(line.values)]
-    return {"quantity": line.quantity, "kind": line.kind, "band": line.bands[-1], "values": values, "changed": changed}
 
 
 def _figure(name: str, lines: list[Course]) -> Figure | None:
     """Errors over their tolerances, those nearest to them, and how counts changed since they were first known."""
-    errors = [line for line in lines if line.kind == "error" and any(value for value in line.values)]
-    errors.sort(key=lambda line: -(_largest([_over(v, t) for v, t in zip(line.values, line.limits, strict=True)]) or 0))
-    above = [
-        _trace(line, [_over(v, t) or None for v, t in zip(line.values, line.limits, strict=True)])
-        for line in errors[: len(COLOURS)]
-    ]
-    below = []
-    for line in lines:
-        first = next((value for value in line.values if value), None)
-        if line.kind == "count" and first:
-            below.append(_trace(line, [None if v is None else 100 * (v / first - 1) for v in line.values]))
-    left = len(errors) - len(above)
-    caption = f"{name}: errors over their tolerances{f' (the {len(above)} largest)' if left else ''}"
+    courses = {line: _overs(line) for line in lines if line.kind == "error" and any(line.values)}
+    nearest = sorted(courses, key=lambda line: -(_largest(courses[line]) or 0))
+    above = [_trace(line, [over or None for over in courses[line]]) for line in nearest[: len(COLOURS)]]
+    below = [_trace(line, [None if v is None else 100 * (v / first - 1) for v in line.values]) for line in lines
+             if line.kind == "count" and (first := next(filter(None, line.values), None))]  # fmt: skip
     counted = axes("report", "counts, change / %", *below) if below else None
     if not above:
         return None if counted is None else drawn(name, f"{name}: counts.", counted)
-    whole = f"{caption}, and how counts changed." if below else f"{caption}."
-    return drawn(name, whole, semilogy("report", "error / tolerance", *above), counted)
+    most = f" (the {len(above)} largest)" if len(nearest) > len(above) else ""
+    caption = f"{name}: errors over their tolerances{most}{', and how counts changed' if below else ''}."
+    return drawn(name, caption, semilogy("report", "error / tolerance", *above), counted)
 
 
-def _trace(line: Course, y: list[float | None]) -> Any:
+def _trace(line: Course, y: list[float | None]) -> Series:
     """A curve over the reports; points where one is missing."""
     label = line.quantity if len(line.quantity) < 48 else f"{line.quantity[:46]}…"
     return trace(label, range(1, len(y) + 1), y, "points" if None in y else "line")
+
+
+def _overs(line: Course) -> list[float | None]:
+    """Errors over their tolerances."""
+    return [_over(value, limit) for value, limit in zip(line.values, line.limits, strict=True)]
 
 
 def _over(value: float | None, limit: float | None) -> float | None:
@@ -246,5 +239,5 @@ def _over(value: float | None, limit: float | None) -> float | None:
     return None if value is None or not limit or math.isnan(value) or math.isnan(limit) else value / limit
 
 
-def _largest(ratios: list[float | None]) -> float | None:
+def _largest(ratios: Iterable[float | None]) -> float | None:
     return max((ratio for ratio in ratios if ratio is not None), default=None)

@@ -6,7 +6,7 @@ import math
 import re
 from base64 import b64encode
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import date
 from importlib import resources
 from pathlib import Path
@@ -53,13 +53,14 @@ Line = dict[str, Any]  # of the tables
 
 @dataclass(frozen=True)
 class DrawnFigure:
-    """A figure of a case, drawn."""
+    """A figure of a case, drawn, and where it stands on the first screen; None for one that stands with its case."""
 
     case: str
     id: str
     caption: str
     svg: Markup
     files: list[str]
+    place: str | None = None
 
 
 def write_html(report: Report, folder: Path, jobs: int = 1) -> None:
@@ -77,10 +78,11 @@ def render(report: Report, jobs: int = 1) -> str:
         raise ReportError(f"the provenance of the report has no {' and no '.join(absent)}")
     lines = {case.id: [_line(case, place, row) for place, row in enumerate(case.rows)] for case in report.cases}
     groups = list(dict.fromkeys(case.group for case in report.cases))
-    hard, compared = first_screen.hard_map(report.cases), matrix.matrix_of(report.cases)
+    hard = first_screen.hard_map(report.cases)
     drawn, overview = _drawn(report.cases, jobs), first_screen.scatter(report)
     return filled(
         "page.jinja",
+        {"short": short, "error": error_of, "sha256": lambda text: hashlib.sha256(text.encode()).hexdigest()},
         report=report,
         sentence=first_screen.first_sentence(report),
         passed=not fails(report) and is_intact(report),
@@ -91,22 +93,16 @@ def render(report: Report, jobs: int = 1) -> str:
         worst=_worst_ratio(lines),
         intact=is_intact(report),
         failing=failures(report),
-        known=_known(report, lines),
+        bands=[(case, line) for case, given in lines.items() for line in given if line["row"].band is not None],
+        is_overdue=lambda review: _is_before(review, str(report.provenance["date"])[:10]),
         groups=[(group, [case for case in report.cases if case.group == group]) for group in groups],
-        scenes={case.id: hashlib.sha256(case.scene.encode()).hexdigest() for case in report.cases},
-        placed={
-            place: [one for given in drawn.values() for one, at in given if at == place]
-            for place in first_screen.PLACES
-        },
-        drawn_of={case: [one for one, at in given if at is None] for case, given in drawn.items()},
-        tables={
-            place: first_screen.tables_at(report.cases, place) for place in (first_screen.PRICE, first_screen.HARD)
-        },
+        placed={place: [one for one in drawn if one.place == place] for place in first_screen.PLACES},
+        drawn=drawn,
+        prices=first_screen.tables_at(report.cases, first_screen.PRICE),
         hard=hard,
         hard_counts=first_screen.counted_endings(hard),
-        matrix=compared,
+        matrix=matrix.matrix_of(report.cases),
         columns=list(matrix.COLUMNS),
-        signs=list(compared.signs.items()),
         tally=matrix.tally(report.cases),
         tallied=matrix.TALLIED,
         kinds=matrix.KINDS,
@@ -114,7 +110,6 @@ def render(report: Report, jobs: int = 1) -> str:
             kind: [(c, line) for c, given in lines.items() for line in given if line["kind"] == kind]
             for kind in matrix.KINDS
         },
-        without_rows=[case for case in report.cases if not case.rows],
         unstated=unstated(report.cases),
         loose=loose(report.cases),
         loose_factor=LOOSE,
@@ -136,8 +131,9 @@ def filled(template: str, filters: Mapping[str, Callable[..., Any]] | None = Non
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    made.filters |= {"number": number, "short": _short, "typeset": typeset, "with_links": with_links}
-    made.filters |= {"subscripts": subscripts, "counted": counted} | dict(filters or {})
+    made.filters |= {"number": number, "typeset": typeset, "with_links": with_links}
+    made.filters |= {"subscripts": subscripts, "counted": counted, "judgement": judgement, "sorted_by": sorted_by}
+    made.filters |= dict(filters or {})
     style, script = Markup(asset("style.css")), Markup(asset("sort.js"))
     policy = Markup(POLICY).format(script=_source_of(script), style=_source_of(style))
     return printable(made.get_template(template).render(style=style, script=script, policy=policy, **values))
@@ -163,6 +159,16 @@ def number(value: Any) -> str:
     if math.isnan(value):
         return "not a number"
     return f"{value:.4g}"
+
+
+def judgement(good: Any) -> tuple[str, str]:
+    """The verdict and the mark of what holds, or does not."""
+    return ("agrees", "✓") if good else ("deviates", "✗")
+
+
+def sorted_by(value: Any) -> Any:
+    """What a cell is sorted by: nothing where its number is not known."""
+    return "" if value is None else value
 
 
 def failures(report: Report) -> list[tuple[str, str]]:
@@ -191,17 +197,6 @@ def _worst_ratio(lines: Mapping[str, list[Line]]) -> dict[str, Any] | None:
     known = [{"ratio": line["ratio"], "case": case} for case, given in lines.items() for line in given]
     ratios = [one for one in known if one["ratio"] is not None and not math.isnan(one["ratio"])]
     return max(ratios, key=lambda one: float(one["ratio"]), default=None)
-
-
-def _known(report: Report, lines: Mapping[str, list[Line]]) -> list[tuple[str, Line, bool]]:
-    """Rows with a band: the case, the line, and whether its review is overdue at the date of the report."""
-    today = str(report.provenance.get("date", ""))[:10]
-    return [
-        (case, line, _is_before(line["row"].band.review, today))
-        for case, given in lines.items()
-        for line in given
-        if line["row"].band is not None
-    ]
 
 
 def _is_before(review: str, today: str) -> bool:
@@ -234,8 +229,8 @@ def _line(case: CaseRecord, place: int, row: Row) -> Line:
         allowed=allowed,
         ratio=None if row.band else error_over_tolerance(row),
         verdict=verdict_of(row),
-        sort_expected="" if row.expected[worst] is None else row.expected[worst],
-        sort_computed="" if row.computed[worst] is None else row.computed[worst],
+        sort_expected=row.expected[worst],
+        sort_computed=row.computed[worst],
         sort_allowed=row.band.high if row.band else combined_tolerance(row),
     )
 
@@ -246,29 +241,30 @@ def _value(values: list[float | None], worst: int) -> Markup:
     return text if len(values) == 1 else text + Markup(" <small>largest error of {}</small>").format(len(values))
 
 
-def _short(commit: str) -> str:
+def short(commit: str) -> str:
     """A commit by its first twelve digits; what follows them in words is kept."""
     return re.sub(r"^([0-9a-f]{12})[0-9a-f]{28}", r"\1", str(commit))
 
 
-def _drawn(cases: Sequence[CaseRecord], jobs: int) -> dict[str, list[tuple[DrawnFigure, str | None]]]:
-    """The figures of every case, each with its place on the first screen; many are drawn in processes of their own."""
+def _drawn(cases: Sequence[CaseRecord], jobs: int) -> list[DrawnFigure]:
+    """The figures of all cases; many are drawn in processes of their own."""
     asked = [(case.id, figure) for case in cases for figure in case.figures]
     last = {figure.id: case for case, figure in asked}  # of cases in two forms the latter is on the first screen
     processes = jobs if len(asked) >= MANY else 1
     found = list(map(_in_svg, asked)) if processes == 1 else answers_in_order(_in_svg, asked, processes)
-    given: dict[str, list[tuple[DrawnFigure, str | None]]] = {case.id: [] for case in cases}
-    for (case, figure), one in zip(asked, found, strict=True):
+    drawn = []
+    for one in found:
         if isinstance(one, Exception):
             raise one
-        given[case].append((one, first_screen.place_of(figure) if last[figure.id] == case else None))
-    return given
+        drawn.append(one if last[one.id] == one.case else replace(one, place=None))
+    return drawn
 
 
 def _in_svg(asked: tuple[str, Figure]) -> DrawnFigure:
     case, figure = asked
-    draw = panels_of if first_screen.place_of(figure) == "centre" else svg_of
-    return DrawnFigure(case, figure.id, figure.caption, draw(figure, f"{case}-{figure.id}"), figure.files)
+    place = first_screen.place_of(figure)
+    draw = panels_of if place == "centre" else svg_of
+    return DrawnFigure(case, figure.id, figure.caption, draw(figure, f"{case}-{figure.id}"), figure.files, place)
 
 
 def _worst(case: CaseRecord) -> str:

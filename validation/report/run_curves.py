@@ -18,8 +18,8 @@ import numpy as np
 
 import persson
 from bem.command_line.answer_table import axis_unit
-from bem.geometry.profile import Profile
 from bem.scene.result import Event, Result, State
+from bem.scene.scene_rules import surface_of
 from persson import DiscreteSpectrum
 from persson import corrected as corrected_theory
 from validation.harness.figure_data import axes, bars, drawn, marks, semilogx, trace
@@ -146,8 +146,6 @@ def finite(error: float | None) -> float:
     return 0.0 if error is None or not math.isfinite(error) else error
 
 
-SELF_AFFINE = ("period", "hurst", "rms_height", "harmonics", "seed")
-HARMONICS = ("period", "orders", "amplitudes", "phases")
 MANY, FEW = 40, 8  # loads, where one takes no time and where it takes some
 LEAST, MOST = 0.003, 0.6  # contact fractions of the theory among which the corrected one is tried
 SPAN = 50.0  # largest load drawn over the smallest
@@ -168,13 +166,8 @@ class Theory:
 
 def spectrum_of(result: Result) -> DiscreteSpectrum | None:
     """The lines of the profile of a result; None of a scan whose result does not hold them."""
-    profile = result.scene["profile"]
-    if profile["kind"] != "samples":
-        if profile["kind"] == "self_affine":
-            surface = Profile.self_affine(**{name: profile[name] for name in SELF_AFFINE})
-        else:
-            surface = Profile.from_harmonics(**{name: profile[name] for name in HARMONICS})
-        return DiscreteSpectrum.of_profile(surface)
+    if result.scene["profile"]["kind"] != "samples":
+        return DiscreteSpectrum.of_profile(surface_of(result.scene["profile"], None))
     if "profile_q" not in result.fields:
         return None
     return DiscreteSpectrum(result.fields["profile_q"], result.fields["profile_amplitude"])

@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.command_line.answer_table import axis_unit, readable
+from bem.command_line.answer_table import axis_unit, quantity, readable
 from bem.scene.result import Result, State
 from validation.harness.figure_data import axes, drawn, semilogx, semilogy, trace
 from validation.harness.schema import Figure, Panel, Series
 from validation.report.run_curves import curves_of, finite
-from validation.report.run_words import quantity
 from validation.report.scan_figure import preparation_figure, spectrum_figure
 
 MOST_SHAPES = 8
@@ -75,16 +74,18 @@ def _shapes(result: Result) -> Iterator[Figure]:
     fields = result.fields
     for name, state in list(shape_states(result).items())[:MOST_SHAPES]:
         x, displacement, gap, pressure = (fields[f"{key}_{name}"] for key in ("x", "displacement", "gap", "pressure"))
-        lines = {"rigid profile": (f"x_{name}", displacement - gap), "deformed surface": (f"x_{name}", displacement)}
+        profile, carried = displacement - gap, np.nan_to_num(pressure)  # nothing outside contact
         length, along = axis_unit(float(np.max(np.abs(x))), "m")
-        carried = np.nan_to_num(pressure)  # nothing outside contact
+        height, upward = axis_unit(float(np.nanmax(np.abs([profile, displacement]))), "m")
         lift, unit = axis_unit(float(np.max(np.abs(carried))), "Pa")
         where = "" if state is None else (
             f" at {quantity(state.mean_pressure, 'Pa')} while {state.branch}, separation "
             f"{quantity(state.separation, 'm')}, contact fraction {state.contact_fraction:.4g}"
         )  # fmt: skip
+        above = axes(f"x / {along}", f"height / {upward}", _line("rigid profile", length * x, height * profile),
+                     _line("deformed surface", length * x, height * displacement))  # fmt: skip
         below = axes(f"x / {along}", f"pressure / {unit}", _line("pressure", length * x, lift * carried))
-        yield drawn(f"shape-{name}", f"Shape {name} of fields.npz{where}.", _heights(lines, fields), below)
+        yield drawn(f"shape-{name}", f"Shape {name} of fields.npz{where}.", above, below)
 
 
 def distributions_of(result: Result) -> Iterator[Figure]:
@@ -120,14 +121,6 @@ def _where(state: State | None, name: str) -> str:
     if state is not None and math.isnan(state.mean_pressure):
         return f"complete contact, {state.branch}"
     return f"state {name}" if state is None else f"{readable(state.mean_pressure, 'Pa', 3)}, {state.branch}"
-
-
-def _heights(lines: dict[str, tuple[str, Array]], fields: dict[str, Array]) -> Panel:
-    """Heights over positions; each line has the name of its positions in the fields, and its heights (m)."""
-    length, along = axis_unit(max(float(np.max(np.abs(fields[x]))) for x, _ in lines.values()), "m")
-    lift, unit = axis_unit(max(float(np.nanmax(np.abs(heights))) for _, heights in lines.values()), "m")
-    drawings = [_line(label, length * fields[x], lift * heights) for label, (x, heights) in lines.items()]
-    return axes(f"x / {along}", f"height / {unit}", *drawings)
 
 
 def _line(label: str, x: Array, y: Array) -> Series:

@@ -5,12 +5,13 @@ The uncertainty of the input is that of a study of the same scene, where its stu
 
 import json
 import math
+from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from bem.command_line.answer_table import Inputs, csv_text, heads, pull_off_words, rows, share
+from bem.command_line.answer_table import Cell, Inputs, csv_text, heads, pull_off_words, quantity, rows, share
 from bem.command_line.console import scene_text
 from bem.cut_sensitivity import in_words
 from bem.scene.atomic_file import write_atomically
@@ -18,9 +19,9 @@ from bem.scene.plausibility import MEANINGS
 from bem.scene.result import FINAL_STATUSES, Result, State
 from bem.scene.result_file import read_result
 from validation.report.figures import svg_of
-from validation.report.render import PAGE, ReportError, filled, number
+from validation.report.render import PAGE, ReportError, filled, judgement, number
 from validation.report.run_figures import MOST_SHAPES, figures_of, shape_states
-from validation.report.run_words import outcome, quantity, scene_in_words, succeeded
+from validation.report.run_words import outcome, scene_in_words, succeeded
 from validation.report.study_page import DOUBTFUL
 from validation.report.study_page import FILE as STUDY
 
@@ -31,7 +32,7 @@ SAME = 1e-6  # relative distance of the numbers of a run and of its study
 MOST_ROWS = 500  # of a table; all are in result.json
 MEASURES = ("closure", "contact_residual", "min_gap", "mean_gap_error", "min_eigenvalue", "truncation",
             "hessian_asymmetry")  # fmt: skip
-NOTHING: tuple[str, float | str] = ("–", "")  # in a cell, and to be sorted by
+NOTHING: Cell = ("–", "")  # in a cell, and to be sorted by
 WORST_BELOW = ("min_gap", "min_eigenvalue")  # of which the least is the worst
 UNITS = {"min_gap": "m", "mean_gap_error": "m", "rms_height": "m", "pressure_scale": "Pa"}  # of what is no ratio
 
@@ -72,72 +73,66 @@ def render_run(result: Result, inputs: Inputs | None = None) -> str:
     """The page of a run as text; relative uncertainties of the input are by target and quantity."""
     left_open = max((value for known in (inputs or {}).values() for value in known.values()), default=math.nan)
     found = replace(result, states=tuple(state for state in result.states if state.found))
-    shapes = len(shape_states(found))
-    banner = ("doubtful", "!") if left_open > DOUBTFUL else ("agrees", "✓")
-    if not succeeded(result):
-        banner = "deviates", "✗"
+    doubtful = succeeded(result) and left_open > DOUBTFUL
     return filled(
         "run_page.jinja",
-        title=result.scene["title"] or "A run",
+        {"measure": _measure},
+        heading=result.scene["title"] or "A run",
         result=result,
         outcome=outcome(result),
-        banner=banner,
+        verdict=("doubtful", "!") if doubtful else judgement(succeeded(result)),
         left_open="" if math.isnan(left_open) else share(left_open),
-        heads=heads(result),
+        columns=heads(result),
         answer=list(rows(result, inputs))[:MOST_ROWS],
         pull_off=pull_off_words(result),
         cut=in_words(result.cut_sensitivity) if result.cut_sensitivity else "",
         words=scene_in_words(result.scene),
         toml=scene_text(result.scene),
-        groups=[(name, _measure(name, value), MEANINGS.get(name, "")) for name, value in result.groups.items()],
-        warnings=result.warnings,
+        meanings=defaultdict(str, MEANINGS),
         preparation=[_step(step) for step in result.profile_preparation],
         figures=[(figure, svg_of(figure, f"run-{figure.id}")) for figure in figures_of(found)],
-        shapes_left_out=max(0, shapes - MOST_SHAPES),
+        shapes_left_out=max(0, len(shape_states(found)) - MOST_SHAPES),
         targets=[_target(state) for state in result.targets[:MOST_ROWS]],
         events=list(_events(found))[:MOST_ROWS],
         most=MOST_ROWS,
         few=FEW_EVENTS,
         certificate=list(_certificate(result)),
         found=found.states,
-        missed=[state for state in result.states if not state.found],
-        refused=[state for state in found.states if not state.certificate.ok],
-        predicted=sum(effect.seconds for effect in result.effects),
-        seconds=sum(state.cpu_seconds for state in result.states),
-        evaluations=sum(state.evaluations for state in result.states),
-        unknowns=max((state.unknowns for state in result.states), default=0),
     )
 
 
-def _target(state: State) -> list[tuple[str, float | str]]:
-    """Cells of a state: text, and the number or text that it is sorted by."""
-    estimate = state.error_estimate
-    cells: list[tuple[str, float | str]] = [(state.branch, state.branch)]
+def _target(state: State) -> list[Cell]:
+    """Cells of a state."""
+    error = state.error_estimate
+    numbers = []
     for name in ("separation", "mean_pressure", "contact_fraction"):
         value = getattr(state, name)
         unknown = math.isnan(value) and not state.found
-        cells.append(NOTHING if unknown else (_known(value, getattr(estimate, name)), value))
-    cells.append((str(state.n_patches), state.n_patches) if state.found else NOTHING)
+        numbers.append(_cell(None if unknown else value, getattr(error, name)))
+    patches = (str(state.n_patches), state.n_patches) if state.found else NOTHING
     judged = "certified" if state.certificate.ok else "refused" if state.found else "–"
-    return [*cells, (state.status.replace("_", " "), state.status), (judged, judged)]
+    return [(state.branch, state.branch), *numbers, patches, (state.status.replace("_", " "), state.status),
+            (judged, judged)]  # fmt: skip
 
 
-def _events(result: Result) -> Iterator[list[tuple[str, float | str]]]:
+def _events(result: Result) -> Iterator[list[Cell]]:
     highest = result.states[0].penetration + result.states[0].separation if result.states else 0.0
     for event in result.events:
-        error, place, energy = event.error_estimate, event.position, event.energy_released
+        error, place = event.error_estimate, event.position
         yield [
             (event.kind.replace("_", " "), event.kind),
-            (_known(highest - event.penetration, error.penetration), highest - event.penetration),
-            (_known(event.mean_pressure, error.mean_pressure), event.mean_pressure),
+            _cell(highest - event.penetration, error.penetration),
+            _cell(event.mean_pressure, error.mean_pressure),
             NOTHING if place is None else (f"{place:.6g}", place),
-            NOTHING if energy is None else (_known(energy, error.energy_released), energy),
+            _cell(event.energy_released, error.energy_released),
         ]
 
 
-def _known(value: float, error: float | None) -> str:
+def _cell(value: float | None, error: float | None) -> Cell:
     """A number with its estimated error: as many digits as that leaves, nine at most."""
-    return f"{value:.9g}" if not error else f"{value:.9g} ± {error:.1g}"
+    if value is None:
+        return NOTHING
+    return (f"{value:.9g} ± {error:.1g}" if error else f"{value:.9g}"), value
 
 
 def _certificate(result: Result) -> Iterator[tuple[str, str]]:
@@ -146,10 +141,10 @@ def _certificate(result: Result) -> Iterator[tuple[str, str]]:
         values = [value for state in result.states if (value := getattr(state.certificate, name)) is not None]
         if values:
             worst = min(values) if name in WORST_BELOW else max(values)
-            yield name.replace("_", " "), _measure(name, worst)
+            yield name.replace("_", " "), _measure(worst, name)
 
 
-def _measure(name: str, value: float) -> str:
+def _measure(value: float, name: str) -> str:
     """A number with its unit, where it has one."""
     return quantity(value, UNITS[name]) if name in UNITS else number(value)
 

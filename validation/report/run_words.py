@@ -1,10 +1,10 @@
 """A resolved scene, and what came of it, in sentences: quantities with units that suit their size."""
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from bem.command_line.answer_table import axis_unit
+from bem.command_line.answer_table import quantity
+from bem.command_line.console import summary
 from bem.scene.result import Result
 from validation.harness.verdict import counted
 
@@ -17,37 +17,22 @@ CONTROLS = {
 LISTED = 8  # targets that are spelt out
 
 
-def quantity(value: float, unit: str) -> str:
-    """A number with a prefix before its unit.
-
-    Examples
-    --------
-    >>> quantity(5e-05, "m"), quantity(1.25e6, "Pa"), quantity(0.0, "m"), quantity(3e-30, "m")
-    ('50 µm', '1.25 MPa', '0 m', '3e-30 m')
-    """
-    factor, prefixed = axis_unit(abs(value), unit)
-    return f"{value * factor:.6g} {prefixed}"
-
-
 def outcome(result: Result) -> str:
     """The first sentence of a page: how it ended, how much of it is certified, and where."""
-    found = [state for state in result.states if state.found]
-    certified, targets = sum(state.certificate.ok for state in found), sum(state.target for state in found)
+    facts = summary(result, "", len(result.scene["loading"]["targets"]))
     how = {"converged": "Converged", "not_converged": "Not converged"}.get(result.status, result.status.capitalize())
-    missed = len(result.states) - len(found)
-    beyond = ""
+    missed, beyond = len(result.states) - facts["states"], ""
     if result.answered and missed:
         how, beyond = "Pulled off", f", {counted(missed, 'target')} beyond what the contact carries"
-    asked = len(result.scene["loading"]["targets"])
     words = [
-        f"{how}: {counted(targets, 'state')} at targets ({asked} in the scene{beyond})",
-        f"{certified} of {len(found)} states certified by the independent quadrature",
-        counted(len(result.events), "event"),
+        f"{how}: {counted(facts['target_states'], 'state')} at targets ({facts['targets']} in the scene{beyond})",
+        f"{facts['certified']} of {facts['states']} states certified by the independent quadrature",
+        counted(facts["events"], "event"),
     ]
-    if found:
-        last = found[-1]
-        pressure = "any mean pressure" if math.isnan(last.mean_pressure) else quantity(last.mean_pressure, "Pa")
-        words.append(f"last at {pressure} and contact fraction {last.contact_fraction:.4g}")
+    if facts["states"]:
+        load = facts["mean_pressure"]
+        pressure = "any mean pressure" if load is None else quantity(load, "Pa")
+        words.append(f"last at {pressure} and contact fraction {facts['contact_fraction']:.4g}")
     why = "" if result.failure is None or result.answered else f" Why: {result.failure}."
     return "; ".join(words) + "." + why
 

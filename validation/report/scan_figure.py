@@ -12,11 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.command_line.answer_table import axis_unit
+from bem.command_line.answer_table import axis_unit, quantity
 from bem.scans.scan_keys import CUTOFFS
 from validation.harness.figure_data import axes, drawn, loglog, trace
 from validation.harness.schema import Figure
-from validation.report.run_words import quantity
 
 SAID = {
     "outliers": {"keep": "spikes found and kept: {count}", "replace": "spikes replaced: {count}"},
@@ -89,13 +88,13 @@ def spectrum_figure(fields: Mapping[str, NDArray[np.float64]], steps: Sequence[M
 
 def _noise_in_words(facts: Mapping[str, Any]) -> str:
     """What the spectrum of a scan tells, in a sentence."""
-    if "noise_rms" not in facts:
-        return f"Power spectrum of the scan, one-sided: {facts['noise']}."
-    floor = f"a noise floor of {_rounded(facts['noise_rms'])} rms"
-    if "suggested_cutoff" not in facts:
-        return f"Power spectrum of the scan, one-sided: {floor}."
-    law = f"the profile, as the power {facts['exponent']:.2g} of the wavelength, falls below it"
-    return f"Power spectrum of the scan, one-sided: {floor}; {law} at {_rounded(facts['suggested_cutoff'])}."
+    said = facts["noise"]
+    if "noise_rms" in facts:
+        said = f"a noise floor of {_rounded(facts['noise_rms'])} rms"
+    if "suggested_cutoff" in facts:
+        law = f"the profile, as the power {facts['exponent']:.2g} of the wavelength, falls below it"
+        said += f"; {law} at {_rounded(facts['suggested_cutoff'])}"
+    return f"Power spectrum of the scan, one-sided: {said}."
 
 
 def _rounded(length: float) -> str:

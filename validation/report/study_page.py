@@ -9,7 +9,7 @@ from bem.scene.atomic_file import write_atomically
 from validation.harness.schema import Figure
 from validation.report.figures import svg_of
 from validation.report.render import filled
-from validation.report.run_words import quantity, scene_in_words
+from validation.report.run_words import scene_in_words
 
 FILE, PAGE = "study.json", "study.html"
 DOUBTFUL = 0.1  # relative uncertainty of the input beyond which an answer is no more than a hint
@@ -25,9 +25,9 @@ def render_study(content: dict[str, Any]) -> str:
     figure = Figure.model_validate(content["figure"])
     return filled(
         "study_page.jinja",
-        {"share": share, "quantity": quantity},
+        {"share": share},
         doubtful=max((row["input"] or 0.0 for row in content["targets"]), default=0.0) > DOUBTFUL,
-        title=content["scene"]["title"] or "A scene",
+        heading=content["scene"]["title"] or "A scene",
         study=content,
         words=scene_in_words(content["scene"]),
         toml=scene_text(content["scene"]),

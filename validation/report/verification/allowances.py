@@ -11,9 +11,9 @@ u_input = 0.  What is shown is the rule that is applied: |E| is at most the larg
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from validation.harness.compare import combined_uncertainty, error_of
+from validation.harness.compare import combined_uncertainty
 from validation.harness.schema import CaseRecord, ReferenceKind, Row
-from validation.report.verification.matrix import CODES, code_of, kind_of, row_id
+from validation.report.verification.matrix import CODES, code_of, kind_of, rows_of
 
 LOOSE = 10.0  # times the error measured: a tolerance beyond that is listed
 REASONS: dict[ReferenceKind, str] = {
@@ -42,15 +42,12 @@ class Budget:
 
 @dataclass(frozen=True)
 class Loose:
-    """A row with a tolerance far above the error that was measured; 0 is measured where both sides were equal."""
+    """A row with a tolerance this many times the error that was measured; 0 is measured where both sides were equal."""
 
     target: str
     name: str
-    tolerance: float
-    measured: float | None
-    error: float
+    row: Row
     ratio: float
-    basis: str
 
 
 def budget_of(row: Row) -> Budget:
@@ -79,28 +76,22 @@ def budget_of(row: Row) -> Budget:
 def unstated(cases: Iterable[CaseRecord]) -> dict[str, list[tuple[str, str]]]:
     """All rows of which no side states an uncertainty, by the reason for it: id, and case with quantity."""
     found: dict[str, list[tuple[str, str]]] = {}
-    for case in cases:
-        for place, row in enumerate(case.rows):
-            if combined_uncertainty(row) == 0:
-                counts = kind_of(row) == "limit"
-                whose = "" if counts else f", {CODES[code_of(case, row)][1]}"
-                reason = COUNTS if counts else REASONS[row.reference.kind] + whose
-                found.setdefault(reason, []).append((row_id(case, place), f"{case.id}, {row.quantity}"))
+    for case, target, row in rows_of(cases):
+        if combined_uncertainty(row) == 0:
+            counts = kind_of(row) == "limit"
+            reason = COUNTS if counts else f"{REASONS[row.reference.kind]}, {CODES[code_of(case, row)][1]}"
+            found.setdefault(reason, []).append((target, f"{case.id}, {row.quantity}"))
     return dict(sorted(found.items(), key=lambda item: -len(item[1])))
 
 
 def loose(cases: Iterable[CaseRecord]) -> list[Loose]:
     """Rows that are no counts or limits whose tolerance is what decides, and far above what was measured."""
     found = []
-    for case in cases:
-        for place, row in enumerate(case.rows):
-            given = row.tolerance
-            if given is None or kind_of(row) == "limit" or budget_of(row).decides != "the tolerance":
-                continue
-            ratio = given.value / given.measured if given.measured else float("inf")
-            if ratio > LOOSE and row.status == "run":
-                name = f"{case.id}, {row.quantity}"
-                found.append(
-                    Loose(row_id(case, place), name, given.value, given.measured, error_of(row), ratio, given.basis)
-                )
+    for case, target, row in rows_of(cases):
+        given = row.tolerance
+        if given is None or kind_of(row) == "limit" or budget_of(row).decides != "the tolerance":
+            continue
+        ratio = given.value / given.measured if given.measured else float("inf")
+        if ratio > LOOSE and row.status == "run":
+            found.append(Loose(target, f"{case.id}, {row.quantity}", row, ratio))
     return sorted(found, key=lambda one: -one.ratio)

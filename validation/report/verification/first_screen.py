@@ -12,10 +12,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from validation.harness.compare import error_over_tolerance
-from validation.harness.figure_data import loglog, marks, trace
+from validation.harness.figure_data import drawn, loglog, marks, trace
 from validation.harness.schema import CaseRecord, Figure, Report, Row, Table, is_intact
 from validation.harness.verdict import GATING, PASSING, counted, counts, fails, verdict_of
-from validation.report.verification.matrix import KINDS, kind_of, worst_place
+from validation.report.verification.matrix import KINDS, kind_of, rows_of, worst_place
 
 PLACES = ("problem", "centre", "cost", "landing")
 HARD, PRICE = "hard", "price"
@@ -83,37 +83,34 @@ def first_sentence(report: Report) -> str:
     'Failed: 0 of 0 comparisons with something else agree; 0 of 1 planned case reported; changed after it was written.'
     """
     given = counts(report.cases)
-    rows = [row for case in report.cases for row in case.rows if row.band is None and row.status != "not run"]
+    rows = [row for _, _, row in rows_of(report.cases) if row.band is None and row.status != "not run"]
     judged = {kind: [row for row in rows if kind_of(row) == kind] for kind in KINDS}
-    others = [*judged["self-comparison"], *judged["limit"]]
     held = {kind: sum(verdict_of(row) in PASSING for row in rows) for kind, rows in judged.items()}
     failed = fails(report) or not is_intact(report)
-    compared = len(judged["comparison"])
-    agree = "agrees" if compared == 1 else "agree"
-    words = [f"{'Failed' if failed else 'Passed'}: {held['comparison']} of {counted(compared, 'comparison')} with "
-             f"something else {agree}"]  # fmt: skip
-    if others:
-        within = held["self-comparison"] + held["limit"]
-        words.append(f"{within} of {len(others)} self-comparisons, counts and limits hold")
+    compared, others = len(judged["comparison"]), len(judged["self-comparison"]) + len(judged["limit"])
+    within = held["self-comparison"] + held["limit"]
+    known, outside = given["expected deviation"], given["changed"]
     many = {"deviates": "deviate", "error": "errors"}
     failing = {name: count for name, count in given.items() if count and name in GATING and name != "changed"}
-    words += [counted(count, name, many.get(name, name)) for name, count in failing.items()]
-    if given["marginal"]:
-        words.append(f"{given['marginal']} of these marginal")
-    if given["expected deviation"]:
-        words.append(counted(given["expected deviation"], "known deviation"))
-    if given["changed"]:
-        words.append(f"{counted(given['changed'], 'known deviation')} outside the recorded band")
-    if given["not run"]:
-        words.append(f"{given['not run']} not run")
-    if len(report.cases) != report.planned:
-        words.append(f"{len(report.cases)} of {counted(report.planned, 'planned case')} reported")
-    if not is_intact(report):
-        words.append("changed after it was written")
     slowest = max(report.cases, key=lambda case: case.seconds, default=None)
-    if slowest is not None and slowest.seconds:
-        words.append(f"slowest: {slowest.id}, {slowest.seconds:.3g} s")
-    return "; ".join(words) + "."
+    words = [
+        f"{held['comparison']} of {counted(compared, 'comparison')} with something else "
+        f"{'agrees' if compared == 1 else 'agree'}"
+        if compared or not others
+        else "",
+        f"{within} of {others} self-comparisons, counts and limits hold" if others else "",
+        *(counted(count, name, many.get(name, name)) for name, count in failing.items()),
+        f"{given['marginal']} of these marginal" if given["marginal"] else "",
+        counted(known, "known deviation") if known else "",
+        f"{counted(outside, 'known deviation')} outside the recorded band" if outside else "",
+        f"{given['not run']} not run" if given["not run"] else "",
+        f"{len(report.cases)} of {counted(report.planned, 'planned case')} reported"
+        if len(report.cases) != report.planned
+        else "",
+        "" if is_intact(report) else "changed after it was written",
+        f"slowest: {slowest.id}, {slowest.seconds:.3g} s" if slowest and slowest.seconds else "",
+    ]
+    return f"{'Failed' if failed else 'Passed'}: {'; '.join(filter(None, words))}."
 
 
 def scatter(report: Report) -> Figure | None:
@@ -121,18 +118,12 @@ def scatter(report: Report) -> Figure | None:
 
     Each comparison is drawn where its two sides differ most, in SI units whatever they are of.
     """
-    places: dict[str, list[tuple[float, float, float]]] = {
-        "agrees": [],
-        "marginal": [],
-        "known deviation": [],
-        "fails": [],
-    }
-    total = 0
-    for row, x, y in _pairs(report):
-        total += 1
-        verdict = verdict_of(row)
-        kind = "known deviation" if verdict == "expected deviation" else verdict if verdict in PASSING else "fails"
+    pairs = list(_pairs(report))
+    places: dict[str, list[tuple[float, float, float]]] = {name: [] for name in HUES}
+    for row, x, y in pairs:
         if x * y > 0 and math.isfinite(x) and math.isfinite(y):
+            verdict = verdict_of(row)
+            kind = "known deviation" if verdict == "expected deviation" else verdict if verdict in PASSING else "fails"
             places[kind].append((abs(x), abs(y), error_over_tolerance(row)))
     shown = {name: points for name, points in places.items() if points}
     ends = [x for points in shown.values() for x, _, _ in points]
@@ -144,7 +135,7 @@ def scatter(report: Report) -> Figure | None:
                    *(marks(name, [x for x, _, _ in points], [y for _, y, _ in points], hue=HUES[name])
                      for name, points in shown.items()))  # fmt: skip
     judged = {name: [(x, ratio) for x, _, ratio in points if 0 < ratio < math.inf] for name, points in shown.items()}
-    count = sum(map(len, shown.values()))
+    count, total = len(ends), len(pairs)
     exact = sum(ratio == 0 for points in shown.values() for _, _, ratio in points)
     below = loglog("expected (magnitude, SI units)", "error / allowed",
                    trace("allowed", across, (1.0, 1.0), "dashed", hue=5),
@@ -155,7 +146,7 @@ def scatter(report: Report) -> Figure | None:
         f"Not on logarithmic axes: {total - count}, where zero is expected or computed. Below, how much of the "
         f"tolerance each one uses; {exact} agree to the last bit, known deviations have a band instead."
     )
-    return Figure(id="all-results", caption=caption, solution=above, error=below)
+    return drawn("all-results", caption, above, below)
 
 
 HUES = {"agrees": 0, "marginal": 4, "known deviation": 3, "fails": 1}
@@ -163,9 +154,8 @@ HUES = {"agrees": 0, "marginal": 4, "known deviation": 3, "fails": 1}
 
 def _pairs(report: Report) -> Iterator[tuple[Row, float, float]]:
     """Every row that was compared, with the expected and the computed value at its worst place."""
-    for case in report.cases:
-        for row in case.rows:
-            k = worst_place(row)
-            expected, computed = row.expected[k], row.computed[k]
-            if kind_of(row) == "comparison" and row.status == "run" and expected is not None and computed is not None:
-                yield row, expected, computed
+    for _, _, row in rows_of(report.cases):
+        k = worst_place(row)
+        expected, computed = row.expected[k], row.computed[k]
+        if kind_of(row) == "comparison" and row.status == "run" and expected is not None and computed is not None:
+            yield row, expected, computed

@@ -8,7 +8,7 @@ because of what it says, and the rows that no column takes are counted below it.
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -113,6 +113,11 @@ def row_id(case: CaseRecord, place: int) -> str:
     return f"row-{case.id}-{place}"
 
 
+def rows_of(cases: Iterable[CaseRecord]) -> Iterator[tuple[CaseRecord, str, Row]]:
+    """Every row with its case and its id."""
+    return ((case, row_id(case, place), row) for case in cases for place, row in enumerate(case.rows))
+
+
 def code_of(case: CaseRecord, row: Row) -> Code:
     """Whose answer a row judges."""
     return row.code or case.code
@@ -121,10 +126,9 @@ def code_of(case: CaseRecord, row: Row) -> Code:
 def tally(cases: Iterable[CaseRecord]) -> list[tuple[str, list[int]]]:
     """Rows by whose answer they judge, and by what they compare it with: the names of `TALLIED`, code by code."""
     found = {code: dict.fromkeys(TALLIED, 0) for code in CODES}
-    for case in cases:
-        for row in case.rows:
-            head = KINDS["limit"] if kind_of(row) == "limit" else REFERENCES[row.reference.kind][1]
-            found[code_of(case, row)][head] += 1
+    for case, _, row in rows_of(cases):
+        head = KINDS["limit"] if kind_of(row) == "limit" else REFERENCES[row.reference.kind][1]
+        found[code_of(case, row)][head] += 1
     return [(CODES[code][1], list(line.values())) for code, line in found.items() if any(line.values())]
 
 
@@ -156,13 +160,11 @@ def matrix_of(cases: Iterable[CaseRecord]) -> Matrix:
     """The matrix of all comparisons with something else that ran."""
     lines: dict[str, tuple[str, list[dict[str, list[tuple[Row, str]]]]]] = {}
     outside = []
-    every = ((case, place, row) for case in cases for place, row in enumerate(case.rows))
-    for case, place, row in every:
+    for case, target, row in rows_of(cases):
         if kind_of(row) != "comparison" or row.status != "run":
             continue
         order = row.reference.kind == "predicted order"
         column = None if order or code_of(case, row) == "suite" else column_of(row.quantity)
-        target = row_id(case, place)
         if column is None:
             outside.append((target, row.quantity))
             continue

@@ -6,7 +6,8 @@ from typing import Any
 
 from validation.harness.figure_data import bars, drawn, loglog, marks
 from validation.harness.schema import Figure
-from validation.report.run_words import CONTROLS, quantity
+from bem.command_line.answer_table import quantity
+from validation.report.run_words import CONTROLS
 from validation.report.study_page import share
 from validation.studies.own_scene.findings import Compared, Findings, combined, largest, node_rate
 from validation.studies.own_scene.settings import Setting
