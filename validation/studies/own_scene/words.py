@@ -4,9 +4,9 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from bem.command_line.answer_table import quantity
 from validation.harness.figure_data import bars, drawn, loglog, marks
 from validation.harness.schema import Figure
-from bem.command_line.answer_table import quantity
 from validation.report.run_words import CONTROLS
 from validation.report.study_page import share
 from validation.studies.own_scene.findings import Compared, Findings, combined, largest, node_rate
