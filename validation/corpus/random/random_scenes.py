@@ -22,8 +22,9 @@ from numpy.typing import NDArray
 from bem.command_line.console import scene_text
 from bem.elastic.layer import compliance_ratio
 from bem.geometry.profile import Profile
+from validation.corpus.hard.hard_case_scenes import mean_compliance
+from validation.references.paper_problem import Table
 
-Table = dict[str, Any]
 Numbers = NDArray[np.float64]
 Expectation = Literal["an answer", "an answer or a refusal", "a refusal"]
 
@@ -101,10 +102,6 @@ class Drawn:
         parts += [name for name in ("layer", "adhesion") if name in tables]
         return ", ".join([*parts, *([f"special: {self.special}"] if self.special else [])])
 
-    def expectation(self, full: bool) -> tuple[str, ...]:
-        """What must come of it, as of the other cases of the study of stability; `full` makes no difference."""
-        return (self.expected,)
-
     def write(self, folder: Path) -> Path:
         """Write the scene file, and its scan beside it; the path of the scene file."""
         folder.mkdir(parents=True, exist_ok=True)
@@ -155,14 +152,6 @@ def draw(seed: int, index: int, most_harmonics: int = 12) -> Drawn:
 def plane_strain_modulus(solid: Table) -> float:
     """E / (1 - nu^2) of [solid], Pa."""
     return float(solid["youngs_modulus"] / (1 - solid["poisson_ratio"] ** 2))
-
-
-def mean_compliance(tables: Table) -> float:
-    """c(0) = d (1 - 2 nu)(1 + nu) / (E (1 - nu)) of a layer, m/Pa; 0 of a half-space, which has none."""
-    if "layer" not in tables:
-        return 0.0
-    nu, modulus = tables["solid"]["poisson_ratio"], tables["solid"]["youngs_modulus"]
-    return float(tables["layer"]["thickness"] * (1 - 2 * nu) * (1 + nu) / (modulus * (1 - nu)))
 
 
 def complete_pressure(tables: Table, surface: Profile) -> float:
