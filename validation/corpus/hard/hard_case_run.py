@@ -90,13 +90,13 @@ class Asked:
         for name in self.checks:
             yield from (Finding(name.replace("_", " "), text) for text in self.known[name](found))
 
-    def observed(self, found: Any) -> tuple[str, ...]:
-        """Statuses of an answer."""
-        return (found.result.status,)
-
     def ended(self, found: Any, full: bool) -> tuple[tuple[str, ...], bool, str | None]:
-        """Statuses of an answer, whether it converged as expected, and the reason where it is a refusal after all."""
-        observed = self.observed(found)
+        """Statuses of an answer, whether it converged as expected, and the reason where it is a refusal after all.
+
+        They are that of the result, then those of its targets, if it has any.
+        """
+        states = getattr(found.result, "targets", ())
+        observed = (found.result.status, *(state.status for state in states))
         return observed, observed == self.expectation(full), None
 
     def refused(self, error: Exception) -> tuple[tuple[str, ...], str, list[Finding]]:

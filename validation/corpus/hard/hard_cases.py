@@ -46,9 +46,9 @@ def _wave(control: str, targets: list[float], work: float | None = None, **chang
     return scene(waves([1], [WAVE]), control, targets, work, **changes)
 
 
-def _sticky(harmonics: int, control: str, targets: list[float], work: float | None = WORK, **changes: Any) -> Table:
+def _sticky(harmonics: int, control: str, targets: list[float], work: float = WORK, **changes: Any) -> Table:
     """The rough profile with adhesion, over the true length of the surface."""
-    return scene(rough(harmonics), control, targets, work, work is not None, **changes)
+    return scene(rough(harmonics), control, targets, work, True, **changes)
 
 
 def _at_separations(*fractions: float) -> list[float]:
@@ -64,16 +64,13 @@ def _loads(*fractions: float) -> list[float]:
 # fmt: off
 def _crests_and_gaps() -> Iterator[HardCase]:
     """Contacts that begin, vanish, merge and nearly close."""
-    yield _case("twin_crests",
-                "two crests of equal height touch at the same instant and must stay equal",
+    yield _case("twin_crests", "two crests of equal height touch at the same instant and must stay equal",
                 scene(waves([2, 4], [50e-6, 10e-6]), "penetration", [1e-5, 3e-5, 0.0], 0.05),
                 "dense", "mirror", "equal_patches", events=("first_touch",),
                 full={"profile": waves([2, 4, 200], [50e-6, 10e-6, 0.1e-6])})
-    yield _case("vanishing_patch",
-                "on unloading the patches of lower crests shrink and vanish one after the other",
+    yield _case("vanishing_patch", "on unloading the patches of lower crests shrink and vanish one after the other",
                 _sticky(20, "separation", [30e-6, 75e-6]), events=("detachment",))
-    yield _case("merging_patches",
-                "two patches merge on loading: with adhesion by a jump from a finite gap",
+    yield _case("merging_patches", "two patches merge on loading: with adhesion by a jump from a finite gap",
                 scene(rough(20), "separation", [40e-6, 20e-6], 0.01), events=("coalescence",),
                 full={"adhesion": {"work_of_adhesion": WORK, "slope_term": True}})
     yield _case("merging_patches_without_adhesion",
@@ -81,17 +78,14 @@ def _crests_and_gaps() -> Iterator[HardCase]:
                 scene(waves([1, 2], [50e-6, -20e-6]), "mean_pressure", [2e3, 2356.19387, 2.4e3, 2356.19387]),
                 "dense", "compressive", "target_alone", reached={"gap": 1e-4},
                 full={"profile": rough(1000)} | _to("separation", 40e-6, 20e-6, 40e-6))
-    yield _case("vanishing_patch_without_adhesion",
-                "on unloading a patch shrinks continuously to a point",
+    yield _case("vanishing_patch_without_adhesion", "on unloading a patch shrinks continuously to a point",
                 scene(waves([1, 2], [50e-6, 40e-6]), "penetration", [8e-5, 7.013966352601551e-05, 6.9e-5]),
                 "dense", "compressive", "target_alone", reached={"patch": 1e-4},
                 full={"profile": rough(1000)} | _to("separation", 20e-6, 40e-6, 75e-6))
-    yield _case("gap_1e-4",
-                "a gap of 1e-4 wavelength: coupling modes by the hundred, K to rounding",
+    yield _case("gap_1e-4", "a gap of 1e-4 wavelength: coupling modes by the hundred, K to rounding",
                 _wave("mean_pressure", _loads(0.9999)), "wave", reached={"gap": 1e-4}, reached_in_full={"gap": 1e-4},
                 full=_to("mean_pressure", *_loads(0.999, 0.9995, 0.9999)))
-    yield _case("contact_fraction_1e-5",
-                "heights cancel to ten digits on the smallest contact",
+    yield _case("contact_fraction_1e-5", "heights cancel to ten digits on the smallest contact",
                 _wave("mean_pressure", _loads(1e-5, 1e-3)), "wave",
                 reached={"least": 1e-5}, reached_in_full={"least": 1e-5},
                 full=_to("mean_pressure", *_loads(1e-5, 1e-4, 1e-3, 0.01)))
@@ -135,17 +129,14 @@ def _ends_of_the_path() -> Iterator[HardCase]:
                 "complete contact and back without adhesion needs no flaw and no history",
                 scene(rough(40), "mean_pressure", [2e4, 1e6, 2e4]), "dense", "target_alone", **THERE_AND_BACK,
                 full=_to("mean_pressure", 2e4, 2e6, 2e4))
-    yield _case("tension_no_branch_carries",
-                "a tension beyond pull-off: unreachable, the states before it kept",
+    yield _case("tension_no_branch_carries", "a tension beyond pull-off: unreachable, the states before it kept",
                 _sticky(20, "mean_pressure", [1e3, -1e5], max_increment=2.0), **BEYOND, events=("pull_off",))
     seven = waves([7], [WAVE])
-    yield _case("order_7",
-                "seven equal contacts lose their symmetry where the smallest eigenvalue passes zero",
+    yield _case("order_7", "seven equal contacts lose their symmetry where the smallest eigenvalue passes zero",
                 scene(seven, "penetration", [2e-5, 4e-5, 4.9e-5], 7 * WAVE_WORK),
                 "dense", "equal_until_bifurcation", events=("first_touch", "bifurcation"),
                 full=_to("penetration", 2e-5, 4e-5, 4.9e-5, 1e-5, -1e-5))
-    yield _case("order_7_without_adhesion",
-                "seven equal contacts stay equal",
+    yield _case("order_7_without_adhesion", "seven equal contacts stay equal",
                 scene(seven, "mean_pressure", [1e3, 5e4, 1e5]), "dense", "equal_patches",
                 full=_to("mean_pressure", 1e2, 1e3, 1e4, 5e4, 1e5, 1.4e5))
     yield _case("last_gap_without_adhesion",
@@ -163,17 +154,13 @@ def _ends_of_the_path() -> Iterator[HardCase]:
 def _asked_another_way() -> Iterator[HardCase]:
     """Scans, other units and increments, restarts, layers, and nothing to solve."""
     low = [60e-6, 30e-6]
-    yield _case("samples_50000",
-                "50,000 noisy samples, cut at some harmonics",
+    yield _case("samples_50000", "50,000 noisy samples, cut at some harmonics",
                 scene(SCAN, "separation", low, WORK, True), samples=(50_000, 1e-7))
-    yield _case("shift_and_mirror",
-                "a shifted and a mirrored profile have the same states",
+    yield _case("shift_and_mirror", "a shifted and a mirrored profile have the same states",
                 _sticky(30, "separation", low), "dense", "shift", "mirror")
-    yield _case("millionfold_units",
-                "lengths and stresses scaled by 1e6 either way",
+    yield _case("millionfold_units", "lengths and stresses scaled by 1e6 either way",
                 _sticky(30, "separation", [*low, 60e-6]), "units_up", "units_down")
-    yield _case("increments_ten_times_too_large",
-                "increments ten times too large are refined, not failed",
+    yield _case("increments_ten_times_too_large", "increments ten times too large are refined, not failed",
                 _sticky(30, "separation", low, max_increment=0.5), "dense", "smaller_increments")
     yield _case("restart",
                 "a path restarted from a stored state on its way back ends in the same state, which its history "
@@ -182,8 +169,7 @@ def _asked_another_way() -> Iterator[HardCase]:
     yield _case("thin_incompressible_layer",
                 "a layer of thickness 0.02 wavelengths with nu = 0.5 is stiff by its third power",
                 _sticky(30, "separation", [70e-6, 60e-6], thickness=0.02 * PERIOD), "doubled")
-    yield _case("thin_layer_without_adhesion",
-                "the same without adhesion",
+    yield _case("thin_layer_without_adhesion", "the same without adhesion",
                 scene(rough(30), "separation", [70e-6, 60e-6], thickness=0.02 * PERIOD),
                 "doubled", "target_alone")
     for kind, work in (("", WORK), ("_without_adhesion", None)):

@@ -40,10 +40,6 @@ class SceneCase(Asked):
         scene = parse_scene(tables, folder)
         return Solved(tables, solve(scene), scene, folder)
 
-    def observed(self, found: Solved) -> tuple[str, ...]:
-        """Status of the result, then of its targets."""
-        return (found.result.status, *(state.status for state in found.result.targets))
-
     def findings(self, found: Solved, full: bool) -> Iterator[Finding]:
         """What a result says against itself, and what its checks say."""
         if found.result.status == "not_converged" and self.ended(found, full)[2] is None:
