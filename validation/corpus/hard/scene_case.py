@@ -42,7 +42,7 @@ class SceneCase(Asked):
 
     def findings(self, found: Solved, full: bool) -> Iterator[Finding]:
         """What a result says against itself, and what its checks say."""
-        if found.result.status == "not_converged" and self.ended(found, full)[2] is None:
+        if "not_converged" in self.ended(found, full)[0]:
             yield Finding("certificate", f"not converged: {found.result.failure}")
         yield from findings_of(found.scene, found.result)
         yield from super().findings(found, full)
@@ -88,6 +88,8 @@ class HardCase(SceneCase):
     def findings(self, found: Solved, full: bool) -> Iterator[Finding]:
         """What a result says against itself, and what the case asks besides."""
         yield from super().findings(found, full)
+        if not found.result.targets:
+            yield Finding("targets", "none is there")
         happened = {event.kind for event in found.result.events}
         yield from (Finding("event", f"{kind} missing") for kind in self.events if kind not in happened)
         yield from (Finding("reached", text) for text in missed(self.reached_in_full if full else self.reached, found))
