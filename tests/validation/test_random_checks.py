@@ -14,7 +14,7 @@ from bem.geometry.profile import Profile
 from bem.scene.scene import SceneError, parse_scene
 from bem.solver import solve
 from validation.corpus.hard import copies, scene_case
-from validation.corpus.hard.any_result import AT_EVENTS, Solved, Units, balances, findings_of
+from validation.corpus.hard.any_result import AT_EVENTS, Solved, balances, findings_of
 from validation.corpus.hard.hard_case_run import run
 from validation.corpus.hard.hard_case_scenes import rough, scene, waves
 from validation.corpus.random import random_trial as trial
@@ -97,7 +97,7 @@ def wider(result, index=-2, part=1e-7):
 def test_nothing_is_found_against_a_sound_result(name):
     posed, result = solved(name)
     assert result.status == "converged"
-    assert findings_of(posed, result) == []
+    assert findings_of(taken(posed, result)) == []
     assert list(trial.dense_route(taken(posed, result))) == []
 
 
@@ -137,15 +137,15 @@ DOCTORED = {
 def test_what_is_wrong_with_a_result_is_named(wrong):
     doctor, kind = DOCTORED[wrong]
     posed, result = solved("separation")
-    assert kind in kinds(findings_of(posed, doctor(result)))
+    assert kind in kinds(findings_of(taken(posed, doctor(result))))
 
 
 @pytest.mark.parametrize(("estimate", "found"), [(2e-9, False), (0.5e-9, True)], ids=["within its error", "beyond"])
 def test_energy_taken_up_is_judged_with_its_error(estimate, found):
     posed, result = solved("separation")
     error = replace(result.events[0].error_estimate, energy_released=estimate)
-    taken = event_changed(result, 0, energy_released=-1e-9, error_estimate=error)
-    assert ("energy released" in kinds(findings_of(posed, taken))) is found
+    uptaken = event_changed(result, 0, energy_released=-1e-9, error_estimate=error)
+    assert ("energy released" in kinds(findings_of(taken(posed, uptaken)))) is found
 
 
 def test_separation_zero_must_be_complete_contact():
@@ -153,8 +153,8 @@ def test_separation_zero_must_be_complete_contact():
     result = solve(posed)
     partial = solved("separation")[1].states[3]
     wrong = replace(result, states=(*result.states[:-1], replace(partial, separation=0.0, target=True)))
-    assert findings_of(posed, result) == []
-    assert "targets" in kinds(findings_of(posed, wrong))
+    assert findings_of(taken(posed, result)) == []
+    assert "targets" in kinds(findings_of(taken(posed, wrong)))
 
 
 @pytest.mark.parametrize("name", ["separation", "load", "layer"])
@@ -162,13 +162,13 @@ def test_balance_sees_the_energy_of_every_event(name):
     """Under every control: an event that releases a twentieth more is found where the states resolve its interval."""
     posed, result = solved(name)
     seen, resolved = 0, 0
-    for part in balances(posed, result, Units.of(posed)):
+    for part in balances(taken(posed, result)):
         seen += part.events
         event = result.events[seen - 1]
         if part.events and 0.04 * event.energy_released > AT_EVENTS * part.quadrature:
             resolved += 1
             wrong = event_changed(result, seen - 1, energy_released=lambda energy: 1.05 * energy)
-            assert "energy balance" in kinds(findings_of(posed, wrong))
+            assert "energy balance" in kinds(findings_of(taken(posed, wrong)))
     assert resolved > 0
 
 
@@ -182,7 +182,7 @@ def test_quadrature_of_the_work_converges(name, largest):
     for part in (1.0, 0.5):
         posed = parse_scene(PATHS[name] | {"accuracy": {"max_increment": part * largest}})
         result = solve(posed)
-        smooth = [b for b in balances(posed, result, Units.of(posed)) if not b.events and b.state > 0]
+        smooth = [b for b in balances(taken(posed, result)) if not b.events and b.state > 0]
         missing.append(float(np.median([abs(b.missing) / b.energies for b in smooth])))
     assert missing[1] < missing[0] / 8
 
@@ -434,4 +434,4 @@ def test_the_other_of_two_equal_crests_is_as_good():
 def test_nothing_is_found_against_a_flat_profile():
     flat = scene(waves([1], [0.0]), "total_displacement", [1e-6, 2e-6], 0.03, thickness=1e-3, poisson_ratio=0.3)
     posed = parse_scene(flat)
-    assert findings_of(posed, solve(posed)) == []
+    assert findings_of(taken(posed, solve(posed))) == []

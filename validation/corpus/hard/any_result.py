@@ -81,11 +81,6 @@ class Units:
         """Pressure by which rounding of the height of the profile is seen through the stiffness of a state."""
         return ROUNDINGS * EPS * self.highest * abs(state.contact_stiffness or 0.0)
 
-    def controlled(self, scene: Scene, state: State) -> float:
-        """The controlled quantity of a state over its unit, that of the control."""
-        value = getattr(state, scene.loading.control)
-        return math.nan if value is None else float(value)
-
     def unit(self, scene: Scene) -> float:
         """Of the controlled quantity."""
         if scene.loading.control == "mean_pressure":
@@ -130,21 +125,15 @@ class Solved(Answered):
         return max(self.touching, key=lambda state: state.contact_fraction)
 
 
-def findings_of(scene: Scene, result: Result) -> list[Finding]:
+def findings_of(found: Solved) -> list[Finding]:
     """All that a result itself says against it."""
-    units = Units.of(scene)
-    return [
-        *vocabulary(result),
-        *targets(scene, result, units),
-        *numbers(scene, result, units),
-        *identities(result, units),
-        *released(result, units),
-        *energy_balance(scene, result, units),
-    ]
+    checks = (vocabulary, targets, numbers, identities, released, energy_balance)
+    return [finding for check in checks for finding in check(found)]
 
 
-def vocabulary(result: Result) -> Iterator[Finding]:
+def vocabulary(found: Solved) -> Iterator[Finding]:
     """Names of statuses, branches and events; and certificates, which every state kept must have."""
+    result = found.result
     names: list[tuple[str, tuple[str, ...]]] = [(result.status, STATUSES)]
     names += [(state.status, STATUSES) for state in result.states]
     names += [(state.branch, ("loading", "unloading")) for state in result.states]
@@ -159,16 +148,18 @@ def vocabulary(result: Result) -> Iterator[Finding]:
         yield Finding("vocabulary", f"{len(result.events)} events, counted {counts}")
 
 
-def targets(scene: Scene, result: Result, units: Units) -> Iterator[Finding]:
+def targets(found: Solved) -> Iterator[Finding]:
     """Every target met in order, or a path that ends by name at one that may be out of reach."""
-    goals, loading = list(scene.loading.targets), scene.loading
+    result, units, loading = found.result, found.units, found.scene.loading
+    goals = list(loading.targets)
     stop = loading.stop_at_mean_pressure
     asked = [*loading.at_mean_pressures, *(() if stop is None else (stop,))]
-    met, unit = 0, units.unit(scene)
+    met, unit = 0, units.unit(found.scene)
     for state in result.targets:
         if state.status not in FINAL_STATUSES:
             break
-        value = units.controlled(scene, state)
+        controlled = getattr(state, loading.control)
+        value = math.nan if controlled is None else float(controlled)
         digit = units.soft(state)  # in narrow gaps
         goal = goals[met] if met < len(goals) else math.nan
         if abs(value - goal) <= TARGET * unit + 8 * EPS * abs(goal):
@@ -185,28 +176,28 @@ def targets(scene: Scene, result: Result, units: Units) -> Iterator[Finding]:
             return
     if result.status == "converged" and met < len(goals):
         yield Finding("targets", f"converged with {met} of {len(goals)} targets met")
-    if result.status == "unreachable" and not (met < len(goals) and _may_be_unreachable(scene, units, goals[met])):
+    if result.status == "unreachable" and not (met < len(goals) and _may_be_unreachable(found, goals[met])):
         yield Finding("unreachable", f"target {met} of {goals} can be reached")
     if result.status in ("separated", "complete_contact", "interrupted"):
         yield Finding("targets", f"the path ends {result.status}")
 
 
-def _may_be_unreachable(scene: Scene, units: Units, goal: float) -> bool:
+def _may_be_unreachable(found: Solved, goal: float) -> bool:
     """Whether a target may lie beyond every equilibrium: tension, and penetration beyond complete contact."""
-    control = scene.loading.control
+    control, units = found.scene.loading.control, found.units
     if control == "mean_pressure":
         return goal < 0
     limited = control == "penetration" or (control == "total_displacement" and units.compliance == 0)
     return limited and goal > units.highest
 
 
-def numbers(scene: Scene, result: Result, units: Units) -> Iterator[Finding]:
+def numbers(found: Solved) -> Iterator[Finding]:
     """No NaN and no infinity, but for the load of complete contact where the control leaves it open.
 
     That includes the events at its ends: with adhesion the last gap closes, and opens, under a tension without bound.
     """
-    control = scene.loading.control
-    free = control in ("separation", "penetration") or (control == "total_displacement" and units.compliance == 0)
+    scene, result, control = found.scene, found.result, found.scene.loading.control
+    free = control in ("separation", "penetration") or (control == "total_displacement" and found.units.compliance == 0)
     for k, state in enumerate(result.states):
         if state.status not in FINAL_STATUSES:
             continue
@@ -232,10 +223,11 @@ def numbers(scene: Scene, result: Result, units: Units) -> Iterator[Finding]:
             yield Finding("fields", f"{name} holds values that are not numbers")
 
 
-def identities(result: Result, units: Units) -> Iterator[Finding]:
+def identities(found: Solved) -> Iterator[Finding]:
     """What the numbers of one state have to do with one another."""
+    units = found.units
     height = max(units.height, units.highest)
-    for k, state in enumerate(result.states):
+    for k, state in enumerate(found.result.states):
         if state.status not in FINAL_STATUSES:
             continue
         edges = np.array(state.edges).reshape(-1, 2)
@@ -259,10 +251,10 @@ def identities(result: Result, units: Units) -> Iterator[Finding]:
             yield Finding("identity", f"{', '.join(reported)} of state {k} ({state.status})")
 
 
-def released(result: Result, units: Units) -> Iterator[Finding]:
+def released(found: Solved) -> Iterator[Finding]:
     """No event takes energy up, beyond its own error: one that opens or closes continuously releases none."""
-    for k, event in enumerate(result.events):
-        error = RELEASED * units.energy + (event.error_estimate.energy_released or 0.0)
+    for k, event in enumerate(found.result.events):
+        error = RELEASED * found.units.energy + (event.error_estimate.energy_released or 0.0)
         if event.energy_released is not None and event.energy_released < -error:
             yield Finding("energy released", f"event {k} ({event.kind}) releases {event.energy_released:.2e} J/m^2")
 
@@ -288,25 +280,26 @@ class Balance:
     events: int
 
 
-def energy_balance(scene: Scene, result: Result, units: Units) -> Iterator[Finding]:
+def energy_balance(found: Solved) -> Iterator[Finding]:
     """Work of the load = change of energy + released, between the stored states that resolve it.
 
     Flat profiles have exact answers and no events.
     """
-    if scene.surface().is_flat:
+    if found.scene.surface().is_flat:
         return
-    for part in balances(scene, result, units):
+    for part in balances(found):
         if part.quadrature > RESOLVED * part.energies:
             continue
         safety = AT_EVENTS if part.events else SAFETY
-        if not abs(part.missing) <= safety * part.quadrature + BALANCE * part.energies + EPS * units.energy:
+        if not abs(part.missing) <= safety * part.quadrature + BALANCE * part.energies + EPS * found.units.energy:
             share, bar = part.missing / part.energies, part.quadrature / part.energies
             reported = f"{share:.1e} of the energies missing before state {part.state}, quadrature {bar:.1e}"
             yield Finding("energy balance", f"{reported}, {part.events} events")
 
 
-def balances(scene: Scene, result: Result, units: Units) -> Iterator[Balance]:
+def balances(found: Solved) -> Iterator[Balance]:
     """The balance of every interval with finite numbers, from first touch on."""
+    scene, result, units = found.scene, found.result, found.units
     apart = None  # without adhesion the compliance at first touch has no bound, and no rule for the integral holds
     if scene.loading.initial == "separated" and scene.adhesion is not None:
         apart = Mark(0.0, 0.0, 0.0, 0.0)

@@ -44,7 +44,7 @@ class SceneCase(Asked):
         """What a result says against itself, and what its checks say."""
         if "not_converged" in self.ended(found, full)[0]:
             yield Finding("certificate", f"not converged: {found.result.failure}")
-        yield from findings_of(found.scene, found.result)
+        yield from findings_of(found)
         yield from super().findings(found, full)
 
 

@@ -118,7 +118,7 @@ class RandomCase(SceneCase):
                 again = solve(made.scene)
                 findings += compared(made, found, again)
                 if made.kind == "increment":
-                    balanced = not any(energy_balance(made.scene, again, Units.of(made.scene)))
+                    balanced = not any(energy_balance(replace(found, scene=made.scene, result=again)))
             except Exception as error:
                 findings.append(Finding(made.kind, f"{type(error).__name__}: {error}"))
         return findings, balanced
