@@ -4,6 +4,7 @@ import warnings
 from dataclasses import replace
 from functools import cache
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,10 +13,11 @@ from scipy.special import ellipe
 from bem.geometry.profile import Profile
 from bem.scene.scene import SceneError, parse_scene
 from bem.solver import solve
+from validation.corpus.hard import copies, scene_case
+from validation.corpus.hard.any_result import AT_EVENTS, Solved, balances, findings_of
+from validation.corpus.hard.hard_case_run import run
 from validation.corpus.hard.hard_case_scenes import rough, scene, waves
-from validation.corpus.random import random_copies as copies
 from validation.corpus.random import random_trial as trial
-from validation.corpus.random.random_checks import AT_EVENTS, Units, balances, findings_of
 from validation.corpus.random.random_scenes import Drawn
 from validation.references.dense_equilibrium import Interface
 
@@ -32,6 +34,11 @@ PATHS = {
 def solved(name):
     posed = parse_scene(PATHS[name])
     return posed, solve(posed)
+
+
+def taken(posed, result, tables=None, folder=Path()):
+    """As copies and checks take it."""
+    return Solved(tables, result, posed, folder)
 
 
 def kinds(findings):
@@ -90,8 +97,8 @@ def wider(result, index=-2, part=1e-7):
 def test_nothing_is_found_against_a_sound_result(name):
     posed, result = solved(name)
     assert result.status == "converged"
-    assert findings_of(posed, result) == []
-    assert list(trial.dense_route(posed, result)) == []
+    assert findings_of(taken(posed, result)) == []
+    assert list(trial.dense_route(taken(posed, result))) == []
 
 
 DOCTORED = {
@@ -130,15 +137,15 @@ DOCTORED = {
 def test_what_is_wrong_with_a_result_is_named(wrong):
     doctor, kind = DOCTORED[wrong]
     posed, result = solved("separation")
-    assert kind in kinds(findings_of(posed, doctor(result)))
+    assert kind in kinds(findings_of(taken(posed, doctor(result))))
 
 
 @pytest.mark.parametrize(("estimate", "found"), [(2e-9, False), (0.5e-9, True)], ids=["within its error", "beyond"])
 def test_energy_taken_up_is_judged_with_its_error(estimate, found):
     posed, result = solved("separation")
     error = replace(result.events[0].error_estimate, energy_released=estimate)
-    taken = event_changed(result, 0, energy_released=-1e-9, error_estimate=error)
-    assert ("energy released" in kinds(findings_of(posed, taken))) is found
+    uptaken = event_changed(result, 0, energy_released=-1e-9, error_estimate=error)
+    assert ("energy released" in kinds(findings_of(taken(posed, uptaken)))) is found
 
 
 def test_separation_zero_must_be_complete_contact():
@@ -146,8 +153,8 @@ def test_separation_zero_must_be_complete_contact():
     result = solve(posed)
     partial = solved("separation")[1].states[3]
     wrong = replace(result, states=(*result.states[:-1], replace(partial, separation=0.0, target=True)))
-    assert findings_of(posed, result) == []
-    assert "targets" in kinds(findings_of(posed, wrong))
+    assert findings_of(taken(posed, result)) == []
+    assert "targets" in kinds(findings_of(taken(posed, wrong)))
 
 
 @pytest.mark.parametrize("name", ["separation", "load", "layer"])
@@ -155,13 +162,13 @@ def test_balance_sees_the_energy_of_every_event(name):
     """Under every control: an event that releases a twentieth more is found where the states resolve its interval."""
     posed, result = solved(name)
     seen, resolved = 0, 0
-    for part in balances(posed, result, Units.of(posed)):
+    for part in balances(taken(posed, result)):
         seen += part.events
         event = result.events[seen - 1]
         if part.events and 0.04 * event.energy_released > AT_EVENTS * part.quadrature:
             resolved += 1
             wrong = event_changed(result, seen - 1, energy_released=lambda energy: 1.05 * energy)
-            assert "energy balance" in kinds(findings_of(posed, wrong))
+            assert "energy balance" in kinds(findings_of(taken(posed, wrong)))
     assert resolved > 0
 
 
@@ -175,7 +182,7 @@ def test_quadrature_of_the_work_converges(name, largest):
     for part in (1.0, 0.5):
         posed = parse_scene(PATHS[name] | {"accuracy": {"max_increment": part * largest}})
         result = solve(posed)
-        smooth = [b for b in balances(posed, result, Units.of(posed)) if not b.events and b.state > 0]
+        smooth = [b for b in balances(taken(posed, result)) if not b.events and b.state > 0]
         missing.append(float(np.median([abs(b.missing) / b.energies for b in smooth])))
     assert missing[1] < missing[0] / 8
 
@@ -198,7 +205,7 @@ def test_dense_route_sees_what_is_wrong(name, wrong):
     last = max(k for k, state in enumerate(result.states) if state.target and state.edges)
     short = replace(result, states=result.states[: last + 1])
     doctored = DENSE[wrong](short, -1) if wrong == "edge moved" else DENSE[wrong](short)
-    assert kinds(trial.dense_route(posed, doctored)) == {"dense route"}
+    assert kinds(trial.dense_route(taken(posed, doctored))) == {"dense route"}
 
 
 @pytest.mark.parametrize("steepness", [0.1, 20.0, 400.0])
@@ -213,7 +220,7 @@ def test_edges_far_from_equilibrium_are_no_reference():
     posed, result = solved("separation")
     last = max(k for k, state in enumerate(result.states) if state.target and state.edges)
     wrong = wider(replace(result, states=result.states[: last + 1]), -1, 0.05)
-    assert kinds(trial.dense_route(posed, wrong)) == {"dense route"}
+    assert kinds(trial.dense_route(taken(posed, wrong))) == {"dense route"}
 
 
 # Copies
@@ -235,7 +242,7 @@ def asked_again(tmp_path_factory):
     def again(name, kind):
         if (name, kind) not in known:
             posed, result = solved(name)
-            made = MAKERS[kind](PATHS[name], posed, result, tmp_path_factory.mktemp("copy"))
+            made = MAKERS[kind](taken(posed, result, PATHS[name], tmp_path_factory.mktemp("copy")))
             known[name, kind] = made, solve(made.scene)
         return known[name, kind]
 
@@ -256,7 +263,7 @@ COSTLY = [("layer", kind) for kind in ("increment", "shift", "mirror")] + [("sep
 def test_copies_of_a_sound_scene_agree(name, kind, asked_again):
     made, other = asked_again(name, kind)
     assert made.kind == kind
-    assert copies.compared(made, *solved(name), other) == []
+    assert copies.compared(made, taken(*solved(name)), other) == []
 
 
 COPIED = {
@@ -274,7 +281,7 @@ COPIED = {
 @pytest.mark.parametrize("kind", MAKERS)
 def test_another_state_is_found(kind, wrong, asked_again):
     made, other = asked_again("load", kind)
-    assert kinds(copies.compared(made, *solved("load"), COPIED[wrong](other))) == {kind}
+    assert kinds(copies.compared(made, taken(*solved("load")), COPIED[wrong](other))) == {kind}
 
 
 HAPPENED = {
@@ -292,7 +299,7 @@ HAPPENED = {
 @pytest.mark.parametrize("kind", ["increment", "scale", "shift", "mirror"])
 def test_other_events_are_found(kind, wrong, asked_again):
     made, other = asked_again("separation", kind)
-    reported = copies.compared(made, *solved("separation"), HAPPENED[wrong](other))
+    reported = copies.compared(made, taken(*solved("separation")), HAPPENED[wrong](other))
     assert kinds(reported) == {"events at a smaller increment" if kind == "increment" else kind}
 
 
@@ -300,7 +307,7 @@ def test_other_events_are_found(kind, wrong, asked_again):
 def test_a_copy_taken_for_the_original_is_found(kind, asked_again):
     made, other = asked_again("separation", kind)
     wrong = replace(made, length=1.0, modulus=1.0, turned=0.0, mirrored=False)
-    assert kinds(copies.compared(wrong, *solved("separation"), other)) == {kind}
+    assert kinds(copies.compared(wrong, taken(*solved("separation")), other)) == {kind}
 
 
 def test_events_of_one_avalanche_may_come_in_any_order(asked_again):
@@ -310,14 +317,14 @@ def test_events_of_one_avalanche_may_come_in_any_order(asked_again):
     ours = replace(result, events=(*twins, *result.events))
     placed = [replace(other.events[0], position=x, energy_released=0.0) for x in (0.01 - 2e-3, 0.01 - 1e-3)]
     theirs = replace(other, events=(*placed, *other.events))
-    assert copies.compared(made, posed, ours, theirs) == []
+    assert copies.compared(made, taken(posed, ours), theirs) == []
 
 
 # One scene from end to end
 
 
 def trial_of(tables, expected="an answer", special=""):
-    return trial.run_case(Drawn(0, 0, tables, None, expected, special))
+    return run(trial.asked(Drawn(0, 0, tables, None, expected, special)))
 
 
 QUICK = scene(rough(3), "separation", [9e-5, 6e-5], 0.01, max_increment=0.2)
@@ -332,7 +339,7 @@ def test_exception_leaves_the_trial(monkeypatch):
     def broken(posed):
         raise ZeroDivisionError("the matrix is singular")
 
-    monkeypatch.setattr(trial, "solve", broken)
+    monkeypatch.setattr(scene_case, "solve", broken)
     with pytest.raises(ZeroDivisionError):
         trial_of(QUICK)
 
@@ -342,12 +349,12 @@ def test_warning_is_a_finding(monkeypatch):
         warnings.warn("overflow", RuntimeWarning, stacklevel=1)
         return solve(posed)
 
-    monkeypatch.setattr(trial, "solve", warned)
+    monkeypatch.setattr(scene_case, "solve", warned)
     assert trial_of(QUICK).kinds == ("warning",)
 
 
 def test_exception_of_a_copy_is_a_finding(monkeypatch):
-    def broken(made, posed, result, again):
+    def broken(made, found, again):
         raise IndexError("no such state")
 
     monkeypatch.setattr(trial, "compared", broken)
@@ -355,7 +362,7 @@ def test_exception_of_a_copy_is_a_finding(monkeypatch):
 
 
 def test_path_that_does_not_converge_is_not_correct(monkeypatch):
-    monkeypatch.setattr(trial, "solve", lambda posed: replace(solve(posed), status="not_converged"))
+    monkeypatch.setattr(scene_case, "solve", lambda posed: replace(solve(posed), status="not_converged"))
     outcome = trial_of(QUICK)
     assert (outcome.converged, outcome.correct) == (False, False)
 
@@ -417,14 +424,14 @@ def test_the_other_of_two_equal_crests_is_as_good():
     moved = [replace(s, edges=tuple((a + 0.005, b + 0.005) for a, b in s.edges)) for s in states]
     other = replace(alone, states=tuple(moved))
     same = copies.Copy("increment", posed)
-    assert copies.compared(same, posed, alone, other) == []
+    assert copies.compared(same, taken(posed, alone), other) == []
     mixed = replace(alone, states=(*states[:-1], moved[-1]))  # each state chooses anew
-    assert copies.compared(same, posed, alone, mixed) == []
+    assert copies.compared(same, taken(posed, alone), mixed) == []
     wrong = [replace(s, edges=tuple((a + 0.004, b + 0.004) for a, b in s.edges)) for s in states]
-    assert kinds(copies.compared(same, posed, alone, replace(alone, states=tuple(wrong)))) == {"increment"}
+    assert kinds(copies.compared(same, taken(posed, alone), replace(alone, states=tuple(wrong)))) == {"increment"}
 
 
 def test_nothing_is_found_against_a_flat_profile():
     flat = scene(waves([1], [0.0]), "total_displacement", [1e-6, 2e-6], 0.03, thickness=1e-3, poisson_ratio=0.3)
     posed = parse_scene(flat)
-    assert findings_of(posed, solve(posed)) == []
+    assert findings_of(taken(posed, solve(posed))) == []

@@ -1,8 +1,8 @@
 """What became of a case of the corpus: a row that holds how it ended and, apart from that, whether it is correct.
 
-The corpora of the boundary elements (hard_cases.py), of the finite element reference (hard_fem_cases.py) and of
-Persson's theory (hard_persson_cases.py) state what they expect before anything runs; scenes drawn at random are judged
-by random_trial.py.  Each case ends in one of
+The corpora of the boundary elements (hard_cases.py), of the finite element reference (hard_fem_cases.py), of Persson's
+theory (hard_persson_cases.py) and of scenes drawn at random (random_trial.py) state what they expect before anything
+runs.  Each case ends in one of
 
     converged             every status is the one expected
     refused as expected   with the reason, which names the argument
@@ -15,17 +15,16 @@ Apart from that it is correct or not: certificates, events, closed forms, second
 case that converged and is not correct is the worst kind, and counted.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
-from validation.corpus.hard import hard_case_run, hard_fem_cases, hard_persson_cases
-from validation.corpus.hard.hard_case_run import TrialOutcome
-from validation.corpus.hard.hard_case_scenes import HardCase
+from validation.corpus.hard.hard_case_run import Asked, TrialOutcome, run
 from validation.corpus.hard.hard_cases import HARD_CASES
+from validation.corpus.hard.hard_fem_cases import FEM_CASES
+from validation.corpus.hard.hard_persson_cases import PERSSON_CASES
 from validation.corpus.random import random_trial
-from validation.corpus.random.random_scenes import Drawn
 from validation.harness.schema import Cells, Table
 
 LIMITS = {"reduced": 120.0, "full": 1800.0}  # s of the clock
@@ -77,24 +76,24 @@ def tasks_of(quick: bool) -> list[Trial]:
 
 def measured(task: Trial) -> TrialOutcome:
     """One case, in a process of its own."""
-    return RUNNERS[task.code](_case(task), task.form == "full")
+    return run(_case(task), task.form == "full")
 
 
 def row_of(task: Trial, answer: TrialOutcome | Exception | None, seconds: float | None = None) -> TrialRow:
     """The row of a case from its outcome, from the exception in its place, or from neither: then the time was up."""
     case = _case(task)
-    name: tuple[Code, str, Form, str] = (task.code, task.id, task.form, case.reason)
     if isinstance(answer, TrialOutcome):
-        message = "; ".join(filter(None, [answer.refused_reason, *answer.findings]))
         ending: Ending = "converged" if answer.converged else "not converged"
         if answer.refused_reason is not None:
             ending = "refused as expected" if answer.observed == answer.expected else "refused"
-        judged = (ending, answer.correct, message, answer.seconds)
-        return TrialRow(*name, answer.expected, answer.observed, *judged, answer.kinds)
+        message = "; ".join(filter(None, [answer.refused_reason, *answer.findings]))
+        judged = (ending, answer.correct, message, answer.seconds, answer.kinds)
+        return TrialRow(task.code, task.id, task.form, case.reason, answer.expected, answer.observed, *judged)
+    ending, message = "timed out", f"no answer in {task.limit:g} s"
+    if answer is not None:
+        ending, message = "crashed", f"{type(answer).__name__}: {answer}"
     expected = case.expectation(task.form == "full")
-    if answer is None:
-        return TrialRow(*name, expected, (), "timed out", False, f"no answer in {task.limit:g} s", seconds)
-    return TrialRow(*name, expected, (), "crashed", False, f"{type(answer).__name__}: {answer}", seconds)
+    return TrialRow(task.code, task.id, task.form, case.reason, expected, (), ending, False, message, seconds)
 
 
 def counts(rows: Iterable[TrialRow]) -> dict[str, int]:
@@ -122,27 +121,16 @@ def table_of(rows: Sequence[TrialRow], left: Sequence[Trial] = ()) -> Table:
     )
 
 
-_Hard = HardCase | hard_fem_cases.FemCase | hard_persson_cases.PerssonCase | Drawn
-
-
-CORPORA: dict[Code, Mapping[str, _Hard]] = {  # the cases of every code by their names
+CORPORA: dict[Code, Mapping[str, Asked]] = {  # the cases of every code by their names
     "bem": {case.id: case for case in HARD_CASES},
-    "fem": {case.id: case for case in hard_fem_cases.FEM_CASES},
-    "persson": {case.id: case for case in hard_persson_cases.PERSSON_CASES},
+    "fem": {case.id: case for case in FEM_CASES},
+    "persson": {case.id: case for case in PERSSON_CASES},
 }
 
 
-def _case(task: Trial) -> _Hard:
+def _case(task: Trial) -> Asked:
     """The case of a task."""
     return random_trial.case_of(task.id) if task.code == "random" else CORPORA[task.code][task.id]
-
-
-RUNNERS: dict[Code, Callable[[Any, bool], TrialOutcome]] = {
-    "bem": hard_case_run.run_case,
-    "fem": hard_fem_cases.run_case,
-    "persson": hard_persson_cases.run_case,
-    "random": random_trial.run_case,
-}
 
 
 def cells(row: TrialRow) -> Cells:

@@ -43,9 +43,11 @@ STORED = "corpus/maps.json"
 DEEPEST = 0.5  # separation at the turning point, of h_rms
 FITTED = (0.02, 0.15)  # contact fractions
 ROOT = 2009  # of the seeds
-SLOPE_TITLE = "slope b of A/A0 = a + b p/(E* h'rms)"
-LOOP_TITLE = "hysteresis loop area / work of adhesion"
-PULL_OFF_TITLE = "largest tension at an end of a branch / (E* h'rms)"
+TITLES = {  # of the maps, by what they show of a run
+    "slope": "slope b of A/A0 = a + b p/(E* h'rms)",
+    "loop": "hysteresis loop area / work of adhesion",
+    "tension": "largest tension at an end of a branch / (E* h'rms)",
+}
 OFF = 6.0  # rms heights beyond first touch, where a sticky profile has come off
 LOADING_TARGETS = 24  # evenly spaced separations, so that the slope does not depend on where increments lie
 
@@ -203,14 +205,20 @@ def loop_integral(touching: Sequence[State]) -> float:
     return float(np.trapezoid([state.mean_pressure for state in touching], depth)) if touching else 0.0
 
 
-def maps_of(plane: Plane, runs: dict[tuple[Point, int], Run], seeds: int) -> Iterator[Map]:
+def maps_over(axes: Axes, runs: Mapping[str, Run]) -> list[Map]:
+    """All maps over some axes, from runs by the names of their members."""
+    return [found for plane in planes(axes) for found in _maps_of(plane, runs, axes.seeds)]
+
+
+def _maps_of(plane: Plane, runs: Mapping[str, Run], seeds: int) -> Iterator[Map]:
     """The three quantities over a plane: mean and standard error over the realisations."""
     first, second = plane.axis
-    rows = list(dict.fromkeys(getattr(point, first) for point in plane.points))
-    columns = list(dict.fromkeys(getattr(point, second) for point in plane.points))
-    at = {(getattr(point, first), getattr(point, second)): point for point in plane.points}
-    found = {place: [runs[point, k] for k in range(seeds) if (point, k) in runs] for place, point in at.items()}
-    for quantity, label in (("slope", SLOPE_TITLE), ("loop", LOOP_TITLE), ("tension", PULL_OFF_TITLE)):
+    found = {}
+    for point in plane.points:
+        names = [member_of(point, k).name for k in range(seeds)]
+        found[getattr(point, first), getattr(point, second)] = [runs[name] for name in names if name in runs]
+    rows, columns = (list(dict.fromkeys(place[k] for place in found)) for k in range(2))
+    for quantity, label in TITLES.items():
         cells = [[_cell(found[row, column], quantity) for column in columns] for row in rows]
         yield Map(
             name=f"{plane.name}-{quantity}",
@@ -241,15 +249,3 @@ def stored_runs() -> dict[str, Run]:
     """What the full study found, by name of the member."""
     content = json.loads(resources.files("validation").joinpath(STORED).read_text("utf-8"))
     return {row["name"]: Run(**row) for row in content["runs"]}
-
-
-def maps_over(axes: Axes, runs: Mapping[str, Run]) -> list[Map]:
-    """All maps over some axes, from runs by the names of their members."""
-    named = {
-        (point, k): runs[name]
-        for plane in planes(axes)
-        for point in plane.points
-        for k in range(axes.seeds)
-        if (name := member_of(point, k).name) in runs
-    }
-    return [found for plane in planes(axes) for found in maps_of(plane, named, axes.seeds)]

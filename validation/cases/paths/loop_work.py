@@ -26,7 +26,7 @@ import bem
 from bem.scene.result import Event, Result, State
 from bem.scene.scene import Scene
 from validation.cases.shared.checks import Against, case, posed
-from validation.corpus.random.random_checks import Units, mark, place
+from validation.corpus.hard.any_result import Units, mark, place
 from validation.harness.case import Outcome
 from validation.harness.schema import Cells, Table
 

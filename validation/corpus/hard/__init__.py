@@ -1,1 +1,1 @@
-"""The hard cases of every code: what each asks for, what must come out, and the checks it must pass."""
+"""The hard cases of every code: what each asks for, what must come out, and the checks that any of them must pass."""

@@ -1,27 +1,32 @@
-"""One hard case solved and judged: converged and correct are two answers, a refusal is neither."""
+"""One hard case of any code, asked and judged: converged and correct are two answers, a refusal is neither.
+
+Every corpus speaks one language: a case (`Asked`) has a question in two forms, an expectation stated beforehand, and
+checks by their names; what a check has against an answer is a `Finding`; `run` asks, judges and makes an outcome of it.
+A corpus says how its code is asked (`answer`) and what speaks against an answer (`findings`).
+"""
 
 import tempfile
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
+from validation.references.paper_problem import Table
 
-from bem.geometry.profile import Profile
-from bem.scene.result import Result
-from bem.scene.scene import SceneError, parse_scene
-from bem.solver import solve
-from validation.corpus.hard.hard_case_checks import CHECKS
-from validation.corpus.hard.hard_case_scenes import HardCase, Reached, Samples
-from validation.references.paper_problem import PERIOD, RMS_HEIGHT, Table
+Check = Callable[[Any], Iterable[str]]  # of what was answered: a text for each that fails
 
-ROUNDED = 1e-5  # of a contact fraction that is to be reached; measured 1.9e-6 at 1e-5
-# Of E* h_rms^2 / period, besides the error that an event states: rounding of the energy that it releases.  Measured:
-# 1e-12 below zero, where the event states 3e-12.
-RELEASED = 1e-12
+
+@dataclass(frozen=True)
+class Finding:
+    """Something that speaks against an answer; studies count the kinds, which are the names of checks."""
+
+    kind: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.kind}: {self.text}"
 
 
 @dataclass(frozen=True)
@@ -30,129 +35,106 @@ class TrialOutcome:
 
     id: str
     expected: tuple[str, ...]  # status of the result, then of its targets
-    observed: tuple[str, ...]  # the same as found; empty when refused
+    observed: tuple[str, ...]  # the same as found, or `refused: ARGUMENT`
     converged: bool  # the solver ended as expected at every target
     correct: bool  # nothing was found against the result: certificates, events, independent checks
-    refused_reason: str | None  # why the scene was refused or the run broke off
+    refused_reason: str | None  # why the question was refused or the run broke off
     findings: tuple[str, ...]  # what speaks against it
     seconds: float  # CPU time of the solution alone
-    kinds: tuple[str, ...] = ()  # kind of each finding, where a corpus counts them
+    kinds: tuple[str, ...] = ()  # of every finding
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
+class Answered:
+    """A question in one of its forms, and the result that a code gave: what checks take."""
+
+    tables: Table
+    result: Any
+
+
+@dataclass(frozen=True, eq=False)
 class Asked:
-    """A hard case of a reference: one question, of which the status is expected."""
+    """A hard case: what a code is asked, and what must come out."""
 
-    expected: str = "converged"  # status, or `refused: ARGUMENT`
-    full: Table | None = None  # what the full form changes of the question, besides the resolution
+    id: str
+    reason: str  # what is hard about it
+    question: Table  # of the reduced form: a scene, or what else the code is given
+    checks: tuple[str, ...] = ()  # independent ones, by their names
+    expected: tuple[str, ...] = ("converged",)  # statuses, or `refused: ARGUMENT`
+    full: Table = field(default_factory=dict)  # what the full form changes of the question
+
+    refusals: ClassVar[tuple[type[Exception], ...]]  # that the code answers with
+    known: ClassVar[Mapping[str, Check]]  # checks by their names
+    forms: ClassVar[tuple[Table, Table]] = ({}, {})  # what every question has in its reduced form, and in the full one
+
+    def posed(self, full: bool) -> Table:
+        """The question in one of its forms."""
+        return self.question | self.forms[full] | (self.full if full else {})
+
+    @staticmethod
+    def ask(question: Table) -> Any:
+        """What the code says to a question."""
+        raise NotImplementedError
 
     def expectation(self, full: bool) -> tuple[str, ...]:
-        """The status expected, of both forms."""
-        return (self.expected,)
+        """What must come out in a form."""
+        return self.expected
 
-    def changed(self, question: Table, full: bool) -> Table:
-        """The question in a form."""
-        return question | ((self.full or {}) if full else {})
+    def answer(self, full: bool, folder: Path) -> Any:
+        """Ask the code, with a folder for files; what it raises of `refusals` is an answer too."""
+        question = self.posed(full)
+        return Answered(question, self.ask(question))
+
+    def findings(self, found: Any, full: bool) -> Iterator[Finding]:
+        """What speaks against an answer, while its folder is there."""
+        for name in self.checks:
+            yield from (Finding(name.replace("_", " "), text) for text in self.known[name](found))
+
+    def ended(self, found: Any, full: bool) -> tuple[tuple[str, ...], bool, str | None]:
+        """Statuses of an answer, whether it converged as expected, and the reason where it is a refusal after all.
+
+        They are that of the result, then those of its targets, if it has any.
+        """
+        states = getattr(found.result, "targets", ())
+        observed = (found.result.status, *(state.status for state in states))
+        return observed, observed == self.expectation(full), None
+
+    def refused(self, error: Exception) -> tuple[tuple[str, ...], str, list[Finding]]:
+        """What is observed of a refusal, which names its argument or begins with it; the reason; and findings."""
+        observed = (f"refused: {getattr(error, 'argument', str(error).split(':')[0])}",)
+        return observed, str(error) if observed == self.expected else f"{type(error).__name__}: {error}", []
 
 
-def ended(
-    name: str,
-    expected: tuple[str, ...],
-    solve: Callable[[], Any],
-    refusals: tuple[type[Exception], ...],
-    judge: Callable[[Any], list[str]],
-) -> TrialOutcome:
-    """A question put to a reference, and its answer judged; a refusal names its argument, or begins with it."""
-    begun = time.process_time()
-    try:
-        found = solve()
-    except refusals as error:
-        seconds, named = time.process_time() - begun, getattr(error, "argument", str(error).split(":")[0])
-        observed = (f"refused: {named}",)
-        return TrialOutcome(name, expected, observed, False, observed == expected, str(error), (), seconds)
-    seconds, observed = time.process_time() - begun, (found.status,)
-    findings = tuple(judge(found))
-    return TrialOutcome(name, expected, observed, observed == expected, not findings, None, findings, seconds)
+def run(case: Asked, full: bool = False) -> TrialOutcome:
+    """Ask a case in its reduced form or the full one, and judge the answer.
 
-
-def run_case(case: HardCase, full: bool = False) -> TrialOutcome:
-    """Solve a hard case, in its reduced form or the full one, and judge it."""
-    tables = case.full if full else case.reduced
+    What else than a refusal leaves the code is raised: that is the crash which studies count.
+    """
     expected = case.expectation(full)
-    start = time.process_time()
+    reason: str | None
     with tempfile.TemporaryDirectory() as folder:
-        if case.samples is not None:
-            write_scan(case.samples, Path(folder) / tables["profile"]["file"])
+        begun = time.process_time()
         try:
-            scene = parse_scene(tables, folder)
-            result = solve(scene)
-        except (SceneError, ArithmeticError, MemoryError) as error:
-            reason = f"{type(error).__name__}: {error}"
-            return TrialOutcome(case.id, expected, (), False, False, reason, (), time.process_time() - start)
-    seconds = time.process_time() - start
-    targets = tuple(state.status for state in result.targets)
-    observed = (result.status, *targets)
-    converged = observed == expected
-    findings = [
-        *judged(case, result, scene),
-        *missed(case.reached_in_full if full else case.reached, result, scene),
-        *(text for name in case.checks for text in CHECKS[name](tables, scene, result)),
-    ]
-    correct = not findings and bool(result.targets)
-    return TrialOutcome(case.id, expected, observed, converged, correct, None, tuple(findings), seconds)
-
-
-def judged(case: HardCase, result: Result, scene: Any) -> list[str]:
-    """What the certificates and the events of a result say against it."""
-    findings = [
-        f"certificate not ok at separation {state.separation:.4g}"
-        for state in result.targets
-        if state.status != "unreachable" and not state.certificate.ok
-    ]
-    happened = {event.kind for event in result.events}
-    findings += [f"event {kind} missing" for kind in case.events if kind not in happened]
-    modulus = scene.solid.youngs_modulus / (1 - scene.solid.poisson_ratio**2)
-    surface = scene.surface()
-    noise = RELEASED * modulus * surface.rms_height**2 / surface.period
-    for event in result.events:
-        allowed = noise + (event.error_estimate.energy_released or 0.0)
-        if event.energy_released is not None and event.energy_released < -allowed:
-            findings.append(f"{event.kind} releases {event.energy_released:.1e} J/m^2 at {event.penetration:.4g} m")
-    return findings
-
-
-def missed(wanted: Reached | None, result: Result, scene: Any) -> list[str]:
-    """What the targets do not reach, without which the case is not as hard as intended."""
-    if wanted is None:
-        return []
-    states = [state for state in result.targets if state.edges]
-    period = scene.surface().period
-    fractions = [state.contact_fraction for state in states]
-    findings = []
-    if wanted.least is not None and not min(fractions, default=np.inf) <= wanted.least * (1 + ROUNDED):
-        findings.append(f"contact fraction {wanted.least:g} not reached from above")
-    if wanted.largest is not None and not max(fractions, default=-np.inf) >= wanted.largest * (1 - ROUNDED):
-        findings.append(f"contact fraction {wanted.largest:g} not reached from below")
-    if wanted.gap is not None and not _near(wanted.gap, [gaps_of(state.edges, period).min() for state in states]):
-        findings.append(f"no gap of {wanted.gap:g} periods")
-    if wanted.patch is not None and not _near(wanted.patch, [np.diff(s.edges).min() / period for s in states]):
-        findings.append(f"no patch of {wanted.patch:g} periods")
-    return findings
-
-
-def gaps_of(edges: tuple[tuple[float, float], ...], period: float) -> NDArray[np.float64]:
-    """Widths of the gaps between patches, in periods, (n_patches,)."""
-    left, right = np.array(edges).T
-    return np.asarray((np.append(left[1:], left[0] + period) - right) / period)
-
-
-def _near(wanted: float, found: list[float]) -> bool:
-    return any(wanted / 2 <= width <= 2 * wanted for width in found)
-
-
-def write_scan(samples: Samples, path: Path) -> None:
-    """Write a rough profile with noise as two columns x, h."""
-    surface = Profile.self_affine(PERIOD, 0.7, RMS_HEIGHT, 2000, samples.seed)
-    x = np.arange(samples.number) * (PERIOD / samples.number)
-    noise = np.random.default_rng(samples.seed).normal(0.0, samples.noise, samples.number)
-    np.savetxt(path, np.column_stack([x, surface.height(x) + noise]), delimiter=",", fmt="%.12e")
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always")
+                found = case.answer(full, Path(folder))
+        except case.refusals as error:
+            seconds = time.process_time() - begun
+            observed, reason, findings = case.refused(error)
+            converged = False
+        else:
+            seconds = time.process_time() - begun
+            observed, converged, reason = case.ended(found, full)
+            findings = [Finding("warning", text) for text in sorted({str(warning.message) for warning in caught})]
+            findings += case.findings(found, full)
+    return TrialOutcome(
+        id=case.id,
+        expected=expected,
+        observed=observed,
+        converged=converged,
+        correct=not findings and (reason is None or observed == expected),
+        refused_reason=reason,
+        findings=tuple(map(str, findings)),
+        seconds=seconds,
+        kinds=tuple(finding.kind for finding in findings),
+    )

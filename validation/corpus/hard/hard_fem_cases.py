@@ -7,8 +7,8 @@ the default resolution, P4/P3.  Correct means: within the uncertainty that the r
 boundary elements at the same edges and penetration.  SI units.
 """
 
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterator, Mapping
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from bem.elastic.layer import Layer
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid
 from fem_reference import Resolution
-from validation.corpus.hard.hard_case_run import Asked, TrialOutcome, ended
+from validation.corpus.hard.hard_case_run import Answered, Asked, Check
 from validation.corpus.hard.hard_case_scenes import (
     JOHNSON,
     MODULUS,
@@ -35,16 +35,6 @@ HALF_SPACE = 1e-10  # relative, by which a layer of two periods differs from it
 ROUGH_ORDERS = 20
 
 
-@dataclass(frozen=True)
-class FemCase(Asked):
-    """A hard case of the reference."""
-
-    id: str
-    reason: str
-    arguments: Table  # of `fem_reference.solve`, beyond those of `WAVE_LAYER`
-    check: str  # of CHECKS: what the result is held against
-
-
 WAVE_LAYER: Table = {
     "youngs_modulus": MODULUS,
     "poisson_ratio": 0.5,
@@ -56,70 +46,9 @@ WAVE_LAYER: Table = {
 }
 
 
-def _fem_cases() -> list[FemCase]:
-    edges = [[-0.05 * PERIOD, 0.08 * PERIOD]]
-    cases = [FemCase(f"poisson_ratio_{ratio:g}",
-                     "volumetric locking towards incompressibility; an auxetic layer at the other end",
-                     {"poisson_ratio": ratio, "thickness": 0.1 * PERIOD, "edges": edges, "value": 2e-6},
-                     "boundary_elements")
-             for ratio in (-0.9, 0.0, 0.499999, 0.5)]  # fmt: skip
-    thin = {"thickness": 0.02 * PERIOD, "edges": edges, "value": 2e-7}
-    rough_orders = np.arange(1, ROUGH_ORDERS + 1)
-    heights = rough_orders**-1.2 * WAVE / np.sqrt(np.sum(rough_orders**-2.4) / 2)
-    rough = (rough_orders.tolist(), heights.tolist(), np.random.default_rng(0).uniform(-3, 3, ROUGH_ORDERS).tolist())
-    pressed = {"control": "mean_pressure"}
-    adhesive = {"work_of_adhesion": WAVE_WORK}
-    return [
-        *cases,
-        FemCase("thin_incompressible_layer", "a layer of 0.02 periods and nu = 0.5 is stiff by its third power",
-                thin, "boundary_elements"),
-        FemCase("thin_incompressible_layer_in_complete_contact", "the same, pressed flat",
-                {"thickness": 0.02 * PERIOD, "edges": "complete", "value": 1e4, **pressed}, "complete",
-                expected="complete_contact"),
-        FemCase("rough_thin_layer", "twenty harmonics on a layer thinner than most of their wavelengths",
-                {"thickness": 0.05 * PERIOD, "poisson_ratio": 0.45, "edges": edges, "value": 4e-6, "harmonics": rough},
-                "boundary_elements"),
-        FemCase("nearly_complete_contact", "the last gap closes without adhesion",
-                {"value": westergaard_pressure(0.95), **pressed}, "wave", full={"value": westergaard_pressure(0.999)}),
-        FemCase("nearly_complete_contact_with_adhesion", "the load grows tensile without limit as the last gap closes",
-                {"value": johnson_penetration(0.9), **adhesive}, "wave", full={"value": johnson_penetration(0.99)}),
-        FemCase("tiny_load", "a contact of a thousandth of the period, and of a ten-thousandth",
-                {"value": westergaard_pressure(1e-3), **pressed}, "wave", full={"value": westergaard_pressure(1e-4)}),
-        FemCase("tension_before_pull_off", "a small adhesive contact in tension, near the fold",
-                {"value": johnson_penetration(0.1), **adhesive}, "wave"),
-        FemCase("weak_adhesion", "1e-8 J/m^2", {"value": 2e-5, "work_of_adhesion": 1e-8}, "boundary_elements"),
-        FemCase("strong_adhesion", "100 J/m^2", {"value": 2e-5, "work_of_adhesion": 100.0}, "boundary_elements"),
-        FemCase("units_times_1e6", "lengths and stresses in units a million times smaller",
-                {"youngs_modulus": MODULUS * 1e6, "thickness": 2e6 * PERIOD, "period": 1e6 * PERIOD,
-                "harmonics": ([1], [WAVE * 1e6], [0.0]), "value": 1e6 * johnson_penetration(0.5),
-                "work_of_adhesion": 1e12 * WAVE_WORK}, "wave"),
-        FemCase("uncovered_crest", "two equal crests and one patch: the other crest enters the layer",
-                {"harmonics": ([2], [WAVE], [0.0]), "value": 2e-5}, "status_only", expected="interpenetration"),
-        FemCase("beyond_pull_off", "a penetration at which no contact is left",
-                {"value": -5e-5, **adhesive}, "status_only", expected="refused: value"),
-        FemCase("apart", "nothing in contact, no adhesion", {"value": -1e-6}, "status_only", expected="refused: value"),
-        FemCase("narrower_than_the_mesh", "a patch of 1e-7 periods",
-                {"edges": [[0.0, 1e-7 * PERIOD]], "value": 1e-6}, "status_only", expected="refused: edges"),
-        FemCase("incompressible_by_displacement",
-                "complete contact of an incompressible layer knows no displacement but one",
-                {"edges": "complete", "control": "total_displacement", "value": 1e-6}, "status_only",
-                expected="refused: control"),
-    ]  # fmt: skip
-
-
-FEM_CASES: tuple[FemCase, ...] = tuple(_fem_cases())
-
-
-def run_case(case: FemCase, full: bool = False) -> TrialOutcome:
-    """Solve a hard case of the reference and judge it."""
-    arguments = case.changed(WAVE_LAYER | case.arguments, full) | ({} if full else {"resolution": COARSE})
-    refusals = (fem_reference.InvalidProblemError, fem_reference.SingularSystemError)
-    return ended(case.id, (case.expected,), lambda: fem_reference.solve(**arguments), refusals,
-                 lambda result: CHECKS[case.check](arguments, result))  # fmt: skip
-
-
-def wave(arguments: Table, result: fem_reference.Result) -> list[str]:
+def wave(found: Answered) -> Iterator[str]:
     """Mean pressure and contact fraction of one wave on a thick layer: Westergaard, Johnson."""
+    arguments, result = found.tables, found.result
     amplitude, period = arguments["harmonics"][1][0], arguments["period"]
     alpha = JOHNSON if arguments["work_of_adhesion"] else 0.0
     exact = Sinusoid(amplitude, period, arguments["youngs_modulus"], arguments["poisson_ratio"], alpha)
@@ -131,14 +60,13 @@ def wave(arguments: Table, result: fem_reference.Result) -> list[str]:
     pressure += HALF_SPACE * max(exact.full_contact_pressure, abs(near[1]))
     depths = [float(exact.penetration(at)) for at in (psi - spread, psi, min(psi + spread, np.pi / 2))]
     depth = float(result.uncertainty["penetration"]) + float(np.ptp(depths)) + HALF_SPACE * amplitude
-    return [
-        *_beyond("mean pressure", result.mean_pressure, near[1], pressure),
-        *_beyond("penetration", result.penetration, depths[1], depth),
-    ]
+    yield from _beyond("mean pressure", result.mean_pressure, near[1], pressure)
+    yield from _beyond("penetration", result.penetration, depths[1], depth)
 
 
-def complete(arguments: Table, result: fem_reference.Result) -> list[str]:
+def complete(found: Answered) -> Iterator[str]:
     """Elastic energy of complete contact: sum h_m^2 / (4 c(q_m)) times the period."""
+    arguments, result = found.tables, found.result
     period = arguments["period"]
     orders, amplitudes, _ = (np.asarray(series, dtype=float) for series in arguments["harmonics"])
     layer = (arguments[name] for name in ("thickness", "youngs_modulus", "poisson_ratio"))
@@ -146,11 +74,12 @@ def complete(arguments: Table, result: fem_reference.Result) -> list[str]:
     energy = float(np.sum(amplitudes**2 / (4 * compliance)) * period)
     # sinh y - y for a thin layer loses digits in the closed form: eps / y^3
     allowed = float(result.uncertainty["elastic_energy"]) + 1e-12 * energy
-    return _beyond("elastic energy", result.elastic_energy, energy, allowed)
+    yield from _beyond("elastic energy", result.elastic_energy, energy, allowed)
 
 
-def boundary_elements(arguments: Table, result: fem_reference.Result) -> list[str]:
+def boundary_elements(found: Answered) -> Iterator[str]:
     """Mean pressure of the boundary elements at the same edges and penetration, both as found here."""
+    arguments, result = found.tables, found.result
     orders, amplitudes, phases = (np.asarray(series) for series in arguments["harmonics"])
     profile = Profile(arguments["period"], orders, amplitudes.astype(float), phases.astype(float))
     solid = Solid(arguments["youngs_modulus"], arguments["poisson_ratio"])
@@ -166,17 +95,86 @@ def boundary_elements(arguments: Table, result: fem_reference.Result) -> list[st
     spread = 0.0 if prescribed else float(np.max(np.asarray(result.uncertainty["edges"])))
     moved = abs(at(spread) - pressure) if spread else 0.0
     allowed = float(result.uncertainty["mean_pressure"]) + moved
-    return _beyond("mean pressure", result.mean_pressure, pressure, allowed)
+    yield from _beyond("mean pressure", result.mean_pressure, pressure, allowed)
 
 
-def status_only(arguments: Table, result: fem_reference.Result) -> list[str]:
-    """The status says it all."""
-    return []
-
-
-def _beyond(name: str, found: float, expected: float, allowed: float) -> list[str]:
+def _beyond(name: str, found: float, expected: float, allowed: float) -> Iterator[str]:
     error = abs(found - expected)
-    return [] if error <= allowed else [f"{name} off by {error:.1e}, allowed {allowed:.1e}"]
+    if not error <= allowed:
+        yield f"{name} off by {error:.1e}, allowed {allowed:.1e}"
 
 
-CHECKS: dict[str, Any] = {check.__name__: check for check in (wave, complete, boundary_elements, status_only)}
+CHECKS: dict[str, Check] = {check.__name__: check for check in (wave, complete, boundary_elements)}
+
+
+class FemCase(Asked):
+    """A hard case of the reference: arguments of `fem_reference.solve`."""
+
+    refusals: ClassVar[tuple[type[Exception], ...]] = (
+        fem_reference.InvalidProblemError,
+        fem_reference.SingularSystemError,
+    )
+    known: ClassVar[Mapping[str, Check]] = CHECKS
+    forms: ClassVar[tuple[Table, Table]] = ({"resolution": COARSE}, {})
+
+    @staticmethod
+    def ask(question: Table) -> fem_reference.Result:
+        """The layer solved."""
+        return fem_reference.solve(**question)
+
+
+def _case(name: str, reason: str, changes: Table, *checks: str, **named: Any) -> FemCase:
+    return FemCase(name, reason, WAVE_LAYER | changes, checks, **named)
+
+
+# fmt: off
+def _fem_cases() -> Iterator[FemCase]:
+    edges = [[-0.05 * PERIOD, 0.08 * PERIOD]]
+    thin = {"thickness": 0.02 * PERIOD, "edges": edges, "value": 2e-7}
+    rough_orders = np.arange(1, ROUGH_ORDERS + 1)
+    heights = rough_orders**-1.2 * WAVE / np.sqrt(np.sum(rough_orders**-2.4) / 2)
+    rough = (rough_orders.tolist(), heights.tolist(), np.random.default_rng(0).uniform(-3, 3, ROUGH_ORDERS).tolist())
+    pressed = {"control": "mean_pressure"}
+    adhesive = {"work_of_adhesion": WAVE_WORK}
+    for ratio in (-0.9, 0.0, 0.499999, 0.5):
+        yield _case(f"poisson_ratio_{ratio:g}",
+                    "volumetric locking towards incompressibility; an auxetic layer at the other end",
+                    {"poisson_ratio": ratio, "thickness": 0.1 * PERIOD, "edges": edges, "value": 2e-6},
+                    "boundary_elements")
+    yield _case("thin_incompressible_layer", "a layer of 0.02 periods and nu = 0.5 is stiff by its third power",
+                thin, "boundary_elements")
+    yield _case("thin_incompressible_layer_in_complete_contact", "the same, pressed flat",
+                {"thickness": 0.02 * PERIOD, "edges": "complete", "value": 1e4, **pressed}, "complete",
+                expected=("complete_contact",))
+    yield _case("rough_thin_layer", "twenty harmonics on a layer thinner than most of their wavelengths",
+                {"thickness": 0.05 * PERIOD, "poisson_ratio": 0.45, "edges": edges, "value": 4e-6, "harmonics": rough},
+                "boundary_elements")
+    yield _case("nearly_complete_contact", "the last gap closes without adhesion",
+                {"value": westergaard_pressure(0.95), **pressed}, "wave", full={"value": westergaard_pressure(0.999)})
+    yield _case("nearly_complete_contact_with_adhesion", "the load grows tensile without limit as the last gap closes",
+                {"value": johnson_penetration(0.9), **adhesive}, "wave", full={"value": johnson_penetration(0.99)})
+    yield _case("tiny_load", "a contact of a thousandth of the period, and of a ten-thousandth",
+                {"value": westergaard_pressure(1e-3), **pressed}, "wave", full={"value": westergaard_pressure(1e-4)})
+    yield _case("tension_before_pull_off", "a small adhesive contact in tension, near the fold",
+                {"value": johnson_penetration(0.1), **adhesive}, "wave")
+    yield _case("weak_adhesion", "1e-8 J/m^2", {"value": 2e-5, "work_of_adhesion": 1e-8}, "boundary_elements")
+    yield _case("strong_adhesion", "100 J/m^2", {"value": 2e-5, "work_of_adhesion": 100.0}, "boundary_elements")
+    yield _case("units_times_1e6", "lengths and stresses in units a million times smaller",
+                {"youngs_modulus": MODULUS * 1e6, "thickness": 2e6 * PERIOD, "period": 1e6 * PERIOD,
+                "harmonics": ([1], [WAVE * 1e6], [0.0]), "value": 1e6 * johnson_penetration(0.5),
+                "work_of_adhesion": 1e12 * WAVE_WORK}, "wave")
+    yield _case("uncovered_crest", "two equal crests and one patch: the other crest enters the layer",
+                {"harmonics": ([2], [WAVE], [0.0]), "value": 2e-5}, expected=("interpenetration",))
+    yield _case("beyond_pull_off", "a penetration at which no contact is left",
+                {"value": -5e-5, **adhesive}, expected=("refused: value",))
+    yield _case("apart", "nothing in contact, no adhesion", {"value": -1e-6}, expected=("refused: value",))
+    yield _case("narrower_than_the_mesh", "a patch of 1e-7 periods",
+                {"edges": [[0.0, 1e-7 * PERIOD]], "value": 1e-6}, expected=("refused: edges",))
+    yield _case("incompressible_by_displacement",
+                "complete contact of an incompressible layer knows no displacement but one",
+                {"edges": "complete", "control": "total_displacement", "value": 1e-6},
+                expected=("refused: control",))
+# fmt: on
+
+
+FEM_CASES: tuple[FemCase, ...] = tuple(_fem_cases())

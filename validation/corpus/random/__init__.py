@@ -1,1 +1,1 @@
-"""Scenes drawn at random from the whole contract of the scene file, and what any result must obey."""
+"""Scenes drawn at random from the whole contract of the scene file, and each as a case."""

@@ -22,8 +22,9 @@ from numpy.typing import NDArray
 from bem.command_line.console import scene_text
 from bem.elastic.layer import compliance_ratio
 from bem.geometry.profile import Profile
+from validation.corpus.hard.hard_case_scenes import mean_compliance
+from validation.references.paper_problem import Table
 
-Table = dict[str, Any]
 Numbers = NDArray[np.float64]
 Expectation = Literal["an answer", "an answer or a refusal", "a refusal"]
 
@@ -33,48 +34,30 @@ STEPS = (8.0, 60.0)  # of a path, at its largest increment; more only where the 
 MOST_STEPS = 90.0
 EXTREME, MISTAKEN = 0.05, 0.04  # shares of the scenes
 
-EXTREMES: tuple[tuple[str, str, Any], ...] = (
-    ("solid", "youngs_modulus", 1e-300),
-    ("solid", "youngs_modulus", 1e300),
-    ("solid", "poisson_ratio", -0.9999999),
-    ("profile", "period", 1e-150),
-    ("profile", "period", 1e150),
-    ("profile", "hurst", 1e-12),
-    ("profile", "rms_height", 1e-200),
-    ("profile", "rms_height", 1e150),
-    ("layer", "thickness", 1e-300),
-    ("layer", "thickness", 1e300),
-    ("adhesion", "work_of_adhesion", 1e-300),
-    ("adhesion", "work_of_adhesion", 1e6),
-    ("adhesion", "work_of_adhesion", 1e300),
-    ("loading", "targets", [1e300]),
-    ("loading", "targets", [1e-300]),
-    ("loading", "targets", [0.0, 0.0, 0.0]),
-    ("loading", "flaw", 1e-300),
-    ("accuracy", "max_increment", 1e3),
-)
+Changes = dict[str, dict[str, list[Any]]]  # by table and key: values in place of what is there
 
-MISTAKES: tuple[tuple[str, str, Any], ...] = (
-    ("solid", "youngs_modulus", 0.0),
-    ("solid", "poisson_ratio", -1.0),
-    ("solid", "poisson_ratio", 0.5 + 1e-15),
-    ("profile", "period", 0.0),
-    ("profile", "hurst", 0.0),
-    ("profile", "hurst", 1.0),
-    ("profile", "harmonics", 0),
-    ("profile", "seed", -1),
-    ("profile", "orders", [0]),
-    ("profile", "file", "absent.csv"),
-    ("layer", "thickness", 0.0),
-    ("adhesion", "work_of_adhesion", 0.0),
-    ("loading", "control", "force"),
-    ("loading", "targets", []),
-    ("loading", "count", 1),
-    ("accuracy", "tolerance", 0.999e-12),
-    ("accuracy", "tolerance", 1.001e-2),
-    ("accuracy", "max_increment", 0.0),
-    ("output", "shape", [0.0]),
-)
+EXTREMES: Changes = {
+    "solid": {"youngs_modulus": [1e-300, 1e300], "poisson_ratio": [-0.9999999]},
+    "profile": {"period": [1e-150, 1e150], "hurst": [1e-12], "rms_height": [1e-200, 1e150]},
+    "layer": {"thickness": [1e-300, 1e300]},
+    "adhesion": {"work_of_adhesion": [1e-300, 1e6, 1e300]},
+    "loading": {"targets": [[1e300], [1e-300], [0.0, 0.0, 0.0]], "flaw": [1e-300]},
+    "accuracy": {"max_increment": [1e3]},
+}
+MISTAKES: Changes = {
+    "solid": {"youngs_modulus": [0.0], "poisson_ratio": [-1.0, 0.5 + 1e-15]},
+    "profile": {"period": [0.0], "hurst": [0.0, 1.0], "harmonics": [0], "seed": [-1], "orders": [[0]],
+                "file": ["absent.csv"]},
+    "layer": {"thickness": [0.0]},
+    "adhesion": {"work_of_adhesion": [0.0]},
+    "loading": {"control": ["force"], "targets": [[]], "count": [1]},
+    "accuracy": {"tolerance": [0.999e-12, 1.001e-2], "max_increment": [0.0]},
+    "output": {"shape": [[0.0]]},
+}  # fmt: skip
+OF_KIND = {"orders": "harmonics", "file": "samples"} | dict.fromkeys(
+    ("hurst", "rms_height", "seed", "harmonics"), "self_affine"
+)  # keys that only one kind of profile has
+IF_THERE = ("targets", "count", "flaw")  # keys of [loading] that are changed where they are
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,10 +83,6 @@ class Drawn:
         parts = [tables["profile"]["kind"], str(loading["control"])]
         parts += [name for name in ("layer", "adhesion") if name in tables]
         return ", ".join([*parts, *([f"special: {self.special}"] if self.special else [])])
-
-    def expectation(self, full: bool) -> tuple[str, ...]:
-        """What must come of it, as of the other cases of the study of stability; `full` makes no difference."""
-        return (self.expected,)
 
     def write(self, folder: Path) -> Path:
         """Write the scene file, and its scan beside it; the path of the scene file."""
@@ -155,14 +134,6 @@ def draw(seed: int, index: int, most_harmonics: int = 12) -> Drawn:
 def plane_strain_modulus(solid: Table) -> float:
     """E / (1 - nu^2) of [solid], Pa."""
     return float(solid["youngs_modulus"] / (1 - solid["poisson_ratio"] ** 2))
-
-
-def mean_compliance(tables: Table) -> float:
-    """c(0) = d (1 - 2 nu)(1 + nu) / (E (1 - nu)) of a layer, m/Pa; 0 of a half-space, which has none."""
-    if "layer" not in tables:
-        return 0.0
-    nu, modulus = tables["solid"]["poisson_ratio"], tables["solid"]["youngs_modulus"]
-    return float(tables["layer"]["thickness"] * (1 - 2 * nu) * (1 + nu) / (modulus * (1 - nu)))
 
 
 def complete_pressure(tables: Table, surface: Profile) -> float:
@@ -321,25 +292,19 @@ def _output(rng: np.random.Generator, loading: Table, surface: Profile) -> Table
 
 
 def _changed(
-    rng: np.random.Generator,
-    tables: Table,
-    changes: tuple[tuple[str, str, Any], ...],
-    scan: Numbers | None,
-    expected: Expectation,
+    rng: np.random.Generator, tables: Table, changes: Changes, scan: Numbers | None, expected: Expectation
 ) -> tuple[Table, Numbers | None, Expectation, str]:
-    """The scene with one value replaced, among those that its tables have; "file" and "orders" need their kind."""
-    kinds = {"hurst": "self_affine", "rms_height": "self_affine", "seed": "self_affine", "harmonics": "self_affine"}
-    kinds |= {"orders": "harmonics", "file": "samples"}
+    """The scene with one value replaced, among those that its tables have."""
     kind = tables["profile"]["kind"]
     fitting = [
         (table, key, value)
-        for table, key, value in changes
-        if (table in tables or table == "output")
-        and kinds.get(key, kind) == kind
-        and (key != "targets" or "targets" in tables["loading"])
-        and (key != "count" or "count" in tables["loading"])
-        and (key != "flaw" or "flaw" in tables["loading"])
+        for table, keys in changes.items()
+        if table in tables or table == "output"
+        for key, values in keys.items()
+        if OF_KIND.get(key, kind) == kind
+        and (key not in IF_THERE or key in tables["loading"])
         and (key != "period" or kind != "samples")
+        for value in values
     ]
     table, key, value = fitting[int(rng.integers(len(fitting)))]
     return tables | {table: tables.get(table, {}) | {key: value}}, scan, expected, f"{table}.{key} = {value}"

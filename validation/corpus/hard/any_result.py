@@ -20,21 +20,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from itertools import pairwise
-from typing import Literal
+from pathlib import Path
 
 import numpy as np
 
 from bem.geometry.scaling import Scales, Solid
 from bem.scene.result import FINAL_STATUSES, STATUSES, Event, Result, State
 from bem.scene.scene import Scene
-from validation.corpus.random.random_scenes import mean_compliance
+from validation.corpus.hard.hard_case_run import Answered, Finding
+from validation.corpus.hard.hard_case_scenes import mean_compliance
 
-Kind = Literal[
-    "vocabulary", "targets", "unreachable", "not finite", "certificate", "identity", "energy released",
-    "energy balance", "fields", "warning", "refusal", "dense route", "increment", "events at a smaller increment",
-    "scale", "shift", "mirror", "restart",
-]  # fmt: skip
 EVENT_KINDS = ("first_touch", "new_contact", "coalescence", "detachment", "pull_off", "complete_contact", "opening",
                "bifurcation")  # fmt: skip
 
@@ -46,17 +43,6 @@ RELEASED = 1e-12  # of E* a^2 / period: rounding of the energy that an event rel
 SAFETY, AT_EVENTS = 7.5, 4.0  # times the difference of two rules; measured 3.0, and 1.5 where events lie between
 RESOLVED = 0.01  # of the energies of an interval: its quadrature error, above which it is not judged
 BALANCE = 1e-6  # of the energies of an interval
-
-
-@dataclass(frozen=True)
-class Objection:
-    """Something that speaks against a result."""
-
-    kind: Kind
-    text: str
-
-    def __str__(self) -> str:
-        return f"{self.kind}: {self.text}"
 
 
 @dataclass(frozen=True)
@@ -78,7 +64,7 @@ class Units:
         highest = 0.0 if surface.is_flat else surface.max_height
         height = surface.rms_height or surface.period
         scales = Scales(surface.period, height, solid.plane_strain_modulus)
-        compliance = mean_compliance(scene.resolved()) if scene.layer is not None else 0.0
+        compliance = mean_compliance(scene.resolved())
         return cls(surface.period, height, scales.stress, scales.energy_per_area, highest, compliance)
 
     def scales(self, state: State) -> dict[str, float]:
@@ -95,11 +81,6 @@ class Units:
         """Pressure by which rounding of the height of the profile is seen through the stiffness of a state."""
         return ROUNDINGS * EPS * self.highest * abs(state.contact_stiffness or 0.0)
 
-    def controlled(self, scene: Scene, state: State) -> float:
-        """The controlled quantity of a state over its unit, that of the control."""
-        value = getattr(state, scene.loading.control)
-        return math.nan if value is None else float(value)
-
     def unit(self, scene: Scene) -> float:
         """Of the controlled quantity."""
         if scene.loading.control == "mean_pressure":
@@ -110,83 +91,113 @@ class Units:
         return height
 
 
-def findings_of(scene: Scene, result: Result) -> list[Objection]:
+@dataclass(frozen=True)
+class Solved(Answered):
+    """A scene and its result, as copies and checks take them; the folder holds its files."""
+
+    result: Result
+    scene: Scene
+    folder: Path
+
+    @cached_property
+    def units(self) -> Units:
+        """Of the scene."""
+        return Units.of(self.scene)
+
+    @property
+    def plane_strain_modulus(self) -> float:
+        """E / (1 - nu^2), of its own."""
+        return self.scene.solid.youngs_modulus / (1 - self.scene.solid.poisson_ratio**2)
+
+    @property
+    def pressure(self) -> float:
+        """h'_rms E* / 2, against which errors of hard cases are measured."""
+        return 0.5 * self.scene.surface().rms_slope * self.plane_strain_modulus
+
+    @property
+    def touching(self) -> list[State]:
+        """Target states that have patches and gaps."""
+        return [state for state in self.result.targets if state.edges]
+
+    @property
+    def closest(self) -> State:
+        """The one of largest contact."""
+        return max(self.touching, key=lambda state: state.contact_fraction)
+
+
+def findings_of(found: Solved) -> list[Finding]:
     """All that a result itself says against it."""
-    units = Units.of(scene)
-    return [
-        *vocabulary(result),
-        *targets(scene, result, units),
-        *numbers(scene, result, units),
-        *identities(result, units),
-        *released(result, units),
-        *energy_balance(scene, result, units),
-    ]
+    checks = (vocabulary, targets, numbers, identities, released, energy_balance)
+    return [finding for check in checks for finding in check(found)]
 
 
-def vocabulary(result: Result) -> Iterator[Objection]:
+def vocabulary(found: Solved) -> Iterator[Finding]:
     """Names of statuses, branches and events; and certificates, which every state kept must have."""
+    result = found.result
     names: list[tuple[str, tuple[str, ...]]] = [(result.status, STATUSES)]
     names += [(state.status, STATUSES) for state in result.states]
     names += [(state.branch, ("loading", "unloading")) for state in result.states]
     names += [(event.kind, EVENT_KINDS) for event in result.events]
     for name in dict.fromkeys(name for name, known in names if name not in known):
-        yield Objection("vocabulary", f"{name!r} is no name of the contract")
+        yield Finding("vocabulary", f"{name!r} is no name of the contract")
     for k, state in enumerate(result.states):
         if state.status in FINAL_STATUSES and not state.certificate.ok:
-            yield Objection("certificate", f"not ok in state {k}: {asdict(state.certificate)}")
+            yield Finding("certificate", f"not ok in state {k}: {asdict(state.certificate)}")
     counts = [0, *(state.events or 0 for state in result.states)]
     if np.any(np.diff(counts) < 0) or (result.status == "converged" and counts[-1] != len(result.events)):
-        yield Objection("vocabulary", f"{len(result.events)} events, counted {counts}")
+        yield Finding("vocabulary", f"{len(result.events)} events, counted {counts}")
 
 
-def targets(scene: Scene, result: Result, units: Units) -> Iterator[Objection]:
+def targets(found: Solved) -> Iterator[Finding]:
     """Every target met in order, or a path that ends by name at one that may be out of reach."""
-    goals, loading = list(scene.loading.targets), scene.loading
+    result, units, loading = found.result, found.units, found.scene.loading
+    goals = list(loading.targets)
     stop = loading.stop_at_mean_pressure
     asked = [*loading.at_mean_pressures, *(() if stop is None else (stop,))]
-    met, unit = 0, units.unit(scene)
+    met, unit = 0, units.unit(found.scene)
     for state in result.targets:
         if state.status not in FINAL_STATUSES:
             break
-        value = units.controlled(scene, state)
+        controlled = getattr(state, loading.control)
+        value = math.nan if controlled is None else float(controlled)
         digit = units.soft(state)  # in narrow gaps
         goal = goals[met] if met < len(goals) else math.nan
         if abs(value - goal) <= TARGET * unit + 8 * EPS * abs(goal):
             met += 1
             if loading.control == "separation" and goal == 0 and state.status != "complete_contact":
                 reported = f"{state.status}, contact fraction {state.contact_fraction:.9g}"
-                yield Objection("targets", f"separation 0 is complete contact, not {reported}")
+                yield Finding("targets", f"separation 0 is complete contact, not {reported}")
         elif any(abs(state.mean_pressure - p) <= TARGET * max(units.pressure, abs(p)) + digit for p in asked):
             if result.status == "converged" and state.mean_pressure == result.states[-1].mean_pressure and stop:
                 close = TARGET * max(units.pressure, stop) + digit
                 goals = goals[:met] if abs(state.mean_pressure - stop) <= close else goals
         else:
-            yield Objection("targets", f"{loading.control} {value:.17g} where {goal:.17g} is the target")
+            yield Finding("targets", f"{loading.control} {value:.17g} where {goal:.17g} is the target")
             return
     if result.status == "converged" and met < len(goals):
-        yield Objection("targets", f"converged with {met} of {len(goals)} targets met")
-    if result.status == "unreachable" and not (met < len(goals) and _may_be_unreachable(scene, units, goals[met])):
-        yield Objection("unreachable", f"target {met} of {goals} can be reached")
+        yield Finding("targets", f"converged with {met} of {len(goals)} targets met")
+    if result.status == "unreachable" and not (met < len(goals) and _may_be_unreachable(found, goals[met])):
+        yield Finding("unreachable", f"target {met} of {goals} can be reached")
     if result.status in ("separated", "complete_contact", "interrupted"):
-        yield Objection("targets", f"the path ends {result.status}")
+        yield Finding("targets", f"the path ends {result.status}")
 
 
-def _may_be_unreachable(scene: Scene, units: Units, goal: float) -> bool:
+def _may_be_unreachable(found: Solved, goal: float) -> bool:
     """Whether a target may lie beyond every equilibrium: tension, and penetration beyond complete contact."""
-    control = scene.loading.control
+    control, units = found.scene.loading.control, found.units
     if control == "mean_pressure":
         return goal < 0
     limited = control == "penetration" or (control == "total_displacement" and units.compliance == 0)
     return limited and goal > units.highest
 
 
-def numbers(scene: Scene, result: Result, units: Units) -> Iterator[Objection]:
+def numbers(found: Solved) -> Iterator[Finding]:
     """No NaN and no infinity, but for the load of complete contact where the control leaves it open.
 
     That includes the events at its ends: with adhesion the last gap closes, and opens, under a tension without bound.
     """
-    control = scene.loading.control
-    free = control in ("separation", "penetration") or (control == "total_displacement" and units.compliance == 0)
+    scene, result, control = found.scene, found.result, found.scene.loading.control
+    free = control in ("separation", "penetration") or (control == "total_displacement" and found.units.compliance == 0)
     for k, state in enumerate(result.states):
         if state.status not in FINAL_STATUSES:
             continue
@@ -195,7 +206,7 @@ def numbers(scene: Scene, result: Result, units: Units) -> Iterator[Objection]:
             values["mean_pressure"] = state.mean_pressure
         wrong = [name for name, value in values.items() if value is not None and not math.isfinite(value)]
         if wrong:
-            yield Objection("not finite", f"{', '.join(wrong)} of state {k} ({state.status})")
+            yield Finding("not finite", f"{', '.join(wrong)} of state {k} ({state.status})")
     for k, event in enumerate(result.events):
         unbounded = (
             free and scene.adhesion is not None and event.kind in ("complete_contact", "opening")
@@ -205,17 +216,18 @@ def numbers(scene: Scene, result: Result, units: Units) -> Iterator[Objection]:
         known = vars(event.error_estimate)
         values |= {f"error_estimate.{name}": known[name] for name in names if name in known}
         if any(value is not None and not math.isfinite(value) for value in values.values()):
-            yield Objection("not finite", f"event {k} ({event.kind}): {values}")
+            yield Finding("not finite", f"event {k} ({event.kind}): {values}")
     for name, array in result.fields.items():
         outside = name.startswith("pressure_")
         if np.any(np.isinf(array)) or (not outside and np.any(np.isnan(array))):
-            yield Objection("fields", f"{name} holds values that are not numbers")
+            yield Finding("fields", f"{name} holds values that are not numbers")
 
 
-def identities(result: Result, units: Units) -> Iterator[Objection]:
+def identities(found: Solved) -> Iterator[Finding]:
     """What the numbers of one state have to do with one another."""
+    units = found.units
     height = max(units.height, units.highest)
-    for k, state in enumerate(result.states):
+    for k, state in enumerate(found.result.states):
         if state.status not in FINAL_STATUSES:
             continue
         edges = np.array(state.edges).reshape(-1, 2)
@@ -236,15 +248,15 @@ def identities(result: Result, units: Units) -> Iterator[Objection]:
         }
         reported = [f"{name} ({value:.1e})" for name, value in wrong.items() if value > IDENTITY]
         if reported:
-            yield Objection("identity", f"{', '.join(reported)} of state {k} ({state.status})")
+            yield Finding("identity", f"{', '.join(reported)} of state {k} ({state.status})")
 
 
-def released(result: Result, units: Units) -> Iterator[Objection]:
+def released(found: Solved) -> Iterator[Finding]:
     """No event takes energy up, beyond its own error: one that opens or closes continuously releases none."""
-    for k, event in enumerate(result.events):
-        error = RELEASED * units.energy + (event.error_estimate.energy_released or 0.0)
+    for k, event in enumerate(found.result.events):
+        error = RELEASED * found.units.energy + (event.error_estimate.energy_released or 0.0)
         if event.energy_released is not None and event.energy_released < -error:
-            yield Objection("energy released", f"event {k} ({event.kind}) releases {event.energy_released:.2e} J/m^2")
+            yield Finding("energy released", f"event {k} ({event.kind}) releases {event.energy_released:.2e} J/m^2")
 
 
 @dataclass(frozen=True)
@@ -268,25 +280,26 @@ class Balance:
     events: int
 
 
-def energy_balance(scene: Scene, result: Result, units: Units) -> Iterator[Objection]:
+def energy_balance(found: Solved) -> Iterator[Finding]:
     """Work of the load = change of energy + released, between the stored states that resolve it.
 
     Flat profiles have exact answers and no events.
     """
-    if scene.surface().is_flat:
+    if found.scene.surface().is_flat:
         return
-    for part in balances(scene, result, units):
+    for part in balances(found):
         if part.quadrature > RESOLVED * part.energies:
             continue
         safety = AT_EVENTS if part.events else SAFETY
-        if not abs(part.missing) <= safety * part.quadrature + BALANCE * part.energies + EPS * units.energy:
+        if not abs(part.missing) <= safety * part.quadrature + BALANCE * part.energies + EPS * found.units.energy:
             share, bar = part.missing / part.energies, part.quadrature / part.energies
             reported = f"{share:.1e} of the energies missing before state {part.state}, quadrature {bar:.1e}"
-            yield Objection("energy balance", f"{reported}, {part.events} events")
+            yield Finding("energy balance", f"{reported}, {part.events} events")
 
 
-def balances(scene: Scene, result: Result, units: Units) -> Iterator[Balance]:
+def balances(found: Solved) -> Iterator[Balance]:
     """The balance of every interval with finite numbers, from first touch on."""
+    scene, result, units = found.scene, found.result, found.units
     apart = None  # without adhesion the compliance at first touch has no bound, and no rule for the integral holds
     if scene.loading.initial == "separated" and scene.adhesion is not None:
         apart = Mark(0.0, 0.0, 0.0, 0.0)
