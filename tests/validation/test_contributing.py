@@ -49,7 +49,7 @@ def route():
 def test_a_route_takes_40_lines_and_is_right(route):
     assert lines_of(ROUTE) <= 40
     one = problem("westergaard")
-    found = judged(one.key, Answer(**called(route["on_4096"], one.data)), 3.0)
+    found = judged(one, Answer(**called(route["on_4096"], one.data)), 3.0)
     digits = {row.quantity: row.digits for row in found.rows if row.status == "right"}
     assert digits.keys() == {"contact_fraction", "separation"}
     assert min(digits.values()) > 3.0  # 3.5 of the fraction: whole points

@@ -8,7 +8,7 @@ import bem
 from bem.scene.result import Event, Result, State
 from bem.scene.scene import parse_scene
 from validation.harness.arrays import FloatArray
-from validation.harness.route import Answer, Laps, Place, Problem, behind_the_door
+from validation.harness.route import Answer, Laps, Place, Problem
 from validation.references.posed_contacts import scene_tables
 
 PATH_DOUBT = "what another branch may make"  # of an answer: that it is small in one problem says nothing of the next
@@ -110,6 +110,3 @@ def _of_events(problem: Problem, name: str, events: tuple[Event, ...]) -> Any:
         return [event.mean_pressure for event in events[first:] if (event.energy_released or 0.0) > least]
     (last,) = (event for event in events if event.kind == "pull_off")
     return last.penetration if name == "pull_off_penetration" else last.mean_pressure
-
-
-tol_1e_3, tol_1e_6, tol_1e_9, tol_1e_12 = (behind_the_door(solve, value) for value in (1e-3, 1e-6, 1e-9, 1e-12))

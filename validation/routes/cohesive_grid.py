@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 
 from validation.harness import route
 from validation.harness.arrays import FloatArray
-from validation.harness.route import Answer, Laps, Problem, behind_the_door
+from validation.harness.route import Answer, Laps, Problem
 from validation.references.fft_solver import pressed
 from validation.references.posed_contacts import surface_of
 from validation.routes.uniform_grid import Grid, OnGrid, affordable, answers
@@ -125,6 +125,3 @@ def solve(problem: Problem, points: int, spacings: int = SPACINGS, steps: int | 
     laps.end("post")
     counts, details = {"iterations": iterations}, {"cohesive range / m": rho}
     return Answer(values=values, unknowns=grid.points, counts=counts, parts=laps.parts, details=details)
-
-
-on_256, on_512, on_1024, on_2048 = (behind_the_door(solve, n) for n in (256, 512, 1024, 2048))

@@ -15,7 +15,7 @@ from fem_reference.mesh import Resolution
 from fem_reference.result import quantities
 from fem_reference.solve import closed, control_of, problem_of
 from validation.harness.arrays import FloatArray
-from validation.harness.route import Answer, Laps, Problem, behind_the_door
+from validation.harness.route import Answer, Laps, Problem
 
 DEPTH = 3.0  # periods: a layer so thick is the half-space within 1e-12
 POINTS = 4096
@@ -120,6 +120,3 @@ def _gap(evaluation: Evaluation, place: FloatArray) -> FloatArray:
     face = interpolate(local, nodes.x, field[states.spaces.sizes[0] + nodes.index], nodes.order)
     plate = float(states.displacement_of_plate[0] + evaluation.load * states.displacement_of_plate[1])
     return np.asarray((face - (posed.height(place) - posed.highest + plate)) * posed.unit_height)
-
-
-p2_6, p2_12, p4_6 = (behind_the_door(solve, (p, n, 14)) for p, n in ((2, 6), (2, 12), (4, 6)))

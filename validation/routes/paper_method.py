@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from validation.harness.route import Answer, Laps, Problem, behind_the_door
+from validation.harness.route import Answer, Laps, Problem
 from validation.references.paper_method import follow
 from validation.references.paper_method import solve as solve_state
 from validation.references.posed_contacts import overlap, surface_of
@@ -62,6 +62,3 @@ def solve(problem: Problem, cells: int, steps: int = STEPS, residual: float = RE
     }
     laps.end("post")
     return Answer(values=problem.answered(values), unknowns=last.unknowns, counts=counts, parts=laps.parts)
-
-
-cells_4, cells_8, cells_16 = (behind_the_door(solve, n) for n in (4, 8, 16))

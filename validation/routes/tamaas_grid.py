@@ -13,7 +13,7 @@ import numpy as np
 import tamaas
 
 from validation.harness.arrays import FloatArray
-from validation.harness.route import Answer, Problem, behind_the_door
+from validation.harness.route import Answer, Problem
 from validation.routes.uniform_grid import Grid, OnGrid, affordable, answers
 
 SPACINGS = 8
@@ -73,6 +73,3 @@ def _state(solver: Any, model: Any, height: FloatArray, target: float, tolerance
     gap -= gap.min()
     contact = pressure > 0 if tolerance == BARE else gap <= TOUCHING
     return OnGrid(gap, contact, float(pressure.mean()))
-
-
-on_512, on_1024, on_2048, on_4096 = (behind_the_door(solve, n) for n in (512, 1024, 2048, 4096))
