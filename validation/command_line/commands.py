@@ -35,9 +35,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
     example = commands.add_parser("example", help="list examples, or write one into the current folder")
-    example.add_argument(
-        "name", nargs="?", choices=examples.EXAMPLES, metavar="NAME", help=", ".join(examples.EXAMPLES)
-    )
+    example.add_argument("name", nargs="?", choices=examples.NAMES, metavar="NAME", help=", ".join(examples.NAMES))
     example.set_defaults(command=_example, perform=harness.perform)
 
     scenes.add_commands(commands)

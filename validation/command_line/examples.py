@@ -29,6 +29,7 @@ EXAMPLES = {  # in the order in which they are listed: a scene, a script or own 
         for file in ("own_cases.py", "own_solver.py", "pyproject.toml", "baselines/own-one-wave.json")
     ),
 }
+NAMES = tuple(EXAMPLES)
 OWN_TITLE = "A folder with a solver, a case, its baseline and the entry points of your own"
 FOLDER = resources.files("validation.command_line").joinpath("examples")
 
