@@ -337,7 +337,12 @@ def test_half_a_digit_is_not_lost():
 
 @pytest.mark.parametrize(
     ("spec", "said"),
-    [("mine", "package.module:function is needed"), ("mine:none", "no function 'none'"), ("nowhere:f", "nowhere")],
+    [
+        ("mine", "package.module:function is needed"),
+        ("mine:none", "no function 'none'"),
+        ("nowhere:f", "nowhere"),
+        ("validation.routes.paper_method:solve@four", "malformed node"),
+    ],
 )
 def test_a_solver_that_cannot_be_found_is_bad_input(solvers, capsys, spec, said):
     assert run("--solver", spec) == 2

@@ -50,22 +50,21 @@ def certified(name: str, second: bool = True) -> Shipped:
     data = with_arrays(one.data)
     problem = Problem.of(data)
     result = solve_scene(boundary_elements.tables(problem, 1e-12))
-    values: dict[str, Any] = boundary_elements.answers(problem, result)
-    made = SOLVER
-    estimates = {quantity: _estimates(result, quantity) for quantity in values}
-    routes = ("finite elements", "dense algebra") if name in FEW_CONTACTS else AS_FINE
-    beside = {}
+    ours = boundary_elements.answers(problem, result)
+    values: Mapping[str, Any]
     if name in CLOSED:
-        beside = {SOLVER: Answer(values=values)}
-        values, made, estimates = CLOSED[name](data), "closed form", dict.fromkeys(values, ())
-    elif second:
-        beside = {route: ROUTES[route](problem, result) for route in routes}
+        values, made, estimates, beside = CLOSED[name](data), "closed form", {}, {SOLVER: Answer(values=ours)}
+    else:
+        values, made = ours, SOLVER
+        estimates = {quantity: _estimates(result, quantity) for quantity in ours}
+        routes = ("finite elements", "dense algebra") if name in FEW_CONTACTS else AS_FINE
+        beside = {route: ROUTES[route](problem, result) for route in routes if second}
     answers = {}
     for quantity, asked in data["asked"].items():
         value = np.array(values[quantity], dtype=np.float64)
         scale, checks = scale_of(quantity, value.tolist()), _checks(quantity, value, beside)
         spread = np.full(value.size, 0.0 if quantity in COUNTS else FLOOR * scale)
-        for known in (estimates[quantity], *(check.difference for check in checks if check.route in AS_FINE)):
+        for known in (estimates.get(quantity), *(check.difference for check in checks if check.route in AS_FINE)):
             if known:
                 spread = np.maximum(spread, np.abs(known))
         answers[quantity] = Certified(asked["unit"], tuple(value.tolist()), tuple(spread.tolist()), scale, made, checks)

@@ -110,11 +110,11 @@ def on_grid(
 ) -> tuple[FloatArray, FloatArray]:
     """Heights and slopes at x = k period / points, (points,) each, from orders, amplitudes in m and phases.
 
-    ValueError where the points do not resolve them.
+    NotImplementedError where the points do not resolve them.
     """
     orders, amplitudes, phases = map(np.asarray, harmonics)
     if points <= 2 * int(orders.max()):
-        raise ValueError(f"{points} points do not resolve {int(orders.max())} harmonics")
+        raise NotImplementedError(f"{points} points do not resolve {int(orders.max())} harmonics")
     modes = np.zeros(points // 2 + 1, dtype=np.complex128)
     modes[orders] = amplitudes * np.exp(1j * phases) * points / 2
     slopes = 1j * 2 * np.pi / period * np.arange(modes.size) * modes

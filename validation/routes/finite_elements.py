@@ -4,6 +4,7 @@
 `finest` takes three meshes, and with them the uncertainty that the reference states of itself.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -43,17 +44,15 @@ def solve(problem: Problem, setting: tuple[int, int, int], start: FloatArray | N
             raise ArithmeticError(f"{last.outcome}: {last.message}")
         found.append(last.evaluation)
     laps.end("solve")
-    states = [quantities(evaluation) for evaluation in found]
+    every = [quantities(evaluation) for evaluation in found]
+    states = [_scalars(problem, state) for state in every]
     highest = problem.height(np.linspace(0, problem.period, POINTS)).max()
-    values: dict[str, Any] = {
-        "contact_fraction": [state["contact_fraction"] for state in states],
-        "gap_fraction": [1 - state["contact_fraction"] for state in states],
-        "mean_pressure": [state["mean_pressure"] for state in states],
-        "separation": [highest - state["penetration"] for state in states],
-        "elastic_energy": [state["elastic_energy"] / problem.period for state in states],
-        "patches": [len(np.atleast_1d(state["edges"])) for state in states],
-        "edges": np.ravel(states[-1]["edges"]),
-        "stress_intensity_max": [np.max(state["stress_intensity"]) for state in states],
+    values: dict[str, Any] = {name: [state[name] for state in states] for name in states[0]}
+    values |= {
+        "gap_fraction": [1 - state["contact_fraction"] for state in every],
+        "separation": [highest - state["penetration"] for state in every],
+        "patches": [len(np.atleast_1d(state["edges"])) for state in every],
+        "edges": np.ravel(every[-1]["edges"]),
     }
     if gap := problem.asked.get("gap_at"):
         values["gap_at"] = _gap(found[int(gap["target"]) - 1], np.asarray(gap["points"]) / problem.period)
@@ -74,21 +73,21 @@ def finest(problem: Problem, resolution: Resolution, patches: int) -> Answer:
     if found.status != "converged":
         raise ArithmeticError(f"{problem.id}: finite elements: {found.status}: {found.message}")
     spread = found.uncertainty
-    known: dict[str, tuple[Any, Any]] = {
-        "contact_fraction": (found.contact_fraction, spread["contact_fraction"]),
-        "mean_pressure": (found.mean_pressure, spread["mean_pressure"]),
-        "elastic_energy": (
-            found.elastic_energy / problem.period,
-            np.asarray(spread["elastic_energy"]) / problem.period,
-        ),
-        "edges": (np.ravel(found.edges), np.ravel(spread["edges"])),
-        "stress_intensity_max": (np.max(found.stress_intensity), np.max(spread["stress_intensity"])),
-        "patches": (len(found.edges), 0.0),
-    }
+    values = _scalars(problem, vars(found)) | {"edges": np.ravel(found.edges), "patches": len(found.edges)}
+    uncertainty = _scalars(problem, spread) | {"edges": np.ravel(spread["edges"]), "patches": 0.0}
     if gap := problem.asked.get("gap_at"):
-        known["gap_at"] = found.gap(np.asarray(gap["points"])), np.max(spread["gap"])
-    values, uncertainty = ({name: pair[i] for name, pair in known.items()} for i in (0, 1))
+        values["gap_at"], uncertainty["gap_at"] = found.gap(np.asarray(gap["points"])), np.max(spread["gap"])
     return Answer(values=problem.answered(values), uncertainty=problem.answered(uncertainty))
+
+
+def _scalars(problem: Problem, state: Mapping[str, Any]) -> dict[str, Any]:
+    """Of the quantities of a state, or their uncertainties, those that are numbers, energy per area."""
+    return {
+        "contact_fraction": state["contact_fraction"],
+        "mean_pressure": state["mean_pressure"],
+        "elastic_energy": np.asarray(state["elastic_energy"]) / problem.period,
+        "stress_intensity_max": np.max(state["stress_intensity"]),
+    }
 
 
 def crests(problem: Problem) -> int:

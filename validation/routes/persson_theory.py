@@ -16,7 +16,7 @@ from persson import solve as solve_plain
 from persson.adhesive import Route
 from persson.corrected import solve as solve_corrected
 from validation.harness.route import Answer, Laps, Problem
-from validation.references.posed_contacts import surface_of
+from validation.references.posed_contacts import highest
 
 LEAST_LINES = 20
 LOWEST, HIGHEST = 1e-4, 2.0  # of E* times the rms slope: where loads are looked for
@@ -80,7 +80,6 @@ def by_route(name: Route, problem: Problem, resolution: float) -> Answer:
 def by_separation(problem: Problem, resolution: float) -> Answer:
     """The published theory at separations, or penetrations."""
     if problem.control == "penetration":
-        surface = surface_of(problem)
-        highest = surface.highest * surface.unit_height
-        problem = replace(problem, control="separation", targets=tuple(highest - depth for depth in problem.targets))
+        top = highest(problem)
+        problem = replace(problem, control="separation", targets=tuple(top - depth for depth in problem.targets))
     return solve_by(problem, partial(solve_plain, route="volterra", resolution=resolution))

@@ -14,9 +14,9 @@ import tamaas
 
 from validation.harness.arrays import FloatArray
 from validation.harness.route import Answer, Problem
+from validation.routes.cohesive_grid import cohesive_range
 from validation.routes.uniform_grid import Grid, OnGrid, affordable, answers
 
-SPACINGS = 8
 STEPS = 20  # of the path between targets; the first is solved at once
 BARE, ADHESIVE = 1e-12, 1e-9  # tolerances of the solver
 ITERATIONS = 30_000
@@ -50,8 +50,7 @@ def solve(problem: Problem, points: int) -> Answer:
     )
     solver.max_iter = ITERATIONS
     cohesion = tamaas.ExponentialAdhesionFunctional(height)
-    rho = np.sqrt(SPACINGS * grid.period / points * work / grid.modulus)
-    cohesion.parameters = {"rho": float(rho), "surface_energy": float(work)}
+    cohesion.parameters = {"rho": cohesive_range(problem, points), "surface_energy": float(work)}
     solver.addFunctionalTerm(cohesion)
     states = [_state(solver, model, height, float(targets[0]), ADHESIVE)]
     for before, target in pairwise(targets):
