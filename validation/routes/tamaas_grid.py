@@ -14,6 +14,7 @@ import tamaas
 
 from validation.harness.arrays import FloatArray
 from validation.harness.route import Answer, Problem
+from validation.references.posed_contacts import highest
 from validation.routes.cohesive_grid import cohesive_range
 from validation.routes.uniform_grid import Grid, OnGrid, affordable, answers
 
@@ -38,7 +39,7 @@ def solve(problem: Problem, points: int) -> Answer:
     kinds = tamaas.PolonskyKeerRey
     targets = np.array(problem.targets)
     if problem.control == "penetration":
-        targets = float(np.sum(np.abs(problem.amplitudes))) - targets  # separations; crests in phase
+        targets = highest(problem) - targets  # separations
     if problem.work_of_adhesion is None:
         solver = kinds(model, height, BARE)
         solver.max_iter = ITERATIONS
