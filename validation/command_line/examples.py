@@ -6,9 +6,10 @@ What a scene is about stands in its title, of a script in its first line.
 import ast
 import tomllib
 from importlib import resources
+from importlib.resources.abc import Traversable
 from pathlib import Path
 
-GUIDE = "guide/"  # where scripts lie, a guide in code; they are written without it
+GUIDE, OWN = "guide", "own-cases"  # folders: of scripts, a guide in code, and of own cases
 EXAMPLES = {  # in the order in which they are listed: a scene, a script or own cases, then the files that go with it
     "one-wave": ("one-wave.toml",),
     "paper-profile": ("paper-profile.toml",),
@@ -19,14 +20,13 @@ EXAMPLES = {  # in the order in which they are listed: a scene, a script or own 
     "complete-contact": ("complete-contact.toml",),
     "no-adhesion": ("no-adhesion.toml",),
     "steep-profile": ("steep-profile.toml",),
-    "guide-seal": ("guide/seal.py",),
-    "guide-pull-off": ("guide/pull_off.py",),
-    "guide-ensemble": ("guide/ensemble.py",),
-    "guide-own-scan": ("guide/own_scan.py", "own-scan.csv"),
-    "guide-fem": ("guide/boundary_and_finite_elements.py",),
-    "own-cases": tuple(
-        f"own-cases/{file}"
-        for file in ("own_cases.py", "own_solver.py", "pyproject.toml", "baselines/own-one-wave.json")
+    "guide-seal": ("seal.py",),
+    "guide-pull-off": ("pull_off.py",),
+    "guide-ensemble": ("ensemble.py",),
+    "guide-own-scan": ("own_scan.py", "own-scan.csv"),
+    "guide-fem": ("boundary_and_finite_elements.py",),
+    OWN: tuple(
+        f"{OWN}/{file}" for file in ("own_cases.py", "own_solver.py", "pyproject.toml", "baselines/own-one-wave.json")
     ),
 }
 NAMES = tuple(EXAMPLES)
@@ -41,12 +41,16 @@ def listed() -> list[str]:
 
 
 def _title(file: str) -> str:
-    text = FOLDER.joinpath(file).read_text("utf-8")
+    text = _source(file).read_text("utf-8")
     if file.endswith(".toml"):
         return str(tomllib.loads(text)["title"])
-    if file.startswith(GUIDE):
-        return f"Python: {(ast.get_docstring(ast.parse(text)) or '').splitlines()[0]}"
-    return OWN_TITLE
+    return OWN_TITLE if file.startswith(OWN) else f"Python: {str(ast.get_docstring(ast.parse(text))).splitlines()[0]}"
+
+
+def _source(file: str) -> Traversable:
+    """Where a file to be written is; scripts stand in a folder of their own."""
+    is_script = file.endswith(".py") and not file.startswith(OWN)
+    return (FOLDER.joinpath(GUIDE) if is_script else FOLDER).joinpath(file)
 
 
 def write_example(name: str, folder: Path) -> list[Path]:
@@ -54,7 +58,7 @@ def write_example(name: str, folder: Path) -> list[Path]:
 
     FileExistsError where one of the files is there already; then nothing is written.
     """
-    files = {folder / file.removeprefix(GUIDE): FOLDER.joinpath(file).read_bytes() for file in EXAMPLES[name]}
+    files = {folder / file: _source(file).read_bytes() for file in EXAMPLES[name]}
     for path in files:
         if path.exists():
             raise FileExistsError(17, "is there already, nothing is written", str(path))
