@@ -30,6 +30,7 @@ from validation.challenge.problem import problem as shipped
 from validation.challenge.worker import with_arrays
 from validation.harness.arrays import FloatArray
 from validation.harness.route import Answer, Problem
+from validation.references.adapters import contact_of
 from validation.references.dense_equilibrium import reference
 from validation.routes import boundary_elements
 from validation.routes.finite_elements import finest
@@ -125,7 +126,7 @@ def _amplitudes(problem: Problem, result: Result) -> FloatArray:
     """(1/period) int pressure exp(-i q x) dx over the contacts, times twice the compliance 2 / (E* q)."""
     asked = problem.asked["displacement_amplitudes"]
     state = result.targets[int(asked["target"]) - 1]
-    contact = boundary_elements.contact_of(problem, state.edges, state.penetration)
+    contact = contact_of(problem, state.edges, state.penetration)
     angle = np.pi * (np.arange(NODES) + 0.5) / NODES
     edges = np.array(state.edges)
     middle, half = edges.mean(axis=1)[:, None], np.diff(edges, axis=1) / 2

@@ -9,6 +9,7 @@ from bem.scene.result import Event, Result, State
 from bem.scene.scene import parse_scene
 from validation.harness.arrays import FloatArray
 from validation.harness.route import Answer, Laps, Place, Problem
+from validation.references.adapters import contact_of
 from validation.references.posed_contacts import scene_tables
 
 PATH_DOUBT = "what another branch may make"  # of an answer: that it is small in one problem says nothing of the next
@@ -58,15 +59,6 @@ def answers(problem: Problem, result: Result) -> dict[str, list[Any]]:
         else:
             found[name] = _of_events(problem, name, result.events)
     return problem.answered(found)
-
-
-def contact_of(problem: Problem, edges: Any, penetration: float) -> bem.ContactState:
-    """The elastic state at edges and penetration."""
-    profile = bem.Profile.from_harmonics(problem.period, *problem.harmonics)
-    layer = None if problem.thickness is None else bem.Layer(problem.thickness)
-    return bem.ContactState(
-        profile, bem.Solid(problem.youngs_modulus, problem.poisson_ratio), edges, penetration, layer
-    )
 
 
 def _at_target(problem: Problem, name: str, asked: Place, state: State) -> Any:

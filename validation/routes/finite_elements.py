@@ -17,8 +17,8 @@ from fem_reference.result import quantities
 from fem_reference.solve import closed, control_of, problem_of
 from validation.harness.arrays import FloatArray
 from validation.harness.route import Answer, Laps, Problem
+from validation.references.fem_adapter import raw
 
-DEPTH = 3.0  # periods: a layer so thick is the half-space within 1e-12
 POINTS = 4096
 MOST_HARMONICS = 4
 
@@ -33,7 +33,7 @@ def solve(problem: Problem, setting: tuple[int, int, int], start: FloatArray | N
     if problem.work_of_adhesion is not None and len(problem.targets) > 1:
         raise NotImplementedError("paths of loading and unloading")
     laps = Laps()
-    posed = problem_of(**_raw(problem))
+    posed = problem_of(**raw(problem))
     patches = crests(problem) if problem.control == "penetration" else 1
     laps.end("setup")
     found: list[Evaluation] = []
@@ -64,7 +64,7 @@ def solve(problem: Problem, setting: tuple[int, int, int], start: FloatArray | N
 def finest(problem: Problem, resolution: Resolution, patches: int) -> Answer:
     """The last target as a state of so many contacts, on three meshes; ArithmeticError where there is none."""
     found = fem_reference.solve(
-        **_raw(problem),
+        **raw(problem),
         control=problem.control,  # type: ignore[arg-type]
         value=problem.targets[-1],
         patches=patches,
@@ -95,19 +95,6 @@ def crests(problem: Problem) -> int:
     height = problem.height(np.arange(POINTS) * (problem.period / POINTS))
     inside = height > height.max() - problem.targets[-1]
     return int(np.sum(inside & ~np.roll(inside, 1)))
-
-
-def _raw(problem: Problem) -> dict[str, Any]:
-    """What both codes of finite elements are told of solid, profile and adhesion."""
-    return {
-        "youngs_modulus": problem.youngs_modulus,
-        "poisson_ratio": problem.poisson_ratio,
-        "thickness": DEPTH * problem.period if problem.thickness is None else problem.thickness,
-        "period": problem.period,
-        "harmonics": problem.harmonics,
-        "work_of_adhesion": problem.work_of_adhesion or 0.0,
-        "slope_term": problem.slope_term,
-    }
 
 
 def _gap(evaluation: Evaluation, place: FloatArray) -> FloatArray:

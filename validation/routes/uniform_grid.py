@@ -54,7 +54,7 @@ class Grid:
 
     def profile(self) -> tuple[FloatArray, FloatArray]:
         """Heights and slopes at the points; NotImplementedError where these do not resolve the profile."""
-        return on_grid(self.period, self.problem.harmonics, self.points)
+        return on_grid(self.problem, self.points)
 
 
 def answers(grid: Grid, states: list[OnGrid]) -> dict[str, list[Any]]:
