@@ -1,9 +1,9 @@
 """A solver or a submission judged on problems: challenge.json and challenge.html, and what a baseline says of them.
 
 What a solver returned is kept in DIR/answers, so that an interrupted judgement continues; the key of an answer holds
-the problem, the file of the solver's module, the sources of this project, and versions.  Another module that the solver
-imports is not seen: judge a changed one in a new folder.  What crashed or took too long or too much memory is tried
-again.
+the problem, the file of the solver's module, the sources of the solvers of this project, and versions.  Another module
+that the solver imports is not seen: judge a changed one in a new folder.  What crashed or took too long or too much
+memory is tried again.
 """
 
 import hashlib
@@ -25,13 +25,14 @@ from validation.challenge.problem import NAMES, ChallengeError, Shipped, problem
 from validation.challenge.solver_process import look_up, returned
 from validation.harness.execution import Listener, Note
 from validation.harness.executors import Opener, local_processes
-from validation.harness.provenance import provenance
+from validation.harness.provenance import provenance, versions
 from validation.harness.route import Answer
-from validation.harness.store import plain, store_in, write_json
+from validation.harness.store import FOLDER, Store, plain, write_json
 from validation.report.challenge_page import render_challenge
 
 SCHEMA = "linecontact-challenge/1"
 JSON_FILE, PAGE = "challenge.json", "challenge.html"
+SOLVERS = ("bem", "fem_reference", "persson", "validation/references", "validation/routes")
 
 
 def chosen(only: str | None) -> tuple[Shipped, ...]:
@@ -62,7 +63,7 @@ def solved(
     many at a time, and where. ChallengeError where the solver cannot be imported.
     """
     look_up(spec)
-    store, source = store_in(folder, report), _digest(spec)
+    store, source = Store(folder / FOLDER, _key(), report), _digest(spec)
     names_of = {one.text: one.name for one in problems}
 
     def task_of(text: str) -> tuple[str, ...]:
@@ -115,6 +116,16 @@ def write(judgement: Judgement, problems: Sequence[Shipped], folder: Path) -> No
     content = plain({"schema": SCHEMA, **facts, "problems": rows, "provenance": provenance()})
     write_json(folder / JSON_FILE, content)
     write_atomically(folder / PAGE, render_challenge(content, standings.recorded()))
+
+
+def _key() -> str:
+    """SHA-256 of versions and of the sources of the solvers of this project, not of what their record changes."""
+    root, digest = Path(__file__).parents[2], hashlib.sha256(json.dumps(versions(), sort_keys=True).encode())
+    for folder in SOLVERS:
+        for path in sorted((root / folder).rglob("*")):
+            if path.suffix in (".py", ".c", ".h"):
+                digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
 
 
 def _digest(spec: str) -> str:
