@@ -13,9 +13,10 @@ import pytest
 
 from bem.scene.atomic_file import write_atomically
 from validation.__main__ import main
-from validation.challenge.judging import judged, lost
+from validation.challenge.judging import Judgement, judged, lost
 from validation.challenge.problem import FOLDER, NAMES, Certified, Shipped, problem
 from validation.challenge.record_standings import estimated, extrapolated
+from validation.challenge.run_judge import write
 from validation.challenge.solver_process import returned
 from validation.challenge.worker import LONGEST, plain
 from validation.harness.route import Answer
@@ -266,6 +267,13 @@ def test_a_judgement_is_written_and_kept(solvers, capsys):
     page = (solvers / "out" / "challenge.html").read_text()
     assert "5 of 5 answers right" in page and 'role="img"' in page and 'src="' not in page
     assert "5 of 5 answers right" in capsys.readouterr().out
+
+
+def test_a_route_is_named_on_the_page_with_its_setting(tmp_path):
+    one = problem("westergaard")
+    found = judged(one, Answer(values={name: list(key.value) for name, key in one.answers.items()}), 3.0)
+    write(Judgement("routes.grid:solve@0.5", 3.0, (found,)), (one,), tmp_path)
+    assert ". grid:solve@0.5: error" in (tmp_path / "challenge.html").read_text()
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
