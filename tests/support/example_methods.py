@@ -25,7 +25,7 @@ def never(posed, setting):
 
 
 def truth(posed):
-    return Yardstick("truth", "manufactured", "made so", TRUE, dict.fromkeys(TRUE, 1e-9))
+    return Yardstick("manufactured", "made so", TRUE, dict.fromkeys(TRUE, 1e-9))
 
 
 def lost(posed):

@@ -1,5 +1,6 @@
 """Codes that take a scene refuse what they do not know of it, whatever its name."""
 
+import numpy as np
 import pytest
 from made_up_table import COATING, allow_coatings
 
@@ -33,7 +34,14 @@ def test_a_layer_is_no_half_space():
         adapters.persson_spectrum(adapters.scene(LAYER))
 
 
-def test_known_tables_are_handed_over_in_order():
-    scene = adapters.scene("sinusoid", {"adhesion": None})
-    solid, profile, layer, adhesion = adapters.taken(scene, "this code", "solid", "profile", "layer", "adhesion")
-    assert (solid, profile, layer, adhesion) == (scene.solid, scene.profile, None, None)
+def test_a_problem_holds_the_raw_numbers_of_its_scene():
+    scene = adapters.scene(LAYER)
+    problem = adapters.problem_of(scene, "this code", "layer", "adhesion")
+    assert (problem.youngs_modulus, problem.poisson_ratio) == (scene.solid.youngs_modulus, scene.solid.poisson_ratio)
+    assert (problem.thickness, problem.slope_term) == (scene.layer.thickness, scene.adhesion.slope_term)
+    assert problem.work_of_adhesion == scene.adhesion.work_of_adhesion
+    surface = scene.surface()
+    for found, given in zip(problem.harmonics, (surface.orders, surface.amplitudes, surface.phases), strict=True):
+        np.testing.assert_array_equal(found, given)
+    bare = adapters.problem_of(adapters.scene("sinusoid", {"adhesion": None}), "this code", "layer", "adhesion")
+    assert (bare.thickness, bare.work_of_adhesion, bare.slope_term) == (None, None, False)

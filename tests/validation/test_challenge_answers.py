@@ -8,7 +8,7 @@ import pytest
 
 from validation.challenge.certify import certified
 from validation.challenge.closed_answers import CLOSED
-from validation.challenge.problem import FOLDER, NAMES, csv_of, json_of, problem
+from validation.challenge.problem import FOLDER, NAMES, problem
 from validation.challenge.record_standings import EXTRAPOLATED
 from validation.challenge.standings import recorded
 from validation.challenge.worker import called, with_arrays
@@ -22,7 +22,7 @@ README = Path(__file__).parents[2] / "validation" / "challenge" / "README.md"
 def beyond(name, made):
     """Quantities whose shipped answer and that made anew differ by more than both uncertainties, and by how much."""
     found = {}
-    for quantity, one in problem(name).key.answers.items():
+    for quantity, one in problem(name).answers.items():
         other = made.answers[quantity]
         excess = np.abs(np.subtract(one.value, other.value)) - np.add(one.uncertainty, other.uncertainty)
         if not np.all(excess <= 0):
@@ -41,7 +41,7 @@ def test_answers_are_what_the_solver_gives(name):
 def test_answers_are_what_all_routes_give(name):
     made = certified(name)
     assert beyond(name, made) == {}
-    for quantity, one in problem(name).key.answers.items():
+    for quantity, one in problem(name).answers.items():
         for shipped, again in zip(one.second_routes, made.answers[quantity].second_routes, strict=True):
             (route, _, known), (other, _, spread) = (check.route.partition(", known to ") for check in (shipped, again))
             assert route == other
@@ -92,22 +92,22 @@ def test_samples_and_harmonics_are_one_profile(name):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_files_say_the_same(name):
-    key = problem(name).key
-    assert (FOLDER / name / "answers.json").read_text() == json_of(key)
-    assert (FOLDER / name / "answers.csv").read_text() == csv_of(key)
-    assert list(key.answers) == list(problem(name).data["asked"])
+    one = problem(name)
+    assert (FOLDER / name / "answers.json").read_text() == one.json_text
+    assert (FOLDER / name / "answers.csv").read_text() == one.csv_text
+    assert list(one.answers) == list(one.data["asked"])
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_every_answer_has_a_second_route(name):
-    for quantity, one in problem(name).key.answers.items():
+    for quantity, one in problem(name).answers.items():
         assert one.second_routes, f"{quantity} stands alone"
         assert all(len(check.difference) == len(one.value) for check in one.second_routes)
 
 
 @pytest.mark.parametrize("name", sorted(CLOSED))
 def test_closed_forms_and_solver_agree(name):
-    for quantity, one in problem(name).key.answers.items():
+    for quantity, one in problem(name).answers.items():
         scale = max(map(abs, one.value))
         (check,) = one.second_routes
         # the pull-off pressure lies at a fold, where the path has it to rounding: 4e-12 to 2e-11, as the kernels (those
@@ -120,7 +120,7 @@ def test_the_standings_are_of_these_problems():
     entries = recorded()["entries"]
     assert {entry["problem"] for entry in entries} == set(NAMES)
     for entry in entries:
-        assert [row["quantity"] for row in entry["rows"]] == list(problem(entry["problem"]).key.answers)
+        assert [row["quantity"] for row in entry["rows"]] == list(problem(entry["problem"]).answers)
     ran = recorded()["run_on"]
     assert "processor" in ran
     for solver in {entry["solver"].removesuffix(EXTRAPOLATED) for entry in entries}:
@@ -134,7 +134,7 @@ def test_the_example_of_the_document_is_right():
     one = problem("westergaard")
     found = called(place["solve"], one.data)["values"]
     for name, values in found.items():
-        np.testing.assert_allclose(values, one.key.answers[name].value, rtol=1e-12)
+        np.testing.assert_allclose(values, one.answers[name].value, rtol=1e-12)
     assert called(place["solve"], problem("steep").data)["status"] == "not offered"
     assert len([line for line in text.splitlines() if line.strip()]) <= 12
     assert isinstance(with_arrays(one.data)["path"]["targets"], np.ndarray)

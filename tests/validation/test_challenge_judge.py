@@ -13,9 +13,10 @@ import pytest
 
 from bem.scene.atomic_file import write_atomically
 from validation.__main__ import main
-from validation.challenge.judging import judged, lost
-from validation.challenge.problem import FOLDER, NAMES, Certified, Key, problem
+from validation.challenge.judging import Judgement, judged, lost
+from validation.challenge.problem import FOLDER, NAMES, Certified, Shipped, problem
 from validation.challenge.record_standings import estimated, extrapolated
+from validation.challenge.run_judge import write
 from validation.challenge.solver_process import returned
 from validation.challenge.worker import LONGEST, plain
 from validation.harness.route import Answer
@@ -141,7 +142,7 @@ def apart(tmp_path, monkeypatch):
 def answer(name, limit=60.0):
     """A problem, judged, with what one of the solvers says to it."""
     one = problem("westergaard")
-    return judged(one.key, returned(f"mine:{name}", one.text, limit), 3.0)
+    return judged(one, returned(f"mine:{name}", one.text, limit), 3.0)
 
 
 @pytest.mark.parametrize(
@@ -239,8 +240,8 @@ def test_each_quantity_has_its_verdict(solvers, name, statuses):
 
 
 def test_digits_are_those_of_the_error_and_not_more_than_the_key_has():
-    edges = Certified("m", (1.0, 4.0), (0.0, 4e-9), "", ())
-    key = Key("one", {"patches": Certified("", (2.0,), (0.0,), "", ()), "edges": edges})
+    edges = Certified("m", (1.0, 4.0), (0.0, 4e-9), 4.0, "", ())
+    key = Shipped("one", "", {"patches": Certified("", (2.0,), (0.0,), 1.0, "", ()), "edges": edges})
     found = judged(key, Answer("answered", values={"patches": 2, "edges": [1.0, 4.0 + 4e-6]}), 7.0)
     assert [row.digits for row in found.rows] == pytest.approx([15.0, 6.0], abs=1e-6)
     assert [row.status for row in found.rows] == ["right", "wrong"]
@@ -266,6 +267,13 @@ def test_a_judgement_is_written_and_kept(solvers, capsys):
     page = (solvers / "out" / "challenge.html").read_text()
     assert "5 of 5 answers right" in page and 'role="img"' in page and 'src="' not in page
     assert "5 of 5 answers right" in capsys.readouterr().out
+
+
+def test_a_route_is_named_on_the_page_with_its_setting(tmp_path):
+    one = problem("westergaard")
+    found = judged(one, Answer(values={name: list(key.value) for name, key in one.answers.items()}), 3.0)
+    write(Judgement("routes.grid:solve@0.5", 3.0, (found,)), (one,), tmp_path)
+    assert ". grid:solve@0.5: error" in (tmp_path / "challenge.html").read_text()
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
@@ -325,12 +333,10 @@ def test_a_problem_without_answers_is_one_line(solvers, capsys):
 
 
 def test_half_a_digit_is_not_lost():
-    key = problem("westergaard").key
-    values = {name: list(one.value) for name, one in key.answers.items()}
+    whole = problem("westergaard")
+    values = {name: list(one.value) for name, one in whole.answers.items()}
     exact, close, apart = (
-        judged(
-            key, Answer("answered", values=values | {"separation": np.multiply(values["separation"], f).tolist()}), 3
-        )
+        judged(whole, Answer(values=values | {"separation": np.multiply(values["separation"], f).tolist()}), 3)
         for f in (1 + 1e-6, 1 + 2e-6, 1 + 4e-6)
     )
     assert list(lost([close], [exact])) == []
@@ -339,7 +345,12 @@ def test_half_a_digit_is_not_lost():
 
 @pytest.mark.parametrize(
     ("spec", "said"),
-    [("mine", "package.module:function is needed"), ("mine:none", "no function 'none'"), ("nowhere:f", "nowhere")],
+    [
+        ("mine", "package.module:function is needed"),
+        ("mine:none", "no function 'none'"),
+        ("nowhere:f", "nowhere"),
+        ("validation.routes.paper_method:solve@four", "malformed node"),
+    ],
 )
 def test_a_solver_that_cannot_be_found_is_bad_input(solvers, capsys, spec, said):
     assert run("--solver", spec) == 2
@@ -374,7 +385,7 @@ def test_what_extrapolation_says_of_the_finest_grid():
         Answer("answered", values={"contact_fraction": values, "gap_at": [1.0, None, 2.0]})
         for values in ([0.1, 0.3, 0.5, 0.8], [0.1, 0.3, 0.49, 0.8])
     )
-    scale = max(one.key.answers["contact_fraction"].value)
+    scale = max(one.answers["contact_fraction"].value)
     assert estimated(one, "contact_fraction", finest, limit) == pytest.approx(0.01 / scale, rel=1e-2)
     assert estimated(one, "gap_at", finest, limit) is None
     assert estimated(one, "separation", finest, limit) is None

@@ -25,7 +25,7 @@ def submission(form):
     if form == "csv":
         texts = [(FOLDER / name / "answers.csv").read_text().splitlines() for name in NAMES]
         return "\n".join([texts[0][0], *(line for text in texts for line in text[1:])]) + "\n"
-    keys = {name: problem(name).key for name in NAMES}
+    keys = {name: problem(name) for name in NAMES}
     return json.dumps(
         {name: {key: list(one.value) for key, one in whole.answers.items()} for name, whole in keys.items()}
     )

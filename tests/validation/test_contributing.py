@@ -1,6 +1,7 @@
 """The two examples of .github/CONTRIBUTING.md, a case and a route, are short, run, and can fail."""
 
 import re
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -9,7 +10,7 @@ from validation.challenge.judging import judged
 from validation.challenge.problem import problem
 from validation.challenge.worker import called
 from validation.harness.case import checked
-from validation.harness.route import Answer
+from validation.harness.route import Answer, behind_the_door
 from validation.harness.runner import record_of
 from validation.harness.verdict import case_verdicts
 
@@ -43,17 +44,18 @@ def test_a_wrong_wave_deviates():
 
 @pytest.fixture
 def route():
-    return place_of(ROUTE)
+    """The route behind the door of the challenge, at a setting."""
+    return partial(behind_the_door, place_of(ROUTE)["solve"])
 
 
 def test_a_route_takes_40_lines_and_is_right(route):
     assert lines_of(ROUTE) <= 40
     one = problem("westergaard")
-    found = judged(one.key, Answer(**called(route["on_4096"], one.data)), 3.0)
+    found = judged(one, Answer(**called(route(4096), one.data)), 3.0)
     digits = {row.quantity: row.digits for row in found.rows if row.status == "right"}
     assert digits.keys() == {"contact_fraction", "separation"}
     assert min(digits.values()) > 3.0  # 3.5 of the fraction: whole points
 
 
 def test_what_a_route_does_not_offer_is_no_wrong_answer(route):
-    assert called(route["on_1024"], problem("steep").data)["status"] == "not offered"
+    assert called(route(1024), problem("steep").data)["status"] == "not offered"

@@ -14,10 +14,11 @@ import pytest
 import bem
 import bem.__main__ as bem_main
 import validation.__main__ as validation_main
-from validation.command_line import examples
+from validation.command_line.examples import EXAMPLES
 from validation.command_line.front_door import main
 
 ROOT = Path(__file__).parents[2]
+SCENES = [name for name, (first, *_) in EXAMPLES.items() if first.endswith(".toml")]
 COMMANDS = (
     "example",
     "fem",
@@ -81,21 +82,20 @@ def test_every_command_explains_itself(command, capsys):
 def test_examples_are_listed_by_name(capsys):
     assert exit_code("example") == 0
     lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == list(examples.NAMES)
+    assert [line.split()[0] for line in lines] == list(EXAMPLES)
     assert len(lines) >= 8
     folder = ROOT / "validation" / "command_line" / "examples"
-    files = {f"{name}.toml" for name in examples.DATA} | {file for data in examples.DATA.values() for file in data}
-    files |= {f"{examples.OWN}/{file}" for file in examples.OWN_FILES}
-    files |= {f"guide/{script}" for script, *_ in examples.SCRIPTS.values()}
+    files = {f"guide/{file}" if name in GUIDE and file.endswith(".py") else file
+             for name, files in EXAMPLES.items() for file in files}  # fmt: skip
     there = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
     assert {name for name in there if "__pycache__" not in name} == files
 
 
-@pytest.mark.parametrize("name", examples.DATA)
+@pytest.mark.parametrize("name", SCENES)
 def test_an_example_is_written_explained_and_solved(name, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert exit_code("example", name) == 0
-    assert capsys.readouterr().out.splitlines() == [f"{name}.toml", *examples.DATA[name]]
+    assert capsys.readouterr().out.splitlines() == [f"{name}.toml", *EXAMPLES[name][1:]]
     assert (tmp_path / f"{name}.toml").read_text().count("# ") >= 5
     assert exit_code("check", f"{name}.toml") == 0
     assert exit_code("run", f"{name}.toml", "--out", "result", "--quiet") == 0
@@ -114,7 +114,7 @@ def test_the_closed_form_that_an_example_names_holds():
 
 
 def test_the_examples_show_what_they_are_named_after():
-    scenes = {name: bem.load_scene(ROOT / f"validation/command_line/examples/{name}.toml") for name in examples.DATA}
+    scenes = {name: bem.load_scene(ROOT / f"validation/command_line/examples/{name}.toml") for name in SCENES}
     assert scenes["paper-profile"].profile.hurst == 0.7
     assert scenes["own-scan"].scan is not None
     assert scenes["layer"].layer is not None
@@ -135,12 +135,12 @@ GUIDE = {  # what each script prints: words, and a number behind them with what 
 }
 
 
-@pytest.mark.parametrize("name", examples.SCRIPTS)
+@pytest.mark.parametrize("name", GUIDE)
 def test_a_script_of_the_guide_is_written_and_runs(name, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert exit_code("example", name) == 0
     script, *data = capsys.readouterr().out.splitlines()
-    assert examples.SCRIPTS[name] == (script, *data)
+    assert EXAMPLES[name] == (script, *data)
     runpy.run_path(script, run_name="__main__")
     words, number, off = GUIDE[name]
     assert float(re.search(words, capsys.readouterr().out)[1]) == pytest.approx(number, abs=off)
@@ -179,7 +179,7 @@ def test_completion(shell, capsys):
     pytest.importorskip("shtab")
     assert exit_code("--print-completion", shell) == 0
     printed = capsys.readouterr().out
-    assert all(word in printed for word in (*COMMANDS, *examples.NAMES))
+    assert all(word in printed for word in (*COMMANDS, *EXAMPLES))
 
 
 def test_completion_without_its_extra_is_told(monkeypatch, capsys):

@@ -19,9 +19,8 @@ from rough_scene import ROUGH
 
 import bem
 from validation.challenge import standings
-from validation.challenge.judging import judged
+from validation.challenge.judging import Judgement, judged
 from validation.challenge.problem import problem
-from validation.challenge.run_judge import Judgement
 from validation.harness import store
 from validation.harness.case import Case
 from validation.harness.execution import Ended
@@ -152,7 +151,7 @@ def studied(tmp_path_factory):
 def judgement(text):
     """The contents of challenge.json and of standings.json."""
     one = problem("westergaard")
-    found = judged(one.key, Answer("crashed", text), 3.0)
+    found = judged(one, Answer("crashed", text), 3.0)
     told = asdict(Judgement(text, 3.0, (found,), text, (text,))) | {"outcome": text, "passed": False}
     told["problems"] = [
         told["problems"][0] | {"title": text, "difficulty": text, "what_is_hard": text, "ignored": [text]}

@@ -11,7 +11,7 @@ from carried import carried, failing, lines
 from scipy.integrate import quad
 
 from validation.references.closed_forms import Sinusoid
-from validation.references.posed_contacts import QUANTITIES, exact_sinusoid, numbers_of, scenes
+from validation.references.posed_contacts import QUANTITIES, exact_sinusoid, highest, numbers_of, scenes
 from validation.routes import finite_elements
 from validation.routes.boundary_elements import PATH_DOUBT
 from validation.routes.persson_theory import by_separation
@@ -113,9 +113,7 @@ def test_digits_are_not_claimed_against_a_finer_run_of_the_same_code():
 
 def test_theory_at_a_penetration_is_that_at_its_separation():
     rough = scenes()["rough"]
-    surface = rough.surface()
-    separation = surface.highest * surface.unit_height - rough.penetration
-    apart = replace(rough, control="separation", targets=(separation,))
+    apart = replace(rough, control="separation", targets=(highest(rough) - rough.penetration,))
     assert by_separation(rough, 0.03).values == by_separation(apart, 0.03).values
 
 

@@ -12,7 +12,8 @@ difference to each route as fine as itself (dense algebra, the path at a tenth o
 Finite elements are coarser than the solver: their difference is shown beside their own uncertainty and adds nothing.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,16 +25,16 @@ from bem.scene.scene import parse_scene
 from bem.solver import solve as solve_scene
 from fem_reference import Resolution
 from validation.challenge.closed_answers import CLOSED
-from validation.challenge.problem import PROBLEM_FILE, Certified, Check, Key, csv_of, json_of, scale_of
+from validation.challenge.problem import ANSWERS_FILE, COUNTS, PROBLEM_FILE, Certified, Check, Shipped, scale_of
 from validation.challenge.problem import problem as shipped
 from validation.challenge.worker import with_arrays
 from validation.harness.arrays import FloatArray
 from validation.harness.route import Answer, Problem
+from validation.references.adapters import contact_of
 from validation.references.dense_equilibrium import reference
 from validation.routes import boundary_elements
 from validation.routes.finite_elements import finest
 
-Checks = dict[str, tuple[Check, ...]]
 FLOOR = 1e-12  # of the scale; closed forms and solver differ by up to 4e-13
 SOLVER = "boundary elements at tolerance 1e-12"
 FEW_CONTACTS = ("two-crests-thick", "three-crests", "two-crests-thin")  # which finite elements can do
@@ -41,62 +42,54 @@ OF_PULL_OFF = {"pull_off_penetration": "penetration", "pull_off_mean_pressure": 
 AS_FINE = ("dense algebra", "path at a tenth of the increment")  # as the solver
 
 
-def certified(name: str, second: bool = True) -> Key:
-    """The answers to a problem, made anew; `second`: by the second routes as well, without which there are no checks.
+def certified(name: str, second: bool = True) -> Shipped:
+    """A problem with its answers made anew; `second`: by the second routes as well, without which there are no checks.
 
     ChallengeError where there is no such problem, ArithmeticError where a route does not converge.
     """
-    data = with_arrays(shipped(name).data)
+    one = shipped(name)
+    data = with_arrays(one.data)
     problem = Problem.of(data)
     result = solve_scene(boundary_elements.tables(problem, 1e-12))
-    ours = _arrays(boundary_elements.answers(problem, result))
+    ours = boundary_elements.answers(problem, result)
+    values: Mapping[str, Any]
     if name in CLOSED:
-        closed = CLOSED[name](data)
-        beside: Checks = {key: (Check(SOLVER, _difference(ours[key], closed[key])),) for key in ours}
-        return _key(data, closed, "closed form", dict.fromkeys(ours, ()), beside)
-    routes = ("finite elements", "dense algebra") if name in FEW_CONTACTS else AS_FINE
-    found = {route: ROUTES[route](problem, result) for route in routes if second}
-    checks: Checks = {
-        key: tuple(
-            Check(
-                f"{route}, known to {np.max(answer.uncertainty[key]):.1g}" if key in answer.uncertainty else route,
-                _difference(np.array(answer.values[key], float), ours[key]),
-            )
-            for route, answer in found.items()
-            if key in answer.values
-        )
-        for key in ours
-    }
-    return _key(data, ours, SOLVER, {key: _estimates(result, key) for key in ours}, checks)
-
-
-def write(key: Key, folder: Path) -> None:
-    """Write problem.toml, answers.json and answers.csv into folder/NAME."""
-    place = folder / key.problem
-    place.mkdir(parents=True, exist_ok=True)
-    write_atomically(place / PROBLEM_FILE, shipped(key.problem).text)
-    write_atomically(place / "answers.json", json_of(key))
-    write_atomically(place / "answers.csv", csv_of(key))
-
-
-def _arrays(values: dict[str, Any]) -> dict[str, FloatArray]:
-    return {name: np.array(value, dtype=np.float64) for name, value in values.items()}
-
-
-def _key(
-    problem: dict[str, Any], values: dict[str, FloatArray], made: str, estimates: dict[str, Any], checks: Checks
-) -> Key:
+        values, made, estimates, beside = CLOSED[name](data), "closed form", {}, {SOLVER: Answer(values=ours)}
+    else:
+        values, made = ours, SOLVER
+        estimates = {quantity: _estimates(result, quantity) for quantity in ours}
+        routes = ("finite elements", "dense algebra") if name in FEW_CONTACTS else AS_FINE
+        beside = {route: ROUTES[route](problem, result) for route in routes if second}
     answers = {}
-    for name, asked in problem["asked"].items():
-        value = values[name].tolist()
-        floor = 0.0 if name == "patches" else FLOOR * scale_of(name, value)
-        spread = np.full(len(value), floor)
-        as_fine = [c.difference for c in checks[name] if c.route in AS_FINE]
-        for estimate in (estimates[name], *as_fine):
-            if len(estimate):
-                spread = np.maximum(spread, np.abs(estimate))
-        answers[name] = Certified(asked["unit"], tuple(value), tuple(spread.tolist()), made, checks[name])
-    return Key(problem["name"], answers)
+    for quantity, asked in data["asked"].items():
+        value = np.array(values[quantity], dtype=np.float64)
+        scale, checks = scale_of(quantity, value.tolist()), _checks(quantity, value, beside)
+        spread = np.full(value.size, 0.0 if quantity in COUNTS else FLOOR * scale)
+        for known in (estimates.get(quantity), *(check.difference for check in checks if check.route in AS_FINE)):
+            if known:
+                spread = np.maximum(spread, np.abs(known))
+        answers[quantity] = Certified(asked["unit"], tuple(value.tolist()), tuple(spread.tolist()), scale, made, checks)
+    return replace(one, answers=answers)
+
+
+def write(one: Shipped, folder: Path) -> None:
+    """Write problem.toml, answers.json and answers.csv into folder/NAME."""
+    place = folder / one.name
+    place.mkdir(parents=True, exist_ok=True)
+    for file, text in ((PROBLEM_FILE, one.text), (ANSWERS_FILE, one.json_text), ("answers.csv", one.csv_text)):
+        write_atomically(place / file, text)
+
+
+def _checks(quantity: str, value: FloatArray, beside: Mapping[str, Answer]) -> tuple[Check, ...]:
+    """How far other routes are from values (n,)."""
+    checks = []
+    for route, answer in beside.items():
+        if quantity in answer.values:
+            spread = answer.uncertainty.get(quantity)
+            known = "" if spread is None else f", known to {np.max(spread):.1g}"
+            apart = np.abs(np.array(answer.values[quantity], dtype=np.float64) - value)
+            checks.append(Check(route + known, tuple(float(f"{one:.2g}") for one in apart)))
+    return tuple(checks)
 
 
 def _estimates(result: Result, name: str) -> tuple[float, ...]:
@@ -109,10 +102,6 @@ def _estimates(result: Result, name: str) -> tuple[float, ...]:
     source = "contact_fraction" if name == "gap_fraction" else name
     found = [getattr(state.error_estimate, source, None) for state in result.targets]
     return () if any(value is None for value in found) else tuple(map(float, found))  # type: ignore[arg-type]
-
-
-def _difference(values: FloatArray, answers: FloatArray) -> tuple[float, ...]:
-    return tuple(float(f"{one:.2g}") for one in np.abs(values - answers))
 
 
 FINEST = Resolution(4, 8, 18)
@@ -137,7 +126,7 @@ def _amplitudes(problem: Problem, result: Result) -> FloatArray:
     """(1/period) int pressure exp(-i q x) dx over the contacts, times twice the compliance 2 / (E* q)."""
     asked = problem.asked["displacement_amplitudes"]
     state = result.targets[int(asked["target"]) - 1]
-    contact = boundary_elements.contact_of(problem, state.edges, state.penetration)
+    contact = contact_of(problem, state.edges, state.penetration)
     angle = np.pi * (np.arange(NODES) + 0.5) / NODES
     edges = np.array(state.edges)
     middle, half = edges.mean(axis=1)[:, None], np.diff(edges, axis=1) / 2

@@ -1,15 +1,13 @@
 """Answers in closed form: one wave without and with adhesion, its last gap, and a wave with a ripple.
 
-Sources: Westergaard, J. Appl. Mech. 6 (1939) A49; Johnson, Int. J. Solids Struct. 32 (1995) 423; one_patch.py.
-With D the amplitude, p* = pi E* D / period, S = sin^2(pi/2 contact fraction), and without adhesion
-
-    p = p* S,   s = D (1 - S + S ln S),   U = p* D (S^2/4 - S^2/2 ln S),   pressure = 2 p* cos v sqrt(S - sin^2 v),
-    gap = 2 D (w sqrt(w^2 - S) - S arcosh(w S^-1/2)),   v = pi x / period,   w = |sin v|.
+Sources: Westergaard, J. Appl. Mech. 6 (1939) A49; Johnson, Int. J. Solids Struct. 32 (1995) 423; their formulas in
+closed_forms.py, those of a ripple in one_patch.py.  Next to complete contact, where 1 - S is given, by its series.
 
 Numbers are from the problem as it is written down.  Uncertainty: rounding.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,86 +15,70 @@ from scipy.optimize import brentq
 
 from validation.cases.exact.ripples import WAVE
 from validation.harness.arrays import FloatArray
+from validation.references.closed_forms import Sinusoid
 from validation.references.one_patch import OnePatch
 
 Given = dict[str, Any]
 Answers = dict[str, FloatArray]
 
 
-def _wave(problem: Given) -> tuple[float, float, float, float]:
-    """Amplitude, period, E*, p*."""
+def _wave(problem: Given) -> Sinusoid:
+    """The wave of a problem, with its adhesion."""
     solid, profile = problem["solid"], problem["profile"]
-    modulus = solid["youngs_modulus"] / (1 - solid["poisson_ratio"] ** 2)
-    depth, period = float(profile["amplitudes"][0]), float(profile["period"])
-    return depth, period, modulus, np.pi * modulus * depth / period
+    bare = Sinusoid(float(profile["amplitudes"][0]), float(profile["period"]), **solid, alpha=0.0)
+    work = problem.get("adhesion", {}).get("work_of_adhesion", 0.0)
+    return replace(bare, alpha=np.sqrt(2 * bare.modulus * work / bare.wavelength) / bare.full_contact_pressure)
 
 
 def _westergaard(problem: Given) -> Answers:
-    depth, period, _, full = _wave(problem)
-    share = problem["path"]["targets"] / full
-
-    def at(name: str) -> tuple[FloatArray, float]:
-        asked = problem["asked"][name]
-        return np.pi * asked["points"] / period, float(share[asked["target"] - 1])
-
-    inside, S = at("pressure_at")
-    outside, T = at("gap_at")
-    w = np.abs(np.sin(outside))
+    wave, targets = _wave(problem), problem["path"]["targets"]
+    psi = np.arcsin(np.sqrt(targets / wave.full_contact_pressure))
+    inside, outside = problem["asked"]["pressure_at"], problem["asked"]["gap_at"]
     return {
-        "contact_fraction": 2 / np.pi * np.arcsin(np.sqrt(share)),
-        "separation": depth * (1 - share + share * np.log(share)),
-        "elastic_energy": full * depth * (share**2 / 4 - share**2 / 2 * np.log(share)),
-        "pressure_at": 2 * full * np.cos(inside) * np.sqrt(S - np.sin(inside) ** 2),
-        "gap_at": 2 * depth * (w * np.sqrt(w**2 - T) - T * np.arccosh(w / np.sqrt(T))),
+        "contact_fraction": 2 / np.pi * psi,
+        "separation": wave.amplitude - wave.penetration(psi),
+        "elastic_energy": np.array([wave.elastic_energy(angle) for angle in psi]),
+        "pressure_at": wave.pressure(inside["points"], psi[inside["target"] - 1]),
+        "gap_at": wave.gap(outside["points"], psi[outside["target"] - 1]),
     }
 
 
 def _complete(problem: Given) -> Answers:
-    depth, period, _, full = _wave(problem)
-    targets = problem["path"]["targets"]
-    missing = np.maximum(1 - targets / full, 0.0)
-    k = np.arange(2, 40)
-    asked = problem["asked"]["pressure_at"]
+    wave, targets, asked = _wave(problem), problem["path"]["targets"], problem["asked"]["pressure_at"]
+    missing = np.maximum(1 - targets / wave.full_contact_pressure, 0.0)
+    k, phase = np.arange(2, 40), 2 * np.pi * asked["points"] / wave.wavelength
     return {
         "gap_fraction": 2 / np.pi * np.arcsin(np.sqrt(missing)),
-        "separation": depth * np.sum(missing[:, None] ** k / (k * (k - 1.0)), axis=1),  # 1 - S + S ln S
-        "pressure_at": targets[asked["target"] - 1] + full * np.cos(2 * np.pi * asked["points"] / period),
+        "separation": wave.amplitude * np.sum(missing[:, None] ** k / (k * (k - 1.0)), axis=1),  # 1 - S + S ln S
+        "pressure_at": targets[asked["target"] - 1] + wave.full_contact_pressure * np.cos(phase),
     }
 
 
 def _johnson(problem: Given) -> Answers:
-    depth, period, modulus, _ = _wave(problem)
-    work = float(problem["adhesion"]["work_of_adhesion"])
-    patch = OnePatch(period, modulus, (depth,), work)
-    adhesive = np.sqrt(2 * modulus * work / period) * period / (np.pi * modulus)
+    wave, targets, asked = _wave(problem), problem["path"]["targets"], problem["asked"]["gap_at"]
+    tension = wave.alpha * wave.wavelength * wave.full_contact_pressure / (np.pi * wave.modulus)
 
-    def steepness(a: float) -> float:
-        """dDelta/da of Delta = D S (1 - ln S) + adhesive sqrt(tan a/2) ln S, S = sin^2 a/2, times two."""
-        S, rise, root = np.sin(a / 2) ** 2, np.sin(a), np.sqrt(np.tan(a / 2))
-        tension = np.log(S) / (2 * root * np.cos(a / 2) ** 2) + root * rise / S
-        return float(-depth * rise * np.log(S) + adhesive * tension)
+    def steepness(psi: float) -> float:
+        """dDelta/dpsi."""
+        S, root = np.sin(psi) ** 2, np.sqrt(np.tan(psi))
+        adhesive = np.log(S) / (2 * root * np.cos(psi) ** 2) + 2 * root / np.tan(psi)
+        return float(-wave.amplitude * np.sin(2 * psi) * np.log(S) + tension * adhesive)
 
-    fold = float(brentq(steepness, 0.1, 1.5, xtol=1e-15, rtol=1e-15))
-    lowest = float(patch.penetration(fold))
+    def total_energy(psi: float) -> float:
+        return wave.elastic_energy(psi) - wave.work_of_adhesion * 2 * psi / np.pi
 
-    def angle(target: float) -> float:
-        return float(brentq(lambda a: float(patch.penetration(a)) - target, fold, 3.0, xtol=1e-15, rtol=1e-15))
-
-    targets = problem["path"]["targets"]
-    held = np.array([angle(target) if target >= lowest else 0.0 for target in targets])
+    fold = float(brentq(steepness, 0.05, 0.75, xtol=1e-15, rtol=1e-15))
+    lowest, touched = float(wave.penetration(fold)), wave.angle(0.0, fold, 1.5)
+    held = np.array([wave.angle(target, fold, 1.5) if target >= lowest else 0.0 for target in targets])
     at = np.maximum(held, 1e-3)
-    asked = problem["asked"]["gap_at"]
-    where = held[asked["target"] - 1]
-    pressure = float(patch.mean_pressure(where))
-    touched = float(brentq(lambda a: float(patch.penetration(a)), fold, 3.0, xtol=1e-15, rtol=1e-15))
     return {
-        "contact_fraction": held / np.pi,
-        "mean_pressure": np.where(held > 0, patch.mean_pressure(at), 0.0),
-        "elastic_energy": np.where(held > 0, patch.energy(at) + work * at / np.pi, 0.0),
-        "gap_at": np.array([patch.gap(where, pressure, 2 * np.pi * x / period) for x in asked["points"]]),
+        "contact_fraction": 2 / np.pi * held,
+        "mean_pressure": np.where(held > 0, wave.mean_pressure(at), 0.0),
+        "elastic_energy": np.where(held > 0, [wave.elastic_energy(psi) for psi in at], 0.0),
+        "gap_at": wave.gap(asked["points"], held[asked["target"] - 1]),
         "pull_off_penetration": np.array([lowest]),
-        "pull_off_mean_pressure": patch.mean_pressure([fold]),
-        "dissipated_energy": patch.energy([fold]) - patch.energy([touched]),
+        "pull_off_mean_pressure": np.array([wave.mean_pressure(fold)]),
+        "dissipated_energy": np.array([total_energy(fold) - total_energy(touched)]),
     }
 
 
@@ -105,10 +87,11 @@ def _rippled(problem: Given) -> Answers:
     top = int(np.argmax(targets))
     rising, up = WAVE.loaded(*map(float, targets[: top + 1]))
     falling, down = WAVE.unloaded(up[-1], *map(float, targets[top + 1 :]))
-    _, period, modulus, _ = _wave(problem)
-    harmonics = np.zeros(int(problem["profile"]["orders"].max()))
-    harmonics[problem["profile"]["orders"] - 1] = problem["profile"]["amplitudes"]
-    patch = OnePatch(period, modulus, tuple(harmonics.tolist()), problem["adhesion"]["work_of_adhesion"])
+    wave, profile = _wave(problem), problem["profile"]
+    harmonics = np.zeros(int(profile["orders"].max()))
+    harmonics[profile["orders"] - 1] = profile["amplitudes"]
+    work = problem["adhesion"]["work_of_adhesion"]
+    patch = OnePatch(wave.wavelength, wave.modulus, tuple(harmonics.tolist()), work)
     fractions = np.array(up + down) / np.pi
     return {
         "contact_fraction": fractions,

@@ -7,6 +7,7 @@ import sys
 import threading
 import tomllib
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from bem.command_line.console import positive
 from bem.command_line.folder_lock import locked
 from validation.challenge import standings
 from validation.challenge.judging import MOST_DIGITS
-from validation.challenge.problem import FOLDER, NAMES, Shipped, problem, scale_of
+from validation.challenge.problem import FOLDER, NAMES, Shipped, problem
 from validation.harness.entry_points import solvers
 from validation.harness.execution import Note
 from validation.harness.executors import LOCAL, opener_of
@@ -60,8 +61,8 @@ def _short(line: str) -> str:
 
 def _answers(one: Shipped) -> list[str]:
     lines = ["", "# the answers"]
-    for name, key in one.key.answers.items():
-        lines.append(f"{name}: {key.made}; errors are divided by {scale_of(name, key.value):.6g} {key.unit}".rstrip())
+    for name, key in one.answers.items():
+        lines.append(f"{name}: {key.made}; errors are divided by {key.scale:.6g} {key.unit}".rstrip())
         pairs = zip(key.value, key.uncertainty, strict=True)
         lines += [f"    {value!r} +- {spread:.1g} {key.unit}".rstrip() for value, spread in pairs]
         lines += [f"    {check.route}: differs by at most {max(check.difference):.1g}" for check in key.second_routes]
@@ -71,33 +72,27 @@ def _answers(one: Shipped) -> list[str]:
 def _judge(options: argparse.Namespace) -> int:
     """Judge, and write what came out; 1 where an answer is missing or wrong, or digits were lost to a baseline."""
     from validation.challenge import run_judge
+    from validation.challenge.judging import Judgement, judged, lost
+    from validation.challenge.submission import submitted
 
     opener = opener_of(options.executor)
     problems = run_judge.chosen(options.only)
-    before = () if options.baseline is None else run_judge.earlier(options.baseline, problems)
+    before = None if options.baseline is None else run_judge.earlier(options.baseline, problems)
     with locked(options.out):
         if options.solver is not None:
-            name = options.solver
+            name, spec = options.solver, solvers().get(options.solver, options.solver)
             asked = problems, options.time_limit, options.out, say, options.jobs, opener, options.memory_limit
-            found = run_judge.solved(solvers().get(name, name), *asked)
+            found = run_judge.solved(spec, *asked)
         else:
             name = options.submission.name
-            found = run_judge.submitted(options.submission, problems)
-        judgement = run_judge.judge(name, problems, found, options.digits)
-        if options.baseline is not None:
-            judgement = run_judge.against(judgement, options.baseline.name, before)
+            found = submitted(options.submission, problems)
+        rows = tuple(judged(one, answer, options.digits) for one, answer in zip(problems, found, strict=True))
+        judgement = Judgement(name, options.digits, rows)
+        if before is not None:
+            judgement = replace(judgement, baseline=options.baseline.name, lost=tuple(lost(rows, before)))
         run_judge.write(judgement, problems, options.out)
-    for one in judgement.problems:
-        if one.status != "answered":
-            print(f"{one.problem}: {one.status}, {' '.join(one.message.split())}", file=sys.stderr)
-            continue
-        for row in one.rows:
-            if row.status != "right":
-                why = f", {row.message}" if row.message else ""
-                reached = "" if row.digits is None else f", {row.digits:.1f} digits"
-                print(f"{one.problem}: {row.quantity}: {row.status}{reached}{why}", file=sys.stderr)
-    for line in judgement.lost or ():
-        print(f"LOST {line}", file=sys.stderr)
+    for line in (*(line for one in rows for line in one.told), *(f"LOST {line}" for line in judgement.lost or ())):
+        print(line, file=sys.stderr)
     page = str(options.out / run_judge.PAGE)
     if options.json:
         print(json.dumps({"passed": judgement.passed, "outcome": judgement.outcome, "page": page}))
@@ -129,49 +124,42 @@ def add_commands(commands: Any, perform: Callable[[argparse.Namespace], int]) ->
     actions = commands.add_parser("challenge", help="problems with certified answers: judge a solver by them")
     actions = actions.add_subparsers(required=True, metavar="ACTION")
 
-    listed = actions.add_parser("list", help="one problem a line")
-    listed.set_defaults(command=_list, perform=perform)
+    def action(name: str, what: str, command: Callable[[argparse.Namespace], int]) -> argparse.ArgumentParser:
+        parser: argparse.ArgumentParser = actions.add_parser(name, help=what)
+        parser.set_defaults(command=command, perform=perform)
+        return parser
 
-    show = actions.add_parser("show", help="a problem with its answers")
+    action("list", "one problem a line", _list)
+
+    show = action("show", "a problem with its answers", _show)
     show.add_argument("name", help="name of a problem, from `list`")
     show.add_argument("--out", type=Path, metavar="DIR", help="write problem.toml, answers.json, answers.csv there")
-    show.set_defaults(command=_show, perform=perform)
 
-    one = actions.add_parser("judge", help="judge a solver, or submitted answers")
+    one = action("judge", "judge a solver, or submitted answers", _judge)
     given = one.add_mutually_exclusive_group(required=True)
     given.add_argument("--solver", metavar="MODULE:FUNCTION", help=f"{SOLVER}, or a name of an installed package")
     given.add_argument("--submission", type=Path, metavar="FILE", help="answers as .json or .csv")
     one.add_argument("--only", metavar="PATTERN", help="problems whose name matches, several between commas")
     one.add_argument("--digits", type=_digits, default=DIGITS, help=f"digits of a right answer (default: {DIGITS:g})")
-    one.add_argument(
-        "--time-limit", type=_seconds, default=TIME_LIMIT, metavar="S", help="of each problem (default: 600)"
-    )
-    one.add_argument(
-        "--memory-limit", type=_gigabytes, metavar="GB", help="memory of each process of the solver (default: no limit)"
-    )
-    one.add_argument(
-        "--baseline", type=Path, metavar="FILE", help="an earlier challenge.json: fail when digits are lost"
-    )
-    one.add_argument(
-        "--out", type=Path, required=True, metavar="DIR", help="folder of challenge.html and challenge.json"
-    )
+    memory = "memory of each process of the solver (default: no limit)"
+    one.add_argument("--memory-limit", type=_gigabytes, metavar="GB", help=memory)
+    earlier = "an earlier challenge.json: fail when digits are lost"
+    one.add_argument("--baseline", type=Path, metavar="FILE", help=earlier)
     one.add_argument("--jobs", type=positive, default=1, metavar="N", help="problems at a time (default: 1)")
     one.add_argument("--executor", default=LOCAL, metavar="SPEC", help="local (default) or dask://host:port")
     one.add_argument("--json", action="store_true", help="print the summary as JSON")
-    one.set_defaults(command=_judge, perform=perform)
 
-    make = actions.add_parser("answers", help="make the answers anew")
+    make = action("answers", "make the answers anew", _make)
     make.add_argument("names", nargs="*", metavar="NAME", help="problems (default: all)")
     make.add_argument("--out", type=Path, default=FOLDER, metavar="DIR", help="default: where they are shipped")
-    make.set_defaults(command=_make, perform=perform)
 
-    again = actions.add_parser("standings", help="run the recorded solvers again")
+    again = action("standings", "run the recorded solvers again", _standings)
     again.add_argument("solvers", nargs="*", metavar="SOLVER", help=f"of {', '.join(standings.SOLVERS)} (default: all)")
-    again.add_argument(
-        "--time-limit", type=_seconds, default=TIME_LIMIT, metavar="S", help="of each problem (default: 600)"
-    )
-    again.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder of what was finished")
-    again.set_defaults(command=_standings, perform=perform)
+
+    for command, kept in ((one, "folder of challenge.html and challenge.json"), (again, "folder of what was finished")):
+        limit = "of each problem (default: 600)"
+        command.add_argument("--time-limit", type=_seconds, default=TIME_LIMIT, metavar="S", help=limit)
+        command.add_argument("--out", type=Path, required=True, metavar="DIR", help=kept)
 
 
 def _positive(most: float, needed: str, text: str) -> float:

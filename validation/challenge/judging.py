@@ -9,16 +9,17 @@ value that is None is one that the solver does not offer: the others are judged,
 """
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from validation.challenge.problem import Certified, Key, scale_of
+from validation.challenge.problem import Certified, Shipped
 from validation.harness.route import Answer
 
 MOST_DIGITS = 15.0
 RIGHT = "right"
 LOST = 0.5  # digits by which a quantity may fall behind a baseline: rounding moves errors by a factor of two or so
+SHOWN = 60  # characters of an answer that is no numbers
 
 
 @dataclass(frozen=True)
@@ -56,23 +57,66 @@ class Judged:
         """Whether everything is right."""
         return all(row.status == RIGHT for row in self.rows)
 
+    @property
+    def told(self) -> Iterator[str]:
+        """What is not right, a line each."""
+        if self.status != "answered":
+            yield f"{self.problem}: {self.status}, {' '.join(self.message.split())}"
+            return
+        for row in self.rows:
+            if row.status != RIGHT:
+                why = f", {row.message}" if row.message else ""
+                reached = "" if row.digits is None else f", {row.digits:.1f} digits"
+                yield f"{self.problem}: {row.quantity}: {row.status}{reached}{why}"
 
-def judged(key: Key, returned: Answer, digits: float) -> Judged:
-    """What a solver returned for a problem, against its key; `digits` are those that an answer needs to be right."""
-    if returned.status == "answered":
-        rows = tuple(_row(name, one, returned.values.get(name), digits) for name, one in key.answers.items())
-    else:
-        rows = tuple(_without(name, one, returned.status, returned.message) for name, one in key.answers.items())
-    ignored = tuple(sorted(name for name in returned.values if name not in key.answers))
-    return Judged(key.problem, returned.status, returned.message, returned.seconds, returned.cpu_seconds, rows, ignored)
+
+@dataclass(frozen=True)
+class Judgement:
+    """Everything of a judgement: who, on what terms, and the problems; `lost` is None without a baseline."""
+
+    solver: str
+    digits: float
+    problems: tuple[Judged, ...]
+    baseline: str | None = None
+    lost: tuple[str, ...] | None = None
+
+    @property
+    def passed(self) -> bool:
+        """No digits lost to the baseline; without one, every answer right."""
+        return all(one.passed for one in self.problems) if self.lost is None else not self.lost
+
+    @property
+    def outcome(self) -> str:
+        """In a sentence."""
+        statuses = [row.status for one in self.problems for row in one.rows]
+        counts = {status: statuses.count(status) for status in dict.fromkeys(statuses) if status != RIGHT}
+        others = "".join(f", {count} {status}" for status, count in counts.items())
+        spent = [one.seconds for one in self.problems if one.seconds is not None]
+        seconds = f"; {sum(spent):.3g} s" if spent else ""
+        held = "" if self.lost is None else f"; {len(self.lost)} quantities lost digits against the baseline"
+        right = statuses.count(RIGHT)
+        return f"{right} of {len(statuses)} answers right to {self.digits:g} digits{others}{seconds}{held}"
+
+
+def judged(one: Shipped, found: Answer, digits: float) -> Judged:
+    """What a solver answered to a problem; `digits` are those that an answer needs to be right."""
+    answered = found.status == "answered"
+    rows = tuple(
+        _row(name, key, found.values.get(name), digits)
+        if answered
+        else _without(name, key, found.status, found.message)
+        for name, key in one.answers.items()
+    )
+    ignored = tuple(sorted(found.values.keys() - one.answers.keys()))
+    return Judged(one.name, found.status, found.message, found.seconds, found.cpu_seconds, rows, ignored)
 
 
 def lost(now: Iterable[Judged], before: Iterable[Judged]) -> Iterator[str]:
     """Quantities with fewer digits than a baseline has, or none where it has some; of the problems that both hold."""
-    known = {judged.problem: {row.quantity: row for row in judged.rows} for judged in before}
+    known = {(one.problem, row.quantity): row for one in before for row in one.rows}
     for one in now:
         for row in one.rows:
-            old = known.get(one.problem, {}).get(row.quantity)
+            old = known.get((one.problem, row.quantity))
             if old is None or old.digits is None:
                 continue
             if row.digits is None or row.answered < old.answered:
@@ -82,17 +126,25 @@ def lost(now: Iterable[Judged], before: Iterable[Judged]) -> Iterator[str]:
 
 
 def _row(name: str, key: Certified, given: Any, digits: float) -> Digits:
-    values = given if isinstance(given, list) else [given]
+    values, needed = given if isinstance(given, list) else [given], len(key.value)
     if values and all(value is None for value in values):
         return _without(name, key, "missing")
-    shown = repr(given) if len(repr(given)) < 60 else repr(given)[:57] + "..."
+    shown = repr(given) if len(repr(given)) < SHOWN else repr(given)[: SHOWN - 3] + "..."
     if any(isinstance(value, str | bool | dict) for value in values):
         return _without(name, key, "not a number", shown)
-    if any(isinstance(value, list) for value in values) or len(values) != len(key.value):
-        return _without(name, key, "wrong shape", f"{len(key.value)} numbers are needed, not {shown}")
+    if any(isinstance(value, list) for value in values) or len(values) != needed:
+        return _without(name, key, "wrong shape", f"{needed} numbers are needed, not {shown}")
     if not all(value is None or _finite(value) for value in values):
         return _without(name, key, "not a number", shown)
-    return _compared(name, key, values, digits)
+    compared = zip(values, key.value, key.uncertainty, strict=True)
+    known = [(abs(value - exact), spread) for value, exact, spread in compared if value is not None]
+    error, spread = (max(column) / key.scale for column in zip(*known, strict=True))
+    over = max((miss / spread for miss, spread in known if spread > 0), default=None)
+    reached = max(0.0, min(MOST_DIGITS, -math.log10(max(error, spread, 10.0**-MOST_DIGITS))))
+    status, message = RIGHT if reached >= digits else "wrong", ""
+    if len(known) < needed:
+        status, message = "missing", f"{needed - len(known)} of {needed} values"
+    return Digits(name, status, message, reached, error, over, len(known), needed)
 
 
 def _without(name: str, key: Certified, status: str, message: str = "") -> Digits:
@@ -105,20 +157,3 @@ def _finite(value: float) -> bool:
         return math.isfinite(value)
     except OverflowError:
         return False
-
-
-def _compared(name: str, key: Certified, values: Sequence[float | None], digits: float) -> Digits:
-    """A row of numbers, of which some may be missing."""
-    scale = scale_of(name, key.value)
-    known = [
-        (abs(value - exact), spread)
-        for value, exact, spread in zip(values, key.value, key.uncertainty, strict=True)
-        if value is not None
-    ]
-    error, spread = max(miss for miss, _ in known) / scale, max(u for _, u in known) / scale
-    ratios = [miss / u for miss, u in known if u > 0]
-    reached = max(0.0, min(MOST_DIGITS, -math.log10(max(error, spread, 10.0**-MOST_DIGITS))))
-    status, message = RIGHT if reached >= digits else "wrong", ""
-    if len(known) < len(values):
-        status, message = "missing", f"{len(values) - len(known)} of {len(values)} values"
-    return Digits(name, status, message, reached, error, max(ratios, default=None), len(known), len(values))

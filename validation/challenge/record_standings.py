@@ -11,7 +11,6 @@ grids,
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,7 @@ import numpy as np
 from bem.scene.atomic_file import write_atomically
 from validation.challenge import run_judge
 from validation.challenge.judging import judged
-from validation.challenge.problem import ChallengeError, Shipped, scale_of
+from validation.challenge.problem import COUNTS, ChallengeError, Shipped
 from validation.challenge.standings import ENTRANTS, RECORD, SCHEMA, SOLVERS, Entrant, recorded
 from validation.harness.execution import Listener, Note
 from validation.harness.provenance import provenance
@@ -34,6 +33,9 @@ DIGITS = 3.0
 EXTRAPOLATED = ", extrapolated"
 TITLE = "All problems: geometric means over the problems that a solver answers"
 MACHINE, TOLD = ("system", "processor", "cores"), ("date", "commit", "python", "numpy", "scipy", "kernels")
+OF_PROBLEM = ("problem", "status", "message", "seconds", "cpu_seconds")
+OF_QUANTITY = ("quantity", "status", "digits", "error", "answered", "asked")
+Entry = dict[str, Any]  # of standings.json: what a solver at a setting made of a problem
 
 
 def record(folder: Path, solvers: Sequence[str], limit: float, report: Listener) -> Path:
@@ -45,7 +47,6 @@ def record(folder: Path, solvers: Sequence[str], limit: float, report: Listener)
     for name in solvers:
         if name not in SOLVERS:
             raise ChallengeError(f"solver {name!r}: one of {', '.join(SOLVERS)} is needed")
-    problems = run_judge.chosen(None)
     for entrant in ENTRANTS:
         if solvers and entrant.name not in solvers:
             continue
@@ -54,59 +55,57 @@ def record(folder: Path, solvers: Sequence[str], limit: float, report: Listener)
                 raise ChallengeError(f"solver {entrant.name!r}: {', '.join(entrant.missing)} not installed")
             report(Note(f"{entrant.name}: {', '.join(entrant.missing)} not installed, its entries are kept"))
             continue
-        made = _entries(entrant, problems, limit, folder, report)
-        before = recorded()  # another solver may have been run meanwhile
-        replaced = (entrant.name, entrant.name + EXTRAPOLATED)
-        entries = [entry for entry in before["entries"] if entry["solver"] not in replaced] + made
-        facts = provenance()
-        spent = sum(entry["cpu_seconds"] or 0.0 for entry in made if entry["solver"] == entrant.name)
-        told = {name: facts[name] for name in TOLD} | {name: metadata.version(name) for name in entrant.needs}
-        run = ", ".join(f"{name} {value}" for name, value in told.items()) + f"; {spent:.0f} CPU seconds in all"
-        ran = before["run_on"] | {name: facts[name] for name in MACHINE} | {entrant.name: run}
-        order = {name: index for index, name in enumerate(SOLVERS)}
-        entries.sort(key=lambda entry: order[entry["solver"].removesuffix(EXTRAPOLATED)])
-        content = plain({"schema": SCHEMA, "digits": DIGITS, "run_on": ran, "entries": entries})
-        save(drawn_standings(TITLE, overall_curves(entries)), RECORD.with_suffix(".svg"))
-        write_atomically(RECORD, json.dumps(content, allow_nan=False).replace('{"solver"', '\n{"solver"') + "\n")
+        _replace(entrant, _entries(entrant, limit, folder, report))
     return RECORD
 
 
-def _entries(
-    entrant: Entrant, problems: Sequence[Shipped], limit: float, folder: Path, report: Listener
-) -> list[dict[str, Any]]:
-    """An entry for each setting and problem."""
-    made, by_problem = [], dict[str, list[Answer]]()
-    for setting, spec in entrant.settings:
+def _replace(entrant: Entrant, made: list[Entry]) -> None:
+    """Put the entries of an entrant in the place of those on record, and draw the record anew."""
+    before = recorded()  # another solver may have been run meanwhile
+    replaced = (entrant.name, entrant.name + EXTRAPOLATED)
+    entries = [entry for entry in before["entries"] if entry["solver"] not in replaced] + made
+    entries.sort(key=lambda entry: SOLVERS.index(entry["solver"].removesuffix(EXTRAPOLATED)))
+    facts = provenance()
+    spent = sum(entry["cpu_seconds"] or 0.0 for entry in made if entry["solver"] == entrant.name)
+    told = {name: facts[name] for name in TOLD} | {name: metadata.version(name) for name in entrant.needs}
+    run = ", ".join(f"{name} {value}" for name, value in told.items()) + f"; {spent:.0f} CPU seconds in all"
+    ran = before["run_on"] | {name: facts[name] for name in MACHINE} | {entrant.name: run}
+    content = plain({"schema": SCHEMA, "digits": DIGITS, "run_on": ran, "entries": entries})
+    save(drawn_standings(TITLE, overall_curves(entries)), RECORD.with_suffix(".svg"))
+    write_atomically(RECORD, json.dumps(content, allow_nan=False).replace('{"solver"', '\n{"solver"') + "\n")
+
+
+def _entries(entrant: Entrant, limit: float, folder: Path, report: Listener) -> list[Entry]:
+    """An entry for each setting and problem, and for what grids tend to."""
+    problems, made, answers = run_judge.chosen(None), list[Entry](), list[list[Answer]]()
+    for setting, door in entrant.doors.items():
         report(Note(f"{entrant.name}, {setting}"))
-        for one, found in zip(problems, run_judge.solved(spec, problems, limit, folder, report), strict=True):
-            by_problem.setdefault(one.name, []).append(found)
-            made.append(_entry(entrant.name, setting, one, found))
-    if entrant.grids:
-        for one in problems:
-            found = extrapolated(one.data, by_problem[one.name])
-            entry = _entry(entrant.name + EXTRAPOLATED, "from the two finest grids", one, found)
-            finest = by_problem[one.name][-1]
-            for row in entry["rows"]:
-                row["estimated"] = estimated(one, row["quantity"], finest, found)
-            made.append(entry)
+        answers.append(run_judge.solved(door, problems, limit, folder, report))
+        made += [_entry(entrant.name, setting, one, found) for one, found in zip(problems, answers[-1], strict=True)]
+    for one, *grids in zip(problems, *answers, strict=True) if entrant.grids else ():
+        found = extrapolated(one.data, grids)
+        entry = _entry(entrant.name + EXTRAPOLATED, "from the two finest grids", one, found)
+        for row in entry["rows"]:
+            row["estimated"] = estimated(one, row["quantity"], grids[-1], found)
+        made.append(entry)
     return made
 
 
-def _entry(solver: str, setting: str, one: Shipped, found: Answer) -> dict[str, Any]:
-    row = asdict(judged(one.key, found, DIGITS))
-    kept = ("quantity", "status", "digits", "error", "answered", "asked")
-    row["rows"] = [{name: _rounded(r[name]) for name in kept} for r in row["rows"]]
-    del row["ignored"]
-    return {"solver": solver, "setting": setting} | {name: _rounded(value) for name, value in row.items()}
+def _entry(solver: str, setting: str, one: Shipped, found: Answer) -> Entry:
+    def told(record: Any, names: Sequence[str]) -> Entry:
+        return {name: _rounded(getattr(record, name)) for name in names}
+
+    row = judged(one, found, DIGITS)
+    rows = [told(each, OF_QUANTITY) for each in row.rows]
+    return {"solver": solver, "setting": setting, **told(row, OF_PROBLEM), "rows": rows}
 
 
 def estimated(one: Shipped, quantity: str, finest: Answer, limit: Answer) -> float | None:
     """What extrapolation says of the error of the finest grid, over the scale; None where a value is not there."""
-    values, limits = (np.atleast_1d(np.asarray(found.values.get(quantity), object)) for found in (finest, limit))
-    if values.shape != limits.shape or any(value is None for value in (*values, *limits)):
+    values, limits = (np.array(found.values.get(quantity), dtype=np.float64) for found in (finest, limit))
+    if values.shape != limits.shape or np.any(np.isnan(values - limits)):
         return None
-    miss = np.abs(values.astype(np.float64) - limits.astype(np.float64))
-    return float(_rounded(float(np.max(miss)) / scale_of(quantity, one.key.answers[quantity].value)))
+    return float(_rounded(float(np.max(np.abs(values - limits))) / one.answers[quantity].scale))
 
 
 def _rounded(value: Any) -> Any:
@@ -114,17 +113,17 @@ def _rounded(value: Any) -> Any:
     return float(f"{value:.3g}") if isinstance(value, float) else value
 
 
-WHOLE = ("patches",)  # counts, of which the finest grid's stands
-
-
 def extrapolated(problem: Mapping[str, Any], grids: Sequence[Answer]) -> Answer:
-    """The answers to a problem that grids, coarsest first, tend to; as the finest where it has none."""
-    fine, coarse = grids[-1], grids[-2]
+    """The answers to a problem that grids, coarsest first, tend to; as the finest where it has none.
+
+    Of counts those of the finest grid stand.
+    """
+    coarse, fine = grids[-2:]
     if fine.status != "answered" or coarse.status != "answered":
         return fine if fine.status != "answered" else coarse
     ratio = math.sqrt(2) if "adhesion" in problem else 2.0
     answers = {
-        name: value if name in WHOLE else _limit(value, coarse.values[name], ratio)
+        name: value if name in COUNTS else _limit(value, coarse.values[name], ratio)
         for name, value in fine.values.items()
         if name in coarse.values
     }
@@ -133,9 +132,9 @@ def extrapolated(problem: Mapping[str, Any], grids: Sequence[Answer]) -> Answer:
     return Answer("answered", told, answers, seconds=spent[0], cpu_seconds=spent[1])
 
 
-def _limit(fine: Any, coarse: Any, ratio: float) -> Any:
-    if isinstance(fine, list):
-        if len(fine) != len(coarse):
-            return None
-        return [_limit(x, y, ratio) for x, y in zip(fine, coarse, strict=True)]
-    return None if fine is None or coarse is None else fine + (fine - coarse) / (ratio - 1)
+def _limit(fine: Any, coarse: Any, ratio: float) -> list[float | None] | None:
+    """Of a list of numbers or None, of which it is None that remains; None where the lists do not fit."""
+    x, y = (np.array(values, dtype=np.float64) for values in (fine, coarse))
+    if x.shape != y.shape:
+        return None
+    return [None if math.isnan(value) else value for value in (x + (x - y) / (ratio - 1)).tolist()]

@@ -6,17 +6,19 @@ CSV: columns problem, quantity, index (from 0), value, in any order; others are 
 
 import csv
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from validation.challenge.problem import NAMES, ChallengeError, problem
+from validation.challenge.problem import NAMES, ChallengeError, Shipped, problem
+from validation.harness.route import Answer
 
 NEEDED = ("problem", "quantity", "index", "value")
 Submitted = dict[str, dict[str, Any]]
 
 
-def read_submission(path: Path) -> Submitted:
-    """Answers by problem and quantity, not yet judged.
+def submitted(path: Path, problems: Sequence[Shipped]) -> list[Answer]:
+    """What a file answers to each problem, not yet judged.
 
     ChallengeError, with the line or the name, where the file is neither, a line is not complete, or a problem does not
     exist.
@@ -38,7 +40,7 @@ def read_submission(path: Path) -> Submitted:
     for name in found:
         if name not in NAMES:
             raise ChallengeError(f"submission {path}: problem {name!r}: one of {', '.join(NAMES)} is needed")
-    return found
+    return [Answer(values=found.get(one.name, {})) for one in problems]
 
 
 def _of_json(path: Path, text: str) -> Submitted:
@@ -62,8 +64,8 @@ def _of_csv(path: Path, text: str) -> Submitted:
     if absent:
         header = ", ".join(reader.fieldnames or ("nothing",))
         raise ChallengeError(f"submission {path}: line 1: columns {', '.join(absent)} are missing, found: {header}")
-    asked = {name: problem(name).key.answers for name in NAMES}
-    found: dict[str, dict[str, dict[int, float]]] = {}
+    asked = {(name, quantity): len(key.value) for name in NAMES for quantity, key in problem(name).answers.items()}
+    found: dict[tuple[str, str], dict[int, float]] = {}
     for row in reader:
         where = f"submission {path}: line {reader.line_num}"
         if any(row[name] is None for name in NEEDED):
@@ -72,18 +74,14 @@ def _of_csv(path: Path, text: str) -> Submitted:
             index, value = int(row["index"]), float(row["value"])
         except ValueError as error:
             raise ChallengeError(f"{where}: index and value: {error}") from error
-        values = found.setdefault(row["problem"], {}).setdefault(row["quantity"], {})
-        key = asked.get(row["problem"], {}).get(row["quantity"])
-        most = "" if key is None else f" to {len(key.value) - 1}"
-        if index < 0 or index in values or (key is not None and index >= len(key.value)):
+        answered = row["problem"], row["quantity"]
+        values, count = found.setdefault(answered, {}), asked.get(answered)
+        if index < 0 or index in values or (count is not None and index >= count):
+            most = "" if count is None else f" to {count - 1}"
             raise ChallengeError(f"{where}: index {index}: each from 0{most} is needed once")
         values[index] = value
-    return {
-        name: {
-            key: [values.get(i) for i in range(max(values) + 1)]
-            if key in asked.get(name, {})
-            else list(values.values())
-            for key, values in answers.items()
-        }
-        for name, answers in found.items()
-    }
+    answers: Submitted = {}
+    for (name, quantity), values in found.items():
+        places = range(max(values) + 1) if (name, quantity) in asked else values
+        answers.setdefault(name, {})[quantity] = [values.get(place) for place in places]
+    return answers

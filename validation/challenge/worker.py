@@ -3,7 +3,7 @@
 `python -m validation.challenge.worker MODULE:FUNCTION FILE [BYTES]` writes JSON with `status` ("answered", "not
 offered", "crashed", "out of memory"), `message`, `values`, `seconds` and `cpu_seconds`; without a problem on stdin
 only the solver is looked up.  BYTES is the address space that the process, and each that it starts, may fill.  Imports
-nothing of the suite: a solver is measured alone.
+nothing of the suite but for a route, MODULE:FUNCTION@SETTING: a solver is measured alone.
 """
 
 import json
@@ -14,6 +14,7 @@ import threading
 import time
 import tomllib
 import traceback
+from ast import literal_eval
 from collections.abc import Callable
 from contextlib import suppress
 from importlib import import_module
@@ -50,14 +51,21 @@ def main(spec: str, file: Path, memory: int | None = None) -> None:
 
 
 def solver_of(spec: str) -> Callable[[dict[str, Any]], Any]:
-    """The function that `package.module:function` names; ValueError where it names none."""
-    module, _, name = spec.partition(":")
+    """The function that `package.module:function` names, or the route that it does at the setting behind an @.
+
+    ValueError where it names none, or the setting is no Python literal.
+    """
+    module, _, named = spec.partition(":")
+    name, _, setting = named.partition("@")
     solver: Any = import_module(module)
     for part in name.split("."):
         solver = getattr(solver, part, None)
     if not callable(solver):
         raise ValueError(f"solver {spec!r}: {module} has no function {name!r}")
-    return solver  # type: ignore[no-any-return]
+    if not setting:
+        return solver  # type: ignore[no-any-return]
+    behind_the_door = import_module("validation.harness.route").behind_the_door
+    return behind_the_door(solver, literal_eval(setting))  # type: ignore[no-any-return]
 
 
 def called(solver: Callable[[dict[str, Any]], Any], problem: dict[str, Any]) -> dict[str, Any]:

@@ -26,6 +26,7 @@ from validation.report.render import ReportError
 
 SAME = 1e-6  # of the largest target: two states are at the same one
 LIMIT = 2.0  # of the combined uncertainty of two estimates
+KINDS = {REPORT_FILE: "a verification report", RESULT_FILE: "a result"}  # by the file that a folder holds
 WORDS = ("n_patches", "status")  # of a state, which are the same or not
 
 
@@ -49,17 +50,12 @@ class Apart:
         return math.inf if math.isnan(apart) or self.combined == 0 else apart / self.combined
 
     @property
-    def relative(self) -> float:
-        """Difference over the larger of the two; NaN where one is none."""
-        larger = max(abs(self.a), abs(self.b))
-        return abs(self.a - self.b) / larger if larger else 0.0
-
-    @property
     def in_percent(self) -> str:
-        """The same in words; what rounding makes of a number is no difference."""
-        if self.a == self.b or self.relative <= ROUNDING:
+        """Difference over the larger of the two, in words; what rounding makes of a number is no difference."""
+        apart, larger = abs(self.a - self.b), max(abs(self.a), abs(self.b))
+        if self.a == self.b or apart <= ROUNDING * larger:
             return "the same to rounding"
-        return "one is no number" if math.isnan(self.relative) else f"{100 * self.relative:.2g} % apart"
+        return "one is no number" if math.isnan(apart / larger) else f"{100 * apart / larger:.2g} % apart"
 
     @property
     def differs(self) -> bool:
@@ -104,7 +100,7 @@ def compare(a: Path, b: Path) -> ComparedFolders:
     kind, other = _kind(a), _kind(b)
     if kind != other:
         raise ReportError(f"not comparable: {a} holds {kind}, {b} holds {other}")
-    if kind == "a result":
+    if kind == KINDS[RESULT_FILE]:
         found = compare_results(read_result(a), read_result(b))
     else:
         found = compare_reports(read_report(a), read_report(b))
@@ -119,7 +115,7 @@ def folders_of(given: Sequence[Path]) -> list[Path]:
     ReportError where they are fewer than two.
     """
     found = list(given)
-    if len(found) == 1 and not any((found[0] / file).exists() for file in (REPORT_FILE, RESULT_FILE)):
+    if len(found) == 1 and not any((found[0] / file).exists() for file in KINDS):
         found = sorted(path.parent for path in found[0].glob(f"*/{REPORT_FILE}"))
     if len(found) < 2:
         said = ", ".join(map(str, given))
@@ -139,7 +135,7 @@ def read_reports(folders: Iterable[Path]) -> list[Report]:
 
 
 def _kind(folder: Path) -> str:
-    for file, kind in ((REPORT_FILE, "a verification report"), (RESULT_FILE, "a result")):
+    for file, kind in KINDS.items():
         if (folder / file).exists():
             return kind
     raise ReportError(f"{folder}: neither {RESULT_FILE} nor {REPORT_FILE} there")

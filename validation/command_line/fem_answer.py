@@ -40,7 +40,7 @@ MOST_PATCHES = 40
 GRID = 64  # points per shortest wavelength at which the gap is looked at
 DONE, FAILED, BAD_INPUT = 0, 1, 2
 NUMBERS = ("penetration", "total_displacement", "mean_pressure", "contact_fraction")
-ENERGIES = ("elastic_energy", "adhesion_energy", "total_energy")
+ENERGIES = ("elastic_energy", "adhesion_energy", "total_energy")  # of a period; per area in what is written
 
 
 def add_command(commands: Any, perform: Any) -> None:

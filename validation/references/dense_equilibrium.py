@@ -19,7 +19,7 @@ from bem.geometry.scaling import Solid
 from bem.scene.result import State
 from bem.scene.scene import Scene
 from validation.harness.arrays import FloatArray, IntArray
-from validation.references.adapters import taken
+from validation.references.adapters import problem_of
 from validation.references.dense import DenseState, SmoothKernel, dense_nodes, evaluate_dense
 
 STEPS, FAR_STEPS = 8, 60
@@ -68,22 +68,20 @@ def reference(scene: Scene, state: State, refinement: int = 1) -> dict[str, floa
     `refinement` multiplies the nodes that dense algebra needs; 2 doubles the resolution. NoReferenceError where Newton
     did not converge, ValueError for a table of the scene that dense algebra does not provide.
     """
-    raw, _, layered, adhesive = taken(scene, "dense algebra", "solid", "profile", "layer", "adhesion")
-    surface = scene.surface()
-    profile = surface.scaled()
-    solid = Solid(raw.youngs_modulus, raw.poisson_ratio)
-    modulus = raw.youngs_modulus / (1 - raw.poisson_ratio**2)
+    problem, surface = problem_of(scene, "dense algebra", "layer", "adhesion"), scene.surface()
+    profile, solid = surface.scaled(), Solid(problem.youngs_modulus, problem.poisson_ratio)
+    modulus = problem.youngs_modulus / (1 - problem.poisson_ratio**2)
     q0, rms = 2 * np.pi / surface.period, surface.rms_height
     stress, energy = modulus * q0 * rms / 2, modulus * rms**2 / (2 * surface.period)
     interface = None
-    if adhesive is not None:
-        gamma = adhesive.work_of_adhesion / (modulus * rms**2 * q0 / 2)
-        interface = Interface(gamma, profile, q0 * rms if adhesive.slope_term else 0.0)
+    if problem.work_of_adhesion is not None:
+        gamma = problem.work_of_adhesion / (modulus * rms**2 * q0 / 2)
+        interface = Interface(gamma, profile, q0 * rms if problem.slope_term else 0.0)
     kernel, compliance, terms = None, 0.0, np.zeros(len(state.edges), dtype=np.int64)
     edges = np.array(state.edges) * q0
     left, right = edges[:, 0], edges[:, 1]
-    if layered is not None:
-        layer = Layer(layered.thickness)
+    if problem.thickness is not None:
+        layer = Layer(problem.thickness)
         addition = layer.kernel(solid, surface.period, 1e-16)
         kernel = SmoothKernel(addition.smooth, addition.slope)
         terms = addition.modes_of_kernel(right - left, 1e-14).astype(np.int64)

@@ -13,7 +13,10 @@ import fem_reference
 from bem.scene.scene import Scene
 from fem_reference import Resolution, Result
 from validation.harness.arrays import FloatArray
-from validation.references.adapters import taken
+from validation.harness.route import Problem
+from validation.references.adapters import contact_of, problem_of
+
+DEPTH = 3.0  # periods: a layer so thick is the half-space within 1e-12
 
 
 def fem_arguments(posed: Scene) -> dict[str, Any]:
@@ -21,20 +24,22 @@ def fem_arguments(posed: Scene) -> dict[str, Any]:
 
     ValueError without a layer, and for a table that the finite elements do not know.
     """
-    solid, _, layer, adhesion = taken(posed, "the finite element reference", "solid", "profile", "layer", "adhesion")
-    if layer is None:
+    problem = problem_of(posed, "the finite element reference", "layer", "adhesion")
+    if problem.thickness is None:
         raise ValueError("scene: the finite element reference needs a [layer]")
-    surface = posed.surface()
+    return raw(problem) | {"control": problem.control, "value": problem.targets[-1]}
+
+
+def raw(problem: Problem) -> dict[str, Any]:
+    """What the finite elements are told of solid, profile and adhesion; a half-space is a layer of DEPTH."""
     return {
-        "youngs_modulus": solid.youngs_modulus,
-        "poisson_ratio": solid.poisson_ratio,
-        "thickness": layer.thickness,
-        "period": surface.period,
-        "harmonics": (surface.orders, surface.amplitudes, surface.phases),
-        "work_of_adhesion": 0.0 if adhesion is None else adhesion.work_of_adhesion,
-        "slope_term": False if adhesion is None else adhesion.slope_term,
-        "control": posed.loading.control,
-        "value": float(posed.loading.targets[-1]),
+        "youngs_modulus": problem.youngs_modulus,
+        "poisson_ratio": problem.poisson_ratio,
+        "thickness": DEPTH * problem.period if problem.thickness is None else problem.thickness,
+        "period": problem.period,
+        "harmonics": problem.harmonics,
+        "work_of_adhesion": problem.work_of_adhesion or 0.0,
+        "slope_term": problem.slope_term,
     }
 
 
@@ -54,14 +59,7 @@ def contact_state(posed: Scene, edges: ArrayLike, penetration: float) -> bem.Con
 
     ValueError for a table that `bem.ContactState` does not know.
     """
-    solid, _, layer, _ = taken(posed, "bem.ContactState", "solid", "profile", "layer", "adhesion")
-    return bem.ContactState(
-        posed.surface(),
-        bem.Solid(solid.youngs_modulus, solid.poisson_ratio),
-        edges,
-        penetration,
-        layer=None if layer is None else bem.Layer(layer.thickness),
-    )
+    return contact_of(problem_of(posed, "bem.ContactState", "layer", "adhesion"), edges, penetration)
 
 
 def middle_pressure(state: bem.ContactState) -> FloatArray:

@@ -12,12 +12,13 @@ from dataclasses import dataclass
 from importlib import import_module
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from bem.scene.scene import Scene
 from validation.harness import route
 from validation.harness.arrays import FloatArray
-from validation.references.adapters import taken
+from validation.harness.route import Problem
+from validation.references.adapters import problem_of
 
 PACKAGES = ("ContactMechanics", "SurfaceTopography")
 LARGEST_OVERLAP = 1e-12  # m
@@ -57,13 +58,12 @@ def grid_contact(scene: Scene, mean_pressure: float, points: int) -> GridContact
     """Contact of the profile of a scene at a mean pressure in Pa, on more points than twice the highest harmonic.
 
     NotConvergedError after `ITERATIONS` iterations; ValueError where the scene has adhesion, a layer, or anything else
-    that these grids do not know.
+    that these grids do not know, NotImplementedError where they do not resolve its profile.
     """
-    taken(scene, "the solver on a grid", "solid", "profile")
-    surface = scene.surface()
-    modulus = scene.solid.youngs_modulus / (1 - scene.solid.poisson_ratio**2)
-    height, _ = on_grid(surface.period, (surface.orders, surface.amplitudes, surface.phases), points)
-    gap, contact, iterations = pressed(height, surface.period, modulus, mean_pressure)
+    problem = problem_of(scene, "the solver on a grid")
+    modulus = problem.youngs_modulus / (1 - problem.poisson_ratio**2)
+    height, _ = on_grid(problem, points)
+    gap, contact, iterations = pressed(height, problem.period, modulus, mean_pressure)
     return GridContact(points, float(np.mean(gap)), float(np.mean(contact)), iterations)
 
 
@@ -105,17 +105,15 @@ def extrapolated(grids: list[GridContact]) -> Extrapolated:
     )
 
 
-def on_grid(
-    period: float, harmonics: tuple[ArrayLike, ArrayLike, ArrayLike], points: int
-) -> tuple[FloatArray, FloatArray]:
-    """Heights and slopes at x = k period / points, (points,) each, from orders, amplitudes in m and phases.
+def on_grid(problem: Problem, points: int) -> tuple[FloatArray, FloatArray]:
+    """Heights in m and slopes of a profile at x = k period / points, (points,) each.
 
-    ValueError where the points do not resolve them.
+    NotImplementedError where the points do not resolve them.
     """
-    orders, amplitudes, phases = map(np.asarray, harmonics)
+    orders, amplitudes, phases = problem.harmonics
     if points <= 2 * int(orders.max()):
-        raise ValueError(f"{points} points do not resolve {int(orders.max())} harmonics")
+        raise NotImplementedError(f"{points} points do not resolve {int(orders.max())} harmonics")
     modes = np.zeros(points // 2 + 1, dtype=np.complex128)
     modes[orders] = amplitudes * np.exp(1j * phases) * points / 2
-    slopes = 1j * 2 * np.pi / period * np.arange(modes.size) * modes
+    slopes = 1j * 2 * np.pi / problem.period * np.arange(modes.size) * modes
     return np.fft.irfft(modes, points), np.fft.irfft(slopes, points)

@@ -170,6 +170,12 @@ def surface_of(problem: Problem) -> Surface:
     )  # fmt: skip
 
 
+def highest(problem: Problem) -> float:
+    """Height of the highest crest above the mean plane, m: separation and penetration together."""
+    surface = surface_of(problem)
+    return surface.highest * surface.unit_height
+
+
 def overlap(problem: Problem) -> FloatArray:
     """Where the undeformed profile is above the undeformed face: edges (L, 2) to start from, m."""
     surface = surface_of(problem)

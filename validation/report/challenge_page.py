@@ -110,7 +110,8 @@ def render_challenge(judged: Mapping[str, Any], standings: Mapping[str, Any]) ->
     """The page as text, from the content of challenge.json and of standings.json."""
     names = [problem["problem"] for problem in judged["problems"]]
     entries = [entry for entry in standings["entries"] if entry["problem"] in names]
-    label = judged["solver"].rpartition(".")[2] if ":" in judged["solver"] else judged["solver"]
+    module, _, function = judged["solver"].partition(":")
+    label = f"{module.rpartition('.')[2]}:{function}" if function else judged["solver"]
     limit = judged["digits"]
     here = standing(judged["solver"], "judged here", judged["problems"], limit)
     table = [*(standing(*key, problems, limit) for key, problems in _grouped(entries).items()), here]

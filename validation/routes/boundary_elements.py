@@ -8,7 +8,8 @@ import bem
 from bem.scene.result import Event, Result, State
 from bem.scene.scene import parse_scene
 from validation.harness.arrays import FloatArray
-from validation.harness.route import Answer, Laps, Place, Problem, behind_the_door
+from validation.harness.route import Answer, Laps, Place, Problem
+from validation.references.adapters import contact_of
 from validation.references.posed_contacts import scene_tables
 
 PATH_DOUBT = "what another branch may make"  # of an answer: that it is small in one problem says nothing of the next
@@ -60,15 +61,6 @@ def answers(problem: Problem, result: Result) -> dict[str, list[Any]]:
     return problem.answered(found)
 
 
-def contact_of(problem: Problem, edges: Any, penetration: float) -> bem.ContactState:
-    """The elastic state at edges and penetration."""
-    profile = bem.Profile.from_harmonics(problem.period, *problem.harmonics)
-    layer = None if problem.thickness is None else bem.Layer(problem.thickness)
-    return bem.ContactState(
-        profile, bem.Solid(problem.youngs_modulus, problem.poisson_ratio), edges, penetration, layer
-    )
-
-
 def _at_target(problem: Problem, name: str, asked: Place, state: State) -> Any:
     """Edges, or a field of one state."""
     if name == "edges":
@@ -110,6 +102,3 @@ def _of_events(problem: Problem, name: str, events: tuple[Event, ...]) -> Any:
         return [event.mean_pressure for event in events[first:] if (event.energy_released or 0.0) > least]
     (last,) = (event for event in events if event.kind == "pull_off")
     return last.penetration if name == "pull_off_penetration" else last.mean_pressure
-
-
-tol_1e_3, tol_1e_6, tol_1e_9, tol_1e_12 = (behind_the_door(solve, value) for value in (1e-3, 1e-6, 1e-9, 1e-12))

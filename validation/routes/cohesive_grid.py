@@ -22,9 +22,9 @@ from numpy.typing import ArrayLike
 
 from validation.harness import route
 from validation.harness.arrays import FloatArray
-from validation.harness.route import Answer, Laps, Problem, behind_the_door
+from validation.harness.route import Answer, Laps, Problem
 from validation.references.fft_solver import pressed
-from validation.references.posed_contacts import surface_of
+from validation.references.posed_contacts import highest
 from validation.routes.uniform_grid import Grid, OnGrid, affordable, answers
 
 PACKAGES = ("Adhesion", "ContactMechanics", "NuMPI", "SurfaceTopography")
@@ -39,7 +39,7 @@ def missing() -> str:
     return route.missing("peers", *PACKAGES)
 
 
-def cohesive_range(problem: Problem, points: int, spacings: int) -> float:
+def cohesive_range(problem: Problem, points: int, spacings: int = SPACINGS) -> float:
     """rho in m by which cohesion acts along this many spacings of the grid.
 
     Examples
@@ -109,9 +109,9 @@ def solve(problem: Problem, points: int, spacings: int = SPACINGS, steps: int | 
     height, slope = grid.profile()
     counted = slope if problem.slope_term else 0.0
     system = CohesiveGrid(height, counted, grid.period, grid.modulus, (problem.work_of_adhesion, rho))
-    surface, targets = surface_of(problem), np.array(problem.targets)
+    targets = np.array(problem.targets)
     if problem.control == "penetration":
-        targets = surface.highest * surface.unit_height - targets
+        targets = highest(problem) - targets
     laps.end("setup")
     gap, mean, iterations, kept = height.max() - height, float(np.mean(height.max() - height)), 0, list[FloatArray]()
     for target in targets:
@@ -125,6 +125,3 @@ def solve(problem: Problem, points: int, spacings: int = SPACINGS, steps: int | 
     laps.end("post")
     counts, details = {"iterations": iterations}, {"cohesive range / m": rho}
     return Answer(values=values, unknowns=grid.points, counts=counts, parts=laps.parts, details=details)
-
-
-on_256, on_512, on_1024, on_2048 = (behind_the_door(solve, n) for n in (256, 512, 1024, 2048))

@@ -12,10 +12,10 @@ from bem.elastic.layer import Layer
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Scales, Solid
 from validation.harness.route import Answer, Laps, Problem
+from validation.references.adapters import contact_of
 from validation.references.dense import SmoothKernel
 from validation.references.dense_equilibrium import Interface, converged
 from validation.references.posed_contacts import overlap
-from validation.routes.boundary_elements import contact_of
 
 
 def solve(problem: Problem, nodes: int) -> Answer:

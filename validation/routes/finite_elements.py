@@ -4,6 +4,7 @@
 `finest` takes three meshes, and with them the uncertainty that the reference states of itself.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -15,9 +16,9 @@ from fem_reference.mesh import Resolution
 from fem_reference.result import quantities
 from fem_reference.solve import closed, control_of, problem_of
 from validation.harness.arrays import FloatArray
-from validation.harness.route import Answer, Laps, Problem, behind_the_door
+from validation.harness.route import Answer, Laps, Problem
+from validation.references.fem_adapter import raw
 
-DEPTH = 3.0  # periods: a layer so thick is the half-space within 1e-12
 POINTS = 4096
 MOST_HARMONICS = 4
 
@@ -32,7 +33,7 @@ def solve(problem: Problem, setting: tuple[int, int, int], start: FloatArray | N
     if problem.work_of_adhesion is not None and len(problem.targets) > 1:
         raise NotImplementedError("paths of loading and unloading")
     laps = Laps()
-    posed = problem_of(**_raw(problem))
+    posed = problem_of(**raw(problem))
     patches = crests(problem) if problem.control == "penetration" else 1
     laps.end("setup")
     found: list[Evaluation] = []
@@ -43,17 +44,15 @@ def solve(problem: Problem, setting: tuple[int, int, int], start: FloatArray | N
             raise ArithmeticError(f"{last.outcome}: {last.message}")
         found.append(last.evaluation)
     laps.end("solve")
-    states = [quantities(evaluation) for evaluation in found]
+    every = [quantities(evaluation) for evaluation in found]
+    states = [_scalars(problem, state) for state in every]
     highest = problem.height(np.linspace(0, problem.period, POINTS)).max()
-    values: dict[str, Any] = {
-        "contact_fraction": [state["contact_fraction"] for state in states],
-        "gap_fraction": [1 - state["contact_fraction"] for state in states],
-        "mean_pressure": [state["mean_pressure"] for state in states],
-        "separation": [highest - state["penetration"] for state in states],
-        "elastic_energy": [state["elastic_energy"] / problem.period for state in states],
-        "patches": [len(np.atleast_1d(state["edges"])) for state in states],
-        "edges": np.ravel(states[-1]["edges"]),
-        "stress_intensity_max": [np.max(state["stress_intensity"]) for state in states],
+    values: dict[str, Any] = {name: [state[name] for state in states] for name in states[0]}
+    values |= {
+        "gap_fraction": [1 - state["contact_fraction"] for state in every],
+        "separation": [highest - state["penetration"] for state in every],
+        "patches": [len(np.atleast_1d(state["edges"])) for state in every],
+        "edges": np.ravel(every[-1]["edges"]),
     }
     if gap := problem.asked.get("gap_at"):
         values["gap_at"] = _gap(found[int(gap["target"]) - 1], np.asarray(gap["points"]) / problem.period)
@@ -65,7 +64,7 @@ def solve(problem: Problem, setting: tuple[int, int, int], start: FloatArray | N
 def finest(problem: Problem, resolution: Resolution, patches: int) -> Answer:
     """The last target as a state of so many contacts, on three meshes; ArithmeticError where there is none."""
     found = fem_reference.solve(
-        **_raw(problem),
+        **raw(problem),
         control=problem.control,  # type: ignore[arg-type]
         value=problem.targets[-1],
         patches=patches,
@@ -74,21 +73,21 @@ def finest(problem: Problem, resolution: Resolution, patches: int) -> Answer:
     if found.status != "converged":
         raise ArithmeticError(f"{problem.id}: finite elements: {found.status}: {found.message}")
     spread = found.uncertainty
-    known: dict[str, tuple[Any, Any]] = {
-        "contact_fraction": (found.contact_fraction, spread["contact_fraction"]),
-        "mean_pressure": (found.mean_pressure, spread["mean_pressure"]),
-        "elastic_energy": (
-            found.elastic_energy / problem.period,
-            np.asarray(spread["elastic_energy"]) / problem.period,
-        ),
-        "edges": (np.ravel(found.edges), np.ravel(spread["edges"])),
-        "stress_intensity_max": (np.max(found.stress_intensity), np.max(spread["stress_intensity"])),
-        "patches": (len(found.edges), 0.0),
-    }
+    values = _scalars(problem, vars(found)) | {"edges": np.ravel(found.edges), "patches": len(found.edges)}
+    uncertainty = _scalars(problem, spread) | {"edges": np.ravel(spread["edges"]), "patches": 0.0}
     if gap := problem.asked.get("gap_at"):
-        known["gap_at"] = found.gap(np.asarray(gap["points"])), np.max(spread["gap"])
-    values, uncertainty = ({name: pair[i] for name, pair in known.items()} for i in (0, 1))
+        values["gap_at"], uncertainty["gap_at"] = found.gap(np.asarray(gap["points"])), np.max(spread["gap"])
     return Answer(values=problem.answered(values), uncertainty=problem.answered(uncertainty))
+
+
+def _scalars(problem: Problem, state: Mapping[str, Any]) -> dict[str, Any]:
+    """Of the quantities of a state, or their uncertainties, those that are numbers, energy per area."""
+    return {
+        "contact_fraction": state["contact_fraction"],
+        "mean_pressure": state["mean_pressure"],
+        "elastic_energy": np.asarray(state["elastic_energy"]) / problem.period,
+        "stress_intensity_max": np.max(state["stress_intensity"]),
+    }
 
 
 def crests(problem: Problem) -> int:
@@ -96,19 +95,6 @@ def crests(problem: Problem) -> int:
     height = problem.height(np.arange(POINTS) * (problem.period / POINTS))
     inside = height > height.max() - problem.targets[-1]
     return int(np.sum(inside & ~np.roll(inside, 1)))
-
-
-def _raw(problem: Problem) -> dict[str, Any]:
-    """What both codes of finite elements are told of solid, profile and adhesion."""
-    return {
-        "youngs_modulus": problem.youngs_modulus,
-        "poisson_ratio": problem.poisson_ratio,
-        "thickness": DEPTH * problem.period if problem.thickness is None else problem.thickness,
-        "period": problem.period,
-        "harmonics": problem.harmonics,
-        "work_of_adhesion": problem.work_of_adhesion or 0.0,
-        "slope_term": problem.slope_term,
-    }
 
 
 def _gap(evaluation: Evaluation, place: FloatArray) -> FloatArray:
@@ -120,6 +106,3 @@ def _gap(evaluation: Evaluation, place: FloatArray) -> FloatArray:
     face = interpolate(local, nodes.x, field[states.spaces.sizes[0] + nodes.index], nodes.order)
     plate = float(states.displacement_of_plate[0] + evaluation.load * states.displacement_of_plate[1])
     return np.asarray((face - (posed.height(place) - posed.highest + plate)) * posed.unit_height)
-
-
-p2_6, p2_12, p4_6 = (behind_the_door(solve, (p, n, 14)) for p, n in ((2, 6), (2, 12), (4, 6)))

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from validation.harness.route import Answer, Laps, Problem, behind_the_door
+from validation.harness.route import Answer, Laps, Problem
 from validation.references.paper_method import follow
 from validation.references.paper_method import solve as solve_state
-from validation.references.posed_contacts import overlap, surface_of
+from validation.references.posed_contacts import highest, overlap, surface_of
 
 STEPS = 30  # of the path to the deepest target
 RESIDUAL, GAP = 1e-4, 1e-3  # max |G/w - 1|; interpenetration in rms heights that makes no new contact
@@ -28,7 +28,7 @@ def solve(problem: Problem, cells: int, steps: int = STEPS, residual: float = RE
         raise NotImplementedError(f"more than {MOST} harmonics: hours")
     laps = Laps()
     surface, targets = surface_of(problem), np.array(problem.targets)
-    depths = targets if problem.control == "penetration" else surface.highest * surface.unit_height - targets
+    depths = targets if problem.control == "penetration" else highest(problem) - targets
     loading = depths[: int(np.argmax(depths)) + 1]
     way = np.union1d(np.linspace(0, loading[-1], steps + 1)[1:], loading)
     start = None if steps else overlap(problem)
@@ -62,6 +62,3 @@ def solve(problem: Problem, cells: int, steps: int = STEPS, residual: float = RE
     }
     laps.end("post")
     return Answer(values=problem.answered(values), unknowns=last.unknowns, counts=counts, parts=laps.parts)
-
-
-cells_4, cells_8, cells_16 = (behind_the_door(solve, n) for n in (4, 8, 16))

@@ -15,16 +15,21 @@ from persson import AdhesiveContact, DiscreteSpectrum
 from persson import solve as solve_plain
 from persson.adhesive import Route
 from persson.corrected import solve as solve_corrected
-from validation.harness.route import Answer, Laps, Problem, behind_the_door
-from validation.references.posed_contacts import surface_of
+from validation.harness.route import Answer, Laps, Problem
+from validation.references.posed_contacts import highest
 
 LEAST_LINES = 20
 LOWEST, HIGHEST = 1e-4, 2.0  # of E* times the rms slope: where loads are looked for
 WITHIN = 1e-4  # of a load
 
 
-def solve(problem: Problem, entry: Any) -> Answer:
-    """Areas, separations or loads, and energies, by a function of the theory."""
+def solve(problem: Problem, version: str) -> Answer:
+    """Areas, separations or loads, and energies, by the theory as published or as corrected."""
+    return solve_by(problem, {"published": solve_plain, "corrected": solve_corrected}[version])
+
+
+def solve_by(problem: Problem, entry: Any) -> Answer:
+    """The same by a function of the theory."""
     if problem.thickness is not None:
         raise NotImplementedError("layers")
     if len(problem.orders) < LEAST_LINES:
@@ -69,16 +74,12 @@ def solve(problem: Problem, entry: Any) -> Answer:
 
 def by_route(name: Route, problem: Problem, resolution: float) -> Answer:
     """By a numerical route of the published theory, `finite_volumes` or `volterra`, without separations."""
-    return solve(problem, partial(solve_plain, route=name, resolution=resolution, with_separation=False))
+    return solve_by(problem, partial(solve_plain, route=name, resolution=resolution, with_separation=False))
 
 
 def by_separation(problem: Problem, resolution: float) -> Answer:
     """The published theory at separations, or penetrations."""
     if problem.control == "penetration":
-        surface = surface_of(problem)
-        highest = surface.highest * surface.unit_height
-        problem = replace(problem, control="separation", targets=tuple(highest - depth for depth in problem.targets))
-    return solve(problem, partial(solve_plain, route="volterra", resolution=resolution))
-
-
-plain, corrected = (behind_the_door(solve, entry) for entry in (solve_plain, solve_corrected))
+        top = highest(problem)
+        problem = replace(problem, control="separation", targets=tuple(top - depth for depth in problem.targets))
+    return solve_by(problem, partial(solve_plain, route="volterra", resolution=resolution))

@@ -13,10 +13,11 @@ import numpy as np
 import tamaas
 
 from validation.harness.arrays import FloatArray
-from validation.harness.route import Answer, Problem, behind_the_door
+from validation.harness.route import Answer, Problem
+from validation.references.posed_contacts import highest
+from validation.routes.cohesive_grid import cohesive_range
 from validation.routes.uniform_grid import Grid, OnGrid, affordable, answers
 
-SPACINGS = 8
 STEPS = 20  # of the path between targets; the first is solved at once
 BARE, ADHESIVE = 1e-12, 1e-9  # tolerances of the solver
 ITERATIONS = 30_000
@@ -38,7 +39,7 @@ def solve(problem: Problem, points: int) -> Answer:
     kinds = tamaas.PolonskyKeerRey
     targets = np.array(problem.targets)
     if problem.control == "penetration":
-        targets = float(np.sum(np.abs(problem.amplitudes))) - targets  # separations; crests in phase
+        targets = highest(problem) - targets  # separations
     if problem.work_of_adhesion is None:
         solver = kinds(model, height, BARE)
         solver.max_iter = ITERATIONS
@@ -50,8 +51,7 @@ def solve(problem: Problem, points: int) -> Answer:
     )
     solver.max_iter = ITERATIONS
     cohesion = tamaas.ExponentialAdhesionFunctional(height)
-    rho = np.sqrt(SPACINGS * grid.period / points * work / grid.modulus)
-    cohesion.parameters = {"rho": float(rho), "surface_energy": float(work)}
+    cohesion.parameters = {"rho": cohesive_range(problem, points), "surface_energy": float(work)}
     solver.addFunctionalTerm(cohesion)
     states = [_state(solver, model, height, float(targets[0]), ADHESIVE)]
     for before, target in pairwise(targets):
@@ -73,6 +73,3 @@ def _state(solver: Any, model: Any, height: FloatArray, target: float, tolerance
     gap -= gap.min()
     contact = pressure > 0 if tolerance == BARE else gap <= TOUCHING
     return OnGrid(gap, contact, float(pressure.mean()))
-
-
-on_512, on_1024, on_2048, on_4096 = (behind_the_door(solve, n) for n in (512, 1024, 2048, 4096))

@@ -54,10 +54,7 @@ class Grid:
 
     def profile(self) -> tuple[FloatArray, FloatArray]:
         """Heights and slopes at the points; NotImplementedError where these do not resolve the profile."""
-        try:
-            return on_grid(self.period, self.problem.harmonics, self.points)
-        except ValueError as error:
-            raise NotImplementedError(str(error)) from error
+        return on_grid(self.problem, self.points)
 
 
 def answers(grid: Grid, states: list[OnGrid]) -> dict[str, list[Any]]:

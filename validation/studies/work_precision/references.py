@@ -31,7 +31,6 @@ ROUNDING = 2e-15  # of the scale of a quantity
 class Yardstick:
     """An answer to measure against."""
 
-    code: str  # whose numerics it is; `exact` for a closed form
     kind: ReferenceKind
     source: str  # in words, with the setting
     answer: Numbers  # and `uncertainty`: by the names of QUANTITIES, SI
@@ -57,21 +56,21 @@ class Source:
 def johnson(posed: Posed) -> Yardstick:
     """Closed form."""
     spread = {name: ROUNDING * scale for name, scale in posed.scales.items()}
-    return Yardstick("exact", "exact", "Johnson 1995", exact_sinusoid(posed), spread)
+    return Yardstick("exact", "Johnson 1995", exact_sinusoid(posed), spread)
 
 
 def finite_elements(posed: Posed) -> Yardstick:
     """Quartic elements on three meshes, the finest with 12 cells per period and 22 halvings at the edges."""
     found = finest(posed, Resolution(4, 12, 22), crests(posed))
     source = "fem, quartic, 6, 9 and 12 cells, tips halved 22 times on the finest; uncertainty of three meshes"
-    return Yardstick("fem", "FEM", source, numbers_of(found.values), numbers_of(found.uncertainty))
+    return Yardstick("FEM", source, numbers_of(found.values), numbers_of(found.uncertainty))
 
 
 def solver(kind: ReferenceKind, source: str, increment: float, posed: Posed) -> Yardstick:
     """The production solver at 1e-12 and a part of the increment; uncertainty: the change from 1e-10 and all of it."""
     at = (1e-12, increment), (1e-10, 1.0)
     fine, coarse = (numbers_of(boundary_elements.solve(posed, *settings).values) for settings in at)
-    return Yardstick("bem", kind, source, fine, _changes(posed, fine, coarse))
+    return Yardstick(kind, source, fine, _changes(posed, fine, coarse))
 
 
 def paper_extrapolated(posed: Posed) -> Yardstick:
@@ -88,14 +87,13 @@ def paper_extrapolated(posed: Posed) -> Yardstick:
         found.append(answer_of(state.contact_fraction, state.mean_pressure, state.elastic_energy / posed.period, gap))
     fine, coarse = _extrapolated(found[2], found[1]), _extrapolated(found[1], found[0])
     source = "the paper's method at 32 and 64 cells a patch, extrapolated"
-    return Yardstick("paper's method", "independent code", source, fine, _changes(posed, fine, coarse))
+    return Yardstick("independent code", source, fine, _changes(posed, fine, coarse))
 
 
 def persson_route(route: Route, name: str, posed: Posed) -> Yardstick:
     """A route of Persson's theory at resolution 8; uncertainty: the change from 4."""
     fine, coarse = (numbers_of(by_route(route, posed, resolution).values) for resolution in (8.0, 4.0))
-    code = f"persson, {route.replace('_', ' ')}"
-    return Yardstick(code, "independent code", f"the {name} at resolution 8", fine, _changes(posed, fine, coarse))
+    return Yardstick("independent code", f"the {name} at resolution 8", fine, _changes(posed, fine, coarse))
 
 
 JOHNSON = Source("Johnson 1995", "exact", johnson)
