@@ -9,9 +9,8 @@ import numpy as np
 
 import bem
 from bem.scene.result import Result
-from validation.cases.shared.checks import OVER_STATES, Against, case, column, posed, refused, solved, work
+from validation.cases.shared.checks import OVER_STATES, Against, Found, case, column, posed, refused, solved, work
 from validation.corpus.convergence_curves import bem_curves
-from validation.harness.case import Outcome
 from validation.harness.figure_data import axes, drawn, marks, semilogy, trace
 from validation.references.closed_forms import Sinusoid, full_contact_amplitudes
 
@@ -35,7 +34,7 @@ def _loop(wave: Sinusoid) -> tuple[Result, float]:
     return solved("sinusoid", adhesion=adhesion, loading={"targets": targets}), lowest
 
 
-def _johnson(alpha: float) -> Outcome:
+def _johnson(alpha: float) -> Found:
     wave = _wave(alpha)
     result, lowest = _loop(wave)
     states = [state for state in result.states if state.n_patches == 1]
@@ -45,53 +44,49 @@ def _johnson(alpha: float) -> Outcome:
     psi, star, (of_pressure, of_penetration, of_fold) = fraction * np.pi / 2, wave.full_contact_pressure, JOHNSON[alpha]
     known = Against("exact", "Johnson 1995, at the solver's own contact width")
     pull_off = [event.penetration for event in result.events if event.kind == "pull_off"]
-    rows = (
-        known.row("mean pressure over p*", "Pa", wave.mean_pressure(psi), pressure, of_pressure, OVER_STATES, star,
-                  pinned="unconverged"),  # between targets states lie where steps end
-        known.row("penetration over amplitude", "m", wave.penetration(psi), penetration, of_penetration, OVER_STATES,
-                  AMPLITUDE),
-        Against("exact", "fold of Johnson's penetration").row(
-            "penetration at pull-off over amplitude", "m", lowest, pull_off[:1] or [None], of_fold, "absolute",
-            AMPLITUDE),
-        Against("exact", "every state of the loop is an equilibrium").count(
-            "states whose certificate is not ok", 0.0, refused(result)),
-    )  # fmt: skip
+    # between targets states lie where steps end
+    yield known.row("mean pressure over p*", "Pa", wave.mean_pressure(psi), pressure, of_pressure, OVER_STATES, star,
+                    pinned="unconverged")  # fmt: skip
+    yield known.row("penetration over amplitude", "m", wave.penetration(psi), penetration, of_penetration, OVER_STATES,
+                    AMPLITUDE)  # fmt: skip
+    yield Against("exact", "fold of Johnson's penetration").row(
+        "penetration at pull-off over amplitude", "m", lowest, pull_off[:1] or [None], of_fold, "absolute",
+        AMPLITUDE)  # fmt: skip
+    yield Against("exact", "every state of the loop is an equilibrium").count(
+        "states whose certificate is not ok", 0.0, refused(result))  # fmt: skip
     curve = np.linspace(0.01, 0.97, 300)
-    figure = drawn(
-        f"johnson-{alpha:g}",
-        f"Mean pressure against contact fraction on loading and unloading, alpha = {alpha:g}.",
-        axes("contact fraction", "mean pressure / p*",
-             trace("Johnson 1995", curve, wave.mean_pressure(curve * np.pi / 2) / star),
-             marks("bem", fraction, pressure / star)),
-        axes("contact fraction", "signed error",
-             marks("mean pressure / p*", fraction, (pressure - wave.mean_pressure(psi)) / star),
-             marks("penetration / amplitude", fraction, (penetration - wave.penetration(psi)) / AMPLITUDE)),
-    )  # fmt: skip
-    return Outcome(rows=rows, figures=(figure,), counts=work("unknowns evaluations states", result))
+    yield drawn(f"johnson-{alpha:g}",
+                f"Mean pressure against contact fraction on loading and unloading, alpha = {alpha:g}.",
+                axes("contact fraction", "mean pressure / p*",
+                     trace("Johnson 1995", curve, wave.mean_pressure(curve * np.pi / 2) / star),
+                     marks("bem", fraction, pressure / star)),
+                axes("contact fraction", "signed error",
+                     marks("mean pressure / p*", fraction, (pressure - wave.mean_pressure(psi)) / star),
+                     marks("penetration / amplitude", fraction,
+                           (penetration - wave.penetration(psi)) / AMPLITUDE)))  # fmt: skip
+    yield work("unknowns evaluations states", result)
 
 
-def _westergaard() -> Outcome:
+def _westergaard() -> Found:
     wave, fractions = _wave(0.0), np.array([0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99])
     psi, star = fractions * np.pi / 2, wave.full_contact_pressure
     targets = wave.penetration(psi)
     result = solved("sinusoid", adhesion=None, loading={"targets": targets.tolist()})
     found, known = np.array(column(result.targets, "contact_fraction")), Against("exact", "Westergaard 1939")
     # errors measured: the largest over the BLAS kernels of five processors (least 1.3e-11)
-    rows = (
-        known.row("contact fraction", "", fractions, found, 5.5e-11, OVER_STATES, 1.0, required=1e-10),
-        known.row("mean pressure over p*", "Pa", wave.mean_pressure(psi), column(result.targets, "mean_pressure"),
-                  8.2e-13, OVER_STATES, star),
-    )  # fmt: skip
+    yield known.row("contact fraction", "", fractions, found, 5.5e-11, OVER_STATES, 1.0, required=1e-10)
+    yield known.row("mean pressure over p*", "Pa", wave.mean_pressure(psi), column(result.targets, "mean_pressure"),
+                    8.2e-13, OVER_STATES, star)  # fmt: skip
     at = targets / AMPLITUDE
-    figure = drawn("westergaard", "Contact fraction against penetration without adhesion.",
-                   axes("penetration / amplitude", "contact fraction", trace("Westergaard 1939", at, fractions),
-                        marks("bem", at, found)),
-                   axes("penetration / amplitude", "signed error of the contact fraction",
-                        marks("bem", at, found - fractions)))  # fmt: skip
-    return Outcome(rows=rows, figures=(figure,), counts=work("unknowns evaluations", result))
+    yield drawn("westergaard", "Contact fraction against penetration without adhesion.",
+                axes("penetration / amplitude", "contact fraction", trace("Westergaard 1939", at, fractions),
+                     marks("bem", at, found)),
+                axes("penetration / amplitude", "signed error of the contact fraction",
+                     marks("bem", at, found - fractions)))  # fmt: skip
+    yield work("unknowns evaluations", result)
 
 
-def _convergence() -> Outcome:
+def _convergence() -> Found:
     """The load and stress intensity of a Johnson state at its exact edges, for one tolerance after the other."""
     wave, fraction = _wave(0.3), 0.6
     psi, half = fraction * np.pi / 2, fraction * WAVELENGTH / 2
@@ -108,11 +103,9 @@ def _convergence() -> Outcome:
         intensity_error.append(float(np.max(np.abs(state.stress_intensity / critical - 1))))
     known = Against("exact", "Johnson 1995, contact fraction 0.6, alpha 0.3")
     # rounding: the largest over the BLAS kernels of five processors (least 1.4e-15)
-    rows = (
-        known.row("mean pressure over p* at the finest setting", "", 0.0, load_error[-1], (2e-15, 3e-16), "absolute"),
-        known.row("stress intensity over critical at the finest setting", "", 0.0, intensity_error[-1],
-                  (2e-14, 7.4e-15), "absolute"),
-    )  # fmt: skip
+    yield known.row("mean pressure over p* at the finest setting", "", 0.0, load_error[-1], (2e-15, 3e-16), "absolute")
+    yield known.row("stress intensity over critical at the finest setting", "", 0.0, intensity_error[-1],
+                    (2e-14, 7.4e-15), "absolute")  # fmt: skip
     dense, _ = bem_curves(fraction, range(4, 31, 2))
     shown = (
         ("mean pressure / p*", unknowns, load_error),
@@ -120,16 +113,14 @@ def _convergence() -> Outcome:
         ("stress intensity, dense", dense.sizes, dense.errors),
     )
     curves = (marks(label, x, [max(error, SMALLEST_SHOWN) for error in errors]) for label, x, errors in shown)
-    figure = drawn(
-        "landing-error-against-unknowns",
-        "What accuracy costs: error of one adhesive contact against the unknowns of its system, for the "
-        "compressed evaluation and the plain dense one; the reference is Johnson's closed form.",
-        semilogy("unknowns", "relative error", *curves),
-    )
-    return Outcome(rows=rows, figures=(figure,), counts={"unknowns": unknowns[-1]})
+    yield drawn("landing-error-against-unknowns",
+                "What accuracy costs: error of one adhesive contact against the unknowns of its system, for the "
+                "compressed evaluation and the plain dense one; the reference is Johnson's closed form.",
+                semilogy("unknowns", "relative error", *curves))  # fmt: skip
+    yield {"unknowns": unknowns[-1]}
 
 
-def _complete() -> Outcome:
+def _complete() -> Found:
     """A rough profile under loads below and above that of complete contact."""
     surface = posed("rough_100").surface()
     amplitude = full_contact_amplitudes(surface.orders, surface.amplitudes, surface.period, 1e6 / (1 - 0.5**2))
@@ -141,18 +132,16 @@ def _complete() -> Outcome:
     before, last = result.targets[-2:]
     known = Against("exact", "every mode carries E* m q0 h_m / 2")
     energy = float(np.sum(amplitude * surface.amplitudes)) / 4
-    rows = (  # the energy to 2.2e-16 here; sums of 100 terms in another order
-        known.row("elastic energy per nominal area, relative", "J/m^2", energy, last.elastic_energy, (1e-13, 4e-14)),
-        known.count("contact fraction just above the pressure of complete contact", 1.0, last.contact_fraction, 1e-15),
-        known.count("gaps left at nine tenths of that pressure (1: some)", 1.0, before.contact_fraction < 1, 1e-15),
-    )  # fmt: skip
+    # the energy to 2.2e-16 here; sums of 100 terms in another order
+    yield known.row("elastic energy per nominal area, relative", "J/m^2", energy, last.elastic_energy, (1e-13, 4e-14))
+    yield known.count("contact fraction just above the pressure of complete contact", 1.0, last.contact_fraction, 1e-15)
+    yield known.count("gaps left at nine tenths of that pressure (1: some)", 1.0, before.contact_fraction < 1, 1e-15)
     part = slice(0, 1 << 14, 1 << 3)
-    figure = drawn(
-        "complete-contact",
-        "Pressure of complete contact under the least mean pressure that keeps it compressive everywhere.",
-        axes("x / mm", "pressure / MPa", trace("closed form", x[part] * 1e3, (shape + least)[part] / 1e6)),
-    )
-    return Outcome(rows=rows, figures=(figure,), counts=work("evaluations", result))
+    yield drawn("complete-contact",
+                "Pressure of complete contact under the least mean pressure that keeps it compressive everywhere.",
+                axes("x / mm", "pressure / MPa",
+                     trace("closed form", x[part] * 1e3, (shape + least)[part] / 1e6)))  # fmt: skip
+    yield work("evaluations", result)
 
 
 CASES = (

@@ -230,9 +230,8 @@ def rows(comparison: Comparison, asked_uncertainty: bool = True) -> Iterator[Row
     prefix, fem, elements = f"{comparison.label}: " if comparison.label else "", comparison.fem, comparison.elements
     source = "fem_reference" if fem is None else f"fem_reference, {elements}, {fem.unknowns} unknowns"
     if not comparison.differences:
-        missing = Against("FEM", "fem_reference").row(
-            f"{prefix}equilibrium", "", 1.0, 0.0, None, "absolute", required=0.5
-        )
+        missing = Against("FEM", "fem_reference").row(f"{prefix}equilibrium", "", 1.0, 0.0, None, "absolute",
+                                                      required=0.5)  # fmt: skip
         yield missing.model_copy(update={"status": "not converged", "message": comparison.failure})
         return
     for one in comparison.differences:
@@ -245,10 +244,14 @@ def rows(comparison: Comparison, asked_uncertainty: bool = True) -> Iterator[Row
         ("largest of all but displacement", others, 1e-5, 2.7e-6),
         ("displacement", [displacement], 1e-4, 3.5e-5),
     ):
-        yield Against("FEM", source).row(
-            f"{prefix}combined uncertainty over its scale, {name}", "", 0.0,
-            max(difference.uncertainty for difference in judged), measured, "absolute", required=asked,
-            pinned="unconverged")  # fmt: skip
+        yield Against("FEM", source).row(f"{prefix}combined uncertainty over its scale, {name}", "", 0.0,
+                                         max(difference.uncertainty for difference in judged), measured, "absolute",
+                                         required=asked, pinned="unconverged")  # fmt: skip
+
+
+def uncertain(fem: Result, name: str) -> float:
+    """The largest uncertainty that the finite elements state of a quantity, in its unit."""
+    return float(np.max(fem.uncertainty[name]))
 
 
 def within(
@@ -259,7 +262,7 @@ def within(
     computed: ArrayLike,
     uncertainty: float,
     scale: float,
-    code: Code = "bem",
+    code: Code | None = "bem",
 ) -> Row:
     """A row of a code's answer that the combined uncertainty of both sides judges, never below rounding."""
     return against.row(quantity, unit, np.ravel(expected), np.ravel(computed), None, "absolute", scale,

@@ -23,11 +23,10 @@ from bem.scene.result import Event
 from fem_reference import Result
 from fem_reference.fold import Fold, Turning, fold
 from validation.cases.finite_elements.fem_closed_forms import JOHNSON, layered
-from validation.cases.finite_elements.fem_comparison import COARSER, GROUP, RESOLUTIONS, within
-from validation.cases.shared.checks import Against, in_forms, posed, solved
-from validation.harness.case import Outcome
+from validation.cases.finite_elements.fem_comparison import COARSER, GROUP, RESOLUTIONS, uncertain, within
+from validation.cases.shared.checks import Against, Found, in_forms, posed, solved
 from validation.harness.figure_data import axes, drawn, marks, trace
-from validation.harness.schema import Figure, Row, Table
+from validation.harness.schema import Table
 from validation.references import fem_adapter
 from validation.references.closed_forms import Sinusoid
 
@@ -52,38 +51,38 @@ def _johnson(psi: float) -> dict[str, tuple[str, float, float]]:
     }
 
 
-def _waves(elements: str) -> Outcome:
+def _waves(elements: str) -> Found:
     before = _wave(JUST_BEFORE * float(WAVE.penetration(WAVE.fold())), elements)
     psi = float(brentq(lambda at: float(WAVE.penetration(at)) - before.penetration, WAVE.fold(), 1.0))
-    rows, figures = [], []
     for name, (unit, exact, scale) in _johnson(psi).items():
         if name != "penetration":
-            rows.append(within(f"just before pull-off: {_said(name)}", unit, JOHNSON, exact, getattr(before, name),
-                               float(np.max(before.uncertainty[name])), scale, "fem"))  # fmt: skip
-    for turning, by in TURNING[elements].items():
-        found = fold(before if turning == "penetration" else _wave(0.0, by), turning)
-        rows += _fold_rows(turning, found, by)
-        figures.append(_figure(turning, found, before))
-    rows.append(JOHNSON.count("just before pull-off: stable", 1.0, bool(before.stable), code="fem"))
-    counts = {"unknowns of the finite elements": before.unknowns}
-    return Outcome(rows=tuple(rows), figures=tuple(figures[:1]), counts=counts)
+            yield within(f"just before pull-off: {_said(name)}", unit, JOHNSON, exact, getattr(before, name),
+                         uncertain(before, name), scale, "fem")  # fmt: skip
+    folds = {turning: fold(before if turning == "penetration" else _wave(0.0, by), turning)
+             for turning, by in TURNING[elements].items()}  # fmt: skip
+    for turning, found in folds.items():  # against Johnson's curve and against the event of the boundary elements
+        event = _pull_off(turning)
+        for name, (unit, exact, scale) in _johnson(WAVE.fold() if turning == "penetration" else _load_fold()).items():
+            label, spread = f"fold under {_said(turning)}: {_said(name)}", found.uncertainty[name]
+            yield within(label, unit, JOHNSON, exact, found.values[name], spread, scale, "fem")
+            if name != "contact_fraction":
+                error = max(getattr(event.error_estimate, name) or 0.0, TOLERANCE * scale)
+                yield within(f"{label}, boundary elements", unit, _fem(TURNING[elements][turning], spread),
+                             found.values[name], getattr(event, name), error, scale)  # fmt: skip
+    yield JOHNSON.count("just before pull-off: stable", 1.0, bool(before.stable), code="fem")
+    psi_near, turned = np.linspace(0.02, 0.5, 200), folds["penetration"].values
+    yield drawn(f"fem-fold-{before.resolution.order}",
+                "Johnson's curve near pull-off, the state just before it and the fold, both by finite elements.",
+                axes("penetration / um", "mean pressure / Pa",
+                     trace("Johnson 1995", WAVE.penetration(psi_near) * 1e6, WAVE.mean_pressure(psi_near)),
+                     marks("just before pull-off", [before.penetration * 1e6], [before.mean_pressure]),
+                     marks("fold under penetration", [turned["penetration"] * 1e6],
+                           [turned["mean_pressure"]])))  # fmt: skip
+    yield {"unknowns of the finite elements": before.unknowns}
 
 
 def _wave(penetration: float, elements: str) -> Result:
     return fem_adapter.solve_fem(layered(WAVE, penetration), COARSER[elements])
-
-
-def _fold_rows(turning: Turning, found: Fold, elements: str) -> list[Row]:
-    """The fold against Johnson's curve, and its penetration and load against the event of the boundary elements."""
-    event, rows = _pull_off(turning), []
-    for name, (unit, exact, scale) in _johnson(WAVE.fold() if turning == "penetration" else _load_fold()).items():
-        label, uncertain = f"fold under {_said(turning)}: {_said(name)}", found.uncertainty[name]
-        rows.append(within(label, unit, JOHNSON, exact, found.values[name], uncertain, scale, "fem"))
-        if name != "contact_fraction":
-            error = max(getattr(event.error_estimate, name) or 0.0, TOLERANCE * scale)
-            rows.append(within(f"{label}, boundary elements", unit, _fem(elements, uncertain), found.values[name],
-                               getattr(event, name), error, scale))  # fmt: skip
-    return rows
 
 
 def _fem(elements: str, uncertainty: float) -> Against:
@@ -108,19 +107,6 @@ def _pull_off(turning: Turning) -> Event:
 
 def _said(name: str) -> str:
     return name.replace("_", " ")
-
-
-def _figure(turning: Turning, found: Fold, before: Result) -> Figure:
-    psi = np.linspace(0.02, 0.5, 200)
-    return drawn(
-        f"fem-fold-{before.resolution.order}",
-        "Johnson's curve near pull-off, the state just before it and the fold, both by finite elements.",
-        axes("penetration / um", "mean pressure / Pa",
-             trace("Johnson 1995", WAVE.penetration(psi) * 1e6, WAVE.mean_pressure(psi)),
-             marks("just before pull-off", [before.penetration * 1e6], [before.mean_pressure]),
-             marks(f"fold under {_said(turning)}", [found.values["penetration"] * 1e6],
-                   [found.values["mean_pressure"]]))
-    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -169,7 +155,7 @@ def jumps(elements: str) -> list[FemEvent]:
     """The four events of the loop, in their order."""
 
     def energy(found: Result) -> Known:
-        return found.total_energy, float(np.max(found.uncertainty["total_energy"]))
+        return found.total_energy, uncertain(found, "total_energy")
 
     def between(kind: str, place: Known, before: Known, after: Known) -> FemEvent:
         period = pressed.problem.period
@@ -191,35 +177,30 @@ def jumps(elements: str) -> list[FemEvent]:
     ]
 
 
-def _loop(elements: str) -> Outcome:
+def _loop(elements: str) -> Found:
     ours = solved("layer_two_crests", loading={"targets": [PRESSED, APART]}).events
     theirs, height = jumps(elements), posed("layer_two_crests").surface().rms_height
-    rows = [Against("FEM", "fem_reference").count("events of the loop", len(theirs), len(ours))]
+    yield Against("FEM", "fem_reference").count("events of the loop", len(theirs), len(ours))
     loss = sum(jump.released[0] for jump in theirs)
     for jump, event in zip(theirs, ours, strict=True):
         if event.kind != jump.kind:
             raise ArithmeticError(f"boundary elements: {event.kind} where finite elements have {jump.kind}")
         estimate = event.error_estimate
-        for name, unit, (value, uncertain), computed, error, scale in (
+        for name, unit, (value, spread), computed, error, scale in (
             ("penetration", "m", jump.penetration, event.penetration, estimate.penetration, height),
             ("energy released", "J/m^2", jump.released, event.energy_released or 0.0, estimate.energy_released, loss),
         ):
-            if uncertain:  # the first touch is at zero penetration by definition
-                rows.append(within(f"{_said(jump.kind)}: {name}", unit, _fem(elements, uncertain), value, computed,
-                                   max(error or 0.0, TOLERANCE * scale), scale))  # fmt: skip
+            if spread:  # the first touch is at zero penetration by definition
+                yield within(f"{_said(jump.kind)}: {name}", unit, _fem(elements, spread), value, computed,
+                             max(error or 0.0, TOLERANCE * scale), scale)  # fmt: skip
     lost = sum(event.energy_released or 0.0 for event in ours)
     total = _fem(elements, sum(jump.released[1] for jump in theirs))
-    rows.append(within("energy lost in the loop", "J/m^2", total, loss, lost, TOLERANCE * loss, loss))
-    table = Table(
-        caption="Events of the loop by both codes; penetration in um, energy released in mJ/m^2.",
-        columns=["event", "penetration, FEM", "+-", "BEM", "released, FEM", "+-", "BEM"],
-        rows=[
-            [_said(jump.kind), *(float(f"{1e6 * v:.9g}") for v in jump.penetration), event.penetration * 1e6,
-             *(float(f"{1e3 * v:.9g}") for v in jump.released), (event.energy_released or 0.0) * 1e3]
-            for jump, event in zip(theirs, ours, strict=True)
-        ],
-    )  # fmt: skip
-    return Outcome(rows=tuple(rows), tables=(table,))
+    yield within("energy lost in the loop", "J/m^2", total, loss, lost, TOLERANCE * loss, loss)
+    yield Table(caption="Events of the loop by both codes; penetration in um, energy released in mJ/m^2.",
+                columns=["event", "penetration, FEM", "+-", "BEM", "released, FEM", "+-", "BEM"],
+                rows=[[_said(jump.kind), *(float(f"{1e6 * v:.9g}") for v in jump.penetration), event.penetration * 1e6,
+                       *(float(f"{1e3 * v:.9g}") for v in jump.released), (event.energy_released or 0.0) * 1e3]
+                      for jump, event in zip(theirs, ours, strict=True)])  # fmt: skip
 
 
 CASES = (

@@ -17,9 +17,8 @@ import bem
 from bem.scene.scene import Scene
 from fem_reference.energy_difference import energy_difference
 from validation.cases.finite_elements.fem_comparison import COARSER, GROUP, within
-from validation.cases.shared.checks import Against, beside, in_forms, posed
+from validation.cases.shared.checks import Against, Found, beside, in_forms, posed
 from validation.harness.arrays import FloatArray
-from validation.harness.case import Outcome
 from validation.references import fem_adapter
 
 SCENES: dict[str, tuple[str, int, dict[str, Any]]] = {  # scene, patches, changes
@@ -43,7 +42,7 @@ def _difference_of_bem(scene: Scene, edges: FloatArray, penetration: float) -> F
     return rates
 
 
-def _rates(elements: str, label: str) -> Outcome:
+def _rates(elements: str, label: str) -> Found:
     name, patches, changes = SCENES[label]
     scene = posed(name, **changes)
     state, fem = bem.solve(scene).targets[-1], fem_adapter.solve_fem(scene, COARSER[elements], patches)
@@ -57,15 +56,14 @@ def _rates(elements: str, label: str) -> Outcome:
     slope = scene.surface().slope(fem.edges) if scene.adhesion.slope_term else 0.0 * fem.edges
     by_energies = Against("FEM", f"fem_reference, {elements}, by its energies", spread)
     ours = f"{label}: G of the boundary elements"
-    rows = (
-        within(f"{ours}, K^2 / 2 E*", "J/m^2", by_energies, found, elastic.energy_release_rate, BEM_ERROR * work, work),
-        within(f"{ours}, by differences of energies", "J/m^2", by_energies, found,
-               _difference_of_bem(scene, edges, state.penetration), BEM_ERROR * work, work),
-        within(f"{label}: G of the finite elements, by differences of energies", "J/m^2",
-               Against("exact", "the work of adhesion at the edges"), work * np.sqrt(1 + slope**2), found, spread, work,
-               "fem"),
-    )  # fmt: skip
-    return Outcome(rows=rows, counts={"unknowns of the finite elements": fem.unknowns})
+    yield within(f"{ours}, K^2 / 2 E*", "J/m^2", by_energies, found, elastic.energy_release_rate, BEM_ERROR * work,
+                 work)  # fmt: skip
+    yield within(f"{ours}, by differences of energies", "J/m^2", by_energies, found,
+                 _difference_of_bem(scene, edges, state.penetration), BEM_ERROR * work, work)  # fmt: skip
+    yield within(f"{label}: G of the finite elements, by differences of energies", "J/m^2",
+                 Against("exact", "the work of adhesion at the edges"), work * np.sqrt(1 + slope**2), found, spread,
+                 work, "fem")  # fmt: skip
+    yield {"unknowns of the finite elements": fem.unknowns}
 
 
 CASES = tuple(in_forms(

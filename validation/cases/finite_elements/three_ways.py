@@ -13,14 +13,12 @@ from numpy.typing import NDArray
 
 import bem
 from bem.scene.result import State
-from bem.scene.scene import Scene
 from fem_reference import Result
-from validation.cases.finite_elements.fem_comparison import GROUP, RESOLUTIONS, ROUNDING
-from validation.cases.shared.checks import Against, case, posed
+from validation.cases.finite_elements.fem_comparison import GROUP, RESOLUTIONS, within
+from validation.cases.shared.checks import Against, Found, case, posed
 from validation.harness.arrays import FloatArray
-from validation.harness.case import Outcome
 from validation.harness.figure_data import axes, drawn, marks, semilogy, trace
-from validation.harness.schema import Figure, Row
+from validation.harness.schema import Figure
 from validation.references import fem_adapter
 from validation.references.closed_forms import Sinusoid
 
@@ -60,15 +58,6 @@ class ThreeAnswers:
     scale: float
 
 
-def _posed() -> Scene:
-    return posed(
-        "layer_sinusoid",
-        layer={"thickness": 3 * WAVE.wavelength},
-        adhesion={"work_of_adhesion": WAVE.work_of_adhesion, "slope_term": False},
-        loading={"control": "mean_pressure", "targets": [float(WAVE.mean_pressure(PSI))]},
-    )
-
-
 def _quantities(state: State, elastic: bem.ContactState, fem: Result) -> list[ThreeAnswers]:
     """All that is compared; lengths along the period by it, heights by the amplitude, pressures by p*."""
     period, depth, star = WAVE.wavelength, WAVE.amplitude, WAVE.full_contact_pressure
@@ -86,8 +75,7 @@ def _quantities(state: State, elastic: bem.ContactState, fem: Result) -> list[Th
         uncertain = float(np.max(np.ravel(fem.uncertainty[key])[nodes])) / per
         return ThreeAnswers(name, unit, right, one, other, own or 0.0, uncertain, scale)
 
-    energy, height = WAVE.elastic_energy(PSI), elastic.profile.height(x[outside]) - depth
-    gap = elastic.displacement(x[outside]) - height - elastic.penetration
+    energy = WAVE.elastic_energy(PSI)
     return [
         of("contact fraction", "", FRACTION, state.contact_fraction, fem.contact_fraction, estimate.contact_fraction,
            "contact_fraction", 1.0),
@@ -99,9 +87,14 @@ def _quantities(state: State, elastic: bem.ContactState, fem: Result) -> list[Th
            estimate.elastic_energy, "elastic_energy", energy),
         of("pressure at points", "Pa", WAVE.pressure(distance[inside], PSI), elastic.pressure(x[inside]),
            fem.interface.pressure[inside], None, "pressure", star, inside),
-        of("gap at points", "m", WAVE.gap(distance[outside], PSI), gap, fem.gap(x[outside]), None, "gap", depth,
-           outside),
+        of("gap at points", "m", WAVE.gap(distance[outside], PSI), _gap(elastic, x[outside]),
+           fem.gap(x[outside]), None, "gap", depth, outside),
     ]  # fmt: skip
+
+
+def _gap(elastic: bem.ContactState, x: FloatArray) -> FloatArray:
+    """By the boundary elements at places x, m."""
+    return np.asarray(elastic.displacement(x) - elastic.profile.height(x) + WAVE.amplitude - elastic.penetration)
 
 
 def _away_from_edges(distance: FloatArray) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -114,22 +107,6 @@ def _from_crest(x: FloatArray) -> FloatArray:
     return np.asarray((x - CREST + 0.5 * WAVE.wavelength) % WAVE.wavelength - 0.5 * WAVE.wavelength)
 
 
-def _rows(found: list[ThreeAnswers], unknowns: int) -> list[Row]:
-    """Each quantity three times: both codes against the closed form, and against each other."""
-    source = f"fem_reference, P4/P3, {unknowns} unknowns"
-    rows = []
-    for q in found:
-        fem, ours, theirs = Against("FEM", source, q.fem_uncertainty), q.bem_uncertainty, q.fem_uncertainty
-        rows += [
-            JOHNSON.row(f"{q.name}, boundary elements", q.unit, q.exact, q.bem, MEASURED[q.name], "absolute", q.scale,
-                        uncertainty=ours),
-            JOHNSON.row(f"{q.name}, finite elements", q.unit, q.exact, q.fem, None, "absolute", q.scale,
-                        required=ROUNDING, uncertainty=theirs, code="fem"),
-            fem.row(q.name, q.unit, q.fem, q.bem, None, "absolute", q.scale, required=ROUNDING, uncertainty=ours),
-        ]  # fmt: skip
-    return rows
-
-
 def _figure(found: list[ThreeAnswers], elastic: bem.ContactState, fem: Result) -> Figure:
     """Pressure and gap by all three; below, the differences of any two and the uncertainty stated."""
     period, star, depth = WAVE.wavelength, WAVE.full_contact_pressure, WAVE.amplitude
@@ -139,9 +116,7 @@ def _figure(found: list[ThreeAnswers], elastic: bem.ContactState, fem: Result) -
     nodes = _from_crest(fem.interface.x)
     inside, outside = _away_from_edges(nodes)
     beside = np.abs(nodes) > half * (1 + 1e-9)
-    height = elastic.profile.height(CREST + off) - depth
-    gap = elastic.displacement(CREST + off) - height - elastic.penetration
-    shown = np.abs(nodes) < 0.97 * half
+    gap, shown = _gap(elastic, CREST + off), np.abs(nodes) < 0.97 * half
 
     def over(x: FloatArray, values: FloatArray, scale: float) -> tuple[list[float], list[float]]:
         order = np.argsort(x)
@@ -184,14 +159,22 @@ def _parted(pieces: list[tuple[list[float], list[float]]]) -> tuple[list[float |
     return x, y
 
 
-def _three_ways() -> Outcome:
-    scene = _posed()
+def _three_ways() -> Found:
+    scene = posed("layer_sinusoid", layer={"thickness": 3 * WAVE.wavelength},
+                  adhesion={"work_of_adhesion": WAVE.work_of_adhesion, "slope_term": False},
+                  loading={"control": "mean_pressure", "targets": [float(WAVE.mean_pressure(PSI))]})  # fmt: skip
     state = bem.solve(scene).targets[-1]
     elastic = fem_adapter.contact_state(scene, np.array(state.edges), state.penetration)
     fem = fem_adapter.solve_fem(scene, RESOLUTIONS["P4/P3"])
-    found = _quantities(state, elastic, fem)
-    counts = {"unknowns": state.unknowns, "unknowns of the finite elements": fem.unknowns}
-    return Outcome(rows=tuple(_rows(found, fem.unknowns)), figures=(_figure(found, elastic, fem),), counts=counts)
+    found, source = _quantities(state, elastic, fem), f"fem_reference, P4/P3, {fem.unknowns} unknowns"
+    for q in found:
+        by_fem, ours, theirs = Against("FEM", source, q.fem_uncertainty), q.bem_uncertainty, q.fem_uncertainty
+        yield JOHNSON.row(f"{q.name}, boundary elements", q.unit, q.exact, q.bem, MEASURED[q.name], "absolute", q.scale,
+                          uncertainty=ours)  # fmt: skip
+        yield within(f"{q.name}, finite elements", q.unit, JOHNSON, q.exact, q.fem, theirs, q.scale, "fem")
+        yield within(q.name, q.unit, by_fem, q.fem, q.bem, ours, q.scale, None)
+    yield _figure(found, elastic, fem)
+    yield {"unknowns": state.unknowns, "unknowns of the finite elements": fem.unknowns}
 
 
 CASES = (

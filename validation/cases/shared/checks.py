@@ -1,8 +1,11 @@
-"""A case in words, scenes solved, and numbers of their states; rows against one reference are those of `Against`."""
+"""A case in words, scenes solved, and numbers of their states; rows against one reference are those of `Against`.
+
+A case yields what it finds, in the order of the report: rows, figures, tables, and counts of work by their names.
+"""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -12,18 +15,29 @@ from bem.scene.scene import Scene
 from validation.harness.arrays import FloatArray
 from validation.harness.case import Case, Outcome
 from validation.harness.rows import Against as Against
-from validation.harness.schema import Code, Level, Norm
+from validation.harness.schema import Code, Figure, Level, Norm, Row, Table
 from validation.references import adapters
 
-Work = Literal["unknowns", "evaluations", "states", "events"]
+Found = Iterator[Row | Figure | Table | dict[str, int]]  # by a case, counts as of `work`
 
 OVER_STATES: Norm = "maximum over states"
+
+
+def gathered(find: Callable[[], Found]) -> Outcome:
+    """What a case yields, each kind in its order, the counts together."""
+    found = list(find())
+    return Outcome(
+        rows=tuple(one for one in found if isinstance(one, Row)),
+        figures=tuple(one for one in found if isinstance(one, Figure)),
+        tables=tuple(one for one in found if isinstance(one, Table)),
+        counts={name: count for one in found if isinstance(one, dict) for name, count in one.items()},
+    )
 
 
 def case(
     identity: str,
     group: str,
-    compute: Callable[[], Outcome],
+    find: Callable[[], Found],
     question: str,
     equations: str,
     sources: str,
@@ -36,16 +50,16 @@ def case(
 ) -> Case:
     """A case; sources and effects are words in a text, the scene is a name of the registry or a text of more lines."""
     text = adapters.scene_text(scene) if scene.isidentifier() else scene
-    return Case(identity, group, level, question, equations, tuple(sources.split()), compute, tuple(effects.split()),
-                text, code, problem)  # fmt: skip
+    return Case(identity, group, level, question, equations, tuple(sources.split()), partial(gathered, find),
+                tuple(effects.split()), text, code, problem)  # fmt: skip
 
 
 def in_forms(
-    forms: Mapping[str, tuple[Any, ...]], group: str, compute: Callable[..., Outcome], *words: str, **named: Any
+    forms: Mapping[str, tuple[Any, ...]], group: str, find: Callable[..., Found], *words: str, **named: Any
 ) -> Iterator[Case]:
-    """One case in several forms, by their names: the level of each, and what `compute` is given; the rest as `case`."""
+    """One case in several forms, by their names: the level of each, and what `find` is given; the rest as `case`."""
     for identity, (level, *given) in forms.items():
-        yield case(identity, group, partial(compute, *given), *words, level=level, **named)
+        yield case(identity, group, partial(find, *given), *words, level=level, **named)
 
 
 def posed(name: str, **tables: Any) -> Scene:
@@ -73,6 +87,18 @@ def beside(edges: FloatArray, period: float) -> FloatArray:
     """The shorter of the patch and the gap beside every edge, (n_patches, 2), m."""
     lengths = np.diff(np.append(edges.ravel(), edges[0, 0] + period))
     return np.minimum(lengths, np.roll(lengths, 1)).reshape(edges.shape)
+
+
+def derivative(quantity: Callable[[float], Any], step: float) -> Any:
+    """Of fourth order, d quantity / dt at t = 0, from its values one and two steps away on either side.
+
+    Examples
+    --------
+    >>> round(derivative(lambda t: (1 + t) ** 4, 1e-3), 9)
+    4.0
+    """
+    near, far = (quantity(times * step) - quantity(-times * step) for times in (1, 2))
+    return (8 * near - far) / (12 * step)
 
 
 def refused(*results: Result) -> float:

@@ -1,16 +1,15 @@
 """Rates of convergence against those that theory predicts, bounded on both sides: too fast is as wrong as too slow."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 
 import numpy as np
 
-from validation.cases.shared.checks import Against, case
+from validation.cases.shared.checks import Against, Found, case
 from validation.corpus import convergence_curves as made
 from validation.corpus.convergence_curves import Curve, fem_curve
-from validation.harness.case import Outcome
-from validation.harness.figure_data import axes, drawn, marks, trace
-from validation.harness.schema import Cells, Code, Figure, Row, Table
+from validation.harness.figure_data import axes, drawn, marks, table, trace
+from validation.harness.schema import Code, Figure, Row, Table
 
 # relative distance of the fitted rate from the predicted one
 MEASURED = {
@@ -33,87 +32,73 @@ CODES: dict[str, Code] = {  # of the curves
 MEASURED_FULL = {"fem-p2-graded": 0.05, "fem-p4-graded": 0.023, "fem-p2-uniform": 0.099, "fem-p4-uniform": 0.022}
 
 
-def _rate_row(curve: Curve, measured: float) -> Row:
-    """Fitted against predicted rate."""
-    of = "order" if curve.law == "algebraic" else "factor per node"
-    predicted = Against("predicted order", f"{curve.why}; errors against {curve.reference} ({curve.kind})")
-    return predicted.row(f"{of}: {curve.quantity} of {curve.id}", "", curve.predicted, curve.rate.value, measured,
-                         code=CODES[curve.code])  # fmt: skip
+def _rate_rows(curves: Sequence[Curve], measured: dict[str, float]) -> Iterator[Row]:
+    """Fitted against predicted rates."""
+    for curve in curves:
+        of = "order" if curve.law == "algebraic" else "factor per node"
+        predicted = Against("predicted order", f"{curve.why}; errors against {curve.reference} ({curve.kind})")
+        yield predicted.row(f"{of}: {curve.quantity} of {curve.id}", "", curve.predicted, curve.rate.value,
+                            measured[curve.id], code=CODES[curve.code])  # fmt: skip
 
 
 def _figure(name: str, caption: str, curves: Sequence[Curve]) -> Figure:
     """Errors as points, the predicted rate as lines through the last point fitted."""
     series = [
-        marks(f"{one.id}: predicted {one.predicted:.3g}, fitted {one.rate.value:.3g}", one.sizes, one.errors)
-        for one in curves
-    ]
-    for curve in curves:
-        series.append(trace(f"predicted, {curve.id}", *made.predicted_line(curve), "dashed"))
+        *(marks(f"{one.id}: predicted {one.predicted:.3g}, fitted {one.rate.value:.3g}", one.sizes, one.errors)
+          for one in curves),
+        *(trace(f"predicted, {one.id}", *made.predicted_line(one), "dashed") for one in curves),
+    ]  # fmt: skip
     scale = "linear" if curves[0].law == "geometric" else "log"
     return drawn(name, caption, axes(curves[0].knob, "error", *series, xscale=scale, yscale="log"))
 
 
 def _table(curves: Sequence[Curve]) -> Table:
     """Errors with their rates between neighbours."""
-    rows: list[Cells] = []
-    for curve in curves:
-        points = zip(curve.sizes, curve.errors, [None, *curve.rate.pairwise], strict=True)
-        rows += [
-            [curve.id, curve.knob, size, error, rate, "yes" if place in curve.rate.used else "no"]
-            for place, (size, error, rate) in enumerate(points)
-        ]
-    return Table(
-        caption="Errors, rates between neighbours (order, or factor per node), and which points were fitted.",
-        columns=["curve", "knob", "size", "error", "rate", "fitted"],
-        rows=rows,
-    )
+    return Table(caption="Errors, rates between neighbours (order, or factor per node), and which points were fitted.",
+                 columns=["curve", "knob", "size", "error", "rate", "fitted"],
+                 rows=[[curve.id, curve.knob, size, error, rate, "yes" if place in curve.rate.used else "no"]
+                       for curve in curves for place, (size, error, rate) in enumerate(
+                           zip(curve.sizes, curve.errors, [None, *curve.rate.pairwise], strict=True))])  # fmt: skip
 
 
-def _rates() -> Outcome:
+def _rates() -> Found:
     bem = made.bem_curves(0.9, range(4, 49, 4))
     fem = (fem_curve(2, (4, 8, 16), True), fem_curve(4, (8, 16, 32), False))
     others = (
         *made.persson_curves((25, 50, 100, 200, 400), (6, 12, 25, 50, 100)),
         made.paper_method_curve((8, 16, 32, 64)),
     )
-    every = (*bem, *fem, *others)
-    plateau = Against("exact", "Johnson 1995").row(
+    yield from _rate_rows((*bem, *fem, *others), MEASURED)
+    yield Against("exact", "Johnson 1995").row(
         "plateau of K over critical and of the load over p*", "", [0.0, 0.0], [curve.rate.plateau for curve in bem],
         2.3e-14, "absolute", required=1e-12, code="bem")  # fmt: skip
-    return Outcome(
-        rows=(*(_rate_row(curve, MEASURED[curve.id]) for curve in every), plateau),
-        figures=(
-            _figure("convergence-bem", "Errors of the dense route at Johnson's edges, contact fraction 0.9.", bem),
-            _figure("convergence-fem", "Load at prescribed edges: meshes graded to the edges, and uniform.", fem),
-            _figure("convergence-others", "Persson's diffusion and the paper's own method.", others),
-        ),
-        tables=(_table(every),),
-    )
+    yield _figure("convergence-bem", "Errors of the dense route at Johnson's edges, contact fraction 0.9.", bem)
+    yield _figure("convergence-fem", "Load at prescribed edges: meshes graded to the edges, and uniform.", fem)
+    yield _figure("convergence-others", "Persson's diffusion and the paper's own method.", others)
+    yield _table((*bem, *fem, *others))
 
 
-def _elements() -> Outcome:
+def _elements() -> Found:
     curves = (
         fem_curve(2, (4, 8, 16, 32), True),
         fem_curve(4, (4, 6, 8, 12), True),
         fem_curve(2, (16, 32, 64), False),
         fem_curve(4, (8, 16, 32), False),
     )
-    figure = _figure("convergence-elements", "Load at prescribed edges, graded and uniform meshes.", curves)
-    rows = (_rate_row(curve, MEASURED_FULL[curve.id]) for curve in curves)
-    return Outcome(rows=tuple(rows), figures=(figure,), tables=(_table(curves),))
+    yield _figure("convergence-elements", "Load at prescribed edges, graded and uniform meshes.", curves)
+    yield from _rate_rows(curves, MEASURED_FULL)
+    yield _table(curves)
 
 
-def _ensemble(harmonics: int, realisations: int) -> Outcome:
+def _ensemble(harmonics: int, realisations: int) -> Found:
     curve = made.ensemble_curve(harmonics, realisations)
     areas = np.array(curve.samples)
-    means = Table(
-        caption=f"Contact fraction at a separation of 0.8 h_rms, {harmonics} harmonics.",
-        columns=["realisations", "mean", "standard error"],
-        rows=[[realisations, float(areas.mean()), float(areas.std(ddof=1)) / realisations**0.5]],
-    )
-    figure = _figure("convergence-ensemble", "Spread of the mean contact fraction over its mean.", (curve,))
-    rows = (_rate_row(curve, MEASURED[curve.id]),)
-    return Outcome(rows=rows, figures=(figure,), tables=(_table((curve,)), means))
+    yield from _rate_rows((curve,), MEASURED)
+    yield _figure("convergence-ensemble", "Spread of the mean contact fraction over its mean.", (curve,))
+    yield _table((curve,))
+    error = float(areas.std(ddof=1)) / realisations**0.5
+    yield table(f"Contact fraction at a separation of 0.8 h_rms, {harmonics} harmonics.",
+                {"realisations": [realisations], "mean": [float(areas.mean())], "standard error": [error]})  # fmt: skip
 
 
 CASES = (

@@ -9,9 +9,8 @@ import math
 import tempfile
 from pathlib import Path
 
-from validation.cases.shared.checks import Against, case
+from validation.cases.shared.checks import Against, Found, case
 from validation.harness.baseline import Baseline, differences, quantities_of
-from validation.harness.case import Outcome
 from validation.harness.compare import combined_tolerance, error_of, fitted_order, pairwise_orders
 from validation.harness.schema import CaseRecord, Report, Row
 from validation.harness.verdict import Verdict, fails, verdict_of
@@ -47,7 +46,7 @@ def _verdicts() -> list[tuple[Row, Verdict]]:
     ]
 
 
-def _harness() -> Outcome:
+def _harness() -> Found:
     wrong = sum(verdict_of(row) != right for row, right in _verdicts())
     errors = [error_of(_row([1.0, 1.4, 0.4], [1.0, 1.0, 1.0])), error_of(_ratio(4.0))]
     allowed = [combined_tolerance(_row([1.0], [1.0], uncertainty=known)) for known in (0.0, 0.6)]
@@ -57,19 +56,17 @@ def _harness() -> Outcome:
     with tempfile.TemporaryDirectory() as empty:
         gone = differences(_record(1.0, 3.0, 100), Path(empty)) != []
     arithmetic = (1e-14, 4e-15)  # orders by logarithms; the others to the last digit
-    rows = (
-        KNOWN.count("wrong verdicts on known rows", 0.0, wrong),
-        KNOWN.row("errors of known rows", "", [0.3, 2.0], errors, arithmetic, "absolute"),
-        KNOWN.row("tolerances of known rows, the second set by the uncertainty", "", [0.1, 0.3], allowed, arithmetic,
-                  "absolute"),
-        KNOWN.row("orders of a sequence of order 5/2, fitted and between neighbours", "", [2.5] * 4, orders,
-                  arithmetic, "absolute"),
-        KNOWN.count("differences told from a known baseline", 3.0, _differences()),
-        KNOWN.count("failing (1: yes): all cases reported, one fewer than planned, one more", [0.0, 1.0, 1.0],
-                    map(_fails, (1, 2, 0))),
-        KNOWN.count("a baseline that is gone is told (1: yes)", 1.0, gone),
-    )  # fmt: skip
-    return Outcome(rows=rows, counts={"rows": len(_verdicts())})
+    yield KNOWN.count("wrong verdicts on known rows", 0.0, wrong)
+    yield KNOWN.row("errors of known rows", "", [0.3, 2.0], errors, arithmetic, "absolute")
+    yield KNOWN.row("tolerances of known rows, the second set by the uncertainty", "", [0.1, 0.3], allowed, arithmetic,
+                    "absolute")  # fmt: skip
+    yield KNOWN.row("orders of a sequence of order 5/2, fitted and between neighbours", "", [2.5] * 4, orders,
+                    arithmetic, "absolute")  # fmt: skip
+    yield KNOWN.count("differences told from a known baseline", 3.0, _differences())
+    yield KNOWN.count("failing (1: yes): all cases reported, one fewer than planned, one more", [0.0, 1.0, 1.0],
+                      map(_fails, (1, 2, 0)))  # fmt: skip
+    yield KNOWN.count("a baseline that is gone is told (1: yes)", 1.0, gone)
+    yield {"rows": len(_verdicts())}
 
 
 def _differences() -> int:
