@@ -17,7 +17,6 @@ MODULES: tuple[str, ...] = (
     "validation.cases.finite_elements.fem_equilibria",
     "validation.cases.finite_elements.fem_rough",
     "validation.cases.finite_elements.fem_events",
-    "validation.cases.finite_elements.fem_release_rate",
     "validation.cases.theory.theory_accuracy",
     "validation.cases.suite.reduced_hard_cases",
     "validation.cases.suite.harness",
@@ -27,8 +26,7 @@ MODULES: tuple[str, ...] = (
     "validation.cases.theory.theory_contact",
     "validation.cases.states.error_estimate",
     "validation.cases.paths.layer_path",
-    "validation.cases.paths.loading_history",
-    "validation.cases.paths.standing_patches",
     "validation.cases.paths.loop_work",
+    "validation.cases.paths.standing_patches",
     "validation.cases.rough_profiles.fft_solvers",
 )

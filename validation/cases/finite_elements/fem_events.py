@@ -1,4 +1,4 @@
-"""Events found by the finite elements: the fold at which a contact pulls off, and all jumps of a hysteresis loop.
+"""What the finite elements release: the fold at which a contact pulls off, all jumps of a loop, and G at equilibrium.
 
 One wave on a layer of two periods, a half-space to 1e-8: the state just before pull-off, and the fold under penetration
 and under load, where the derivative by the contact fraction vanishes (fem_reference/fold.py), against Johnson's curve
@@ -10,21 +10,32 @@ of these places by themselves, and what each releases as the difference of their
 
     released = U(before) - U(after),   U elastic and adhesive energy;   the loop loses the sum.
 
-SI units.
+Energy release rate at the edges that each code found for itself: by differences of its energies, and by what it closes
+with,
+
+    finite elements   dU/dx of an edge at fixed plate, meshes made anew (fem_reference/energy_difference.py),
+    boundary elements K^2 / (2 E*), and dU/dx of an edge at fixed penetration, by differences of their own energy,
+
+which is the work of adhesion w = gamma sqrt(1 + h'^2) there: a closure imposes its own K, but no difference of
+energies. SI units.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
 
 import bem
 from bem.scene.result import Event
+from bem.scene.scene import Scene
 from fem_reference import Result
+from fem_reference.energy_difference import energy_difference
 from fem_reference.fold import Fold, Turning, fold
 from validation.cases.finite_elements.fem_closed_forms import JOHNSON, layered
 from validation.cases.finite_elements.fem_comparison import COARSER, GROUP, RESOLUTIONS, uncertain, within
-from validation.cases.shared.checks import Against, Found, in_forms, posed, solved
+from validation.cases.shared.checks import Against, Found, beside, in_forms, posed, solved
+from validation.harness.arrays import FloatArray
 from validation.harness.figure_data import axes, drawn, marks, trace
 from validation.harness.schema import Table
 from validation.references import fem_adapter
@@ -39,6 +50,12 @@ TURNING: dict[str, dict[Turning, str]] = {  # what is asked at these elements, a
 PRESSED, APART = 30e-6, -60e-6  # m of penetration
 LOWER_CREST = (4.5e-3, 7e-3)  # m: between these
 TOLERANCE = 1e-9  # of the scenes
+SCENES: dict[str, tuple[str, int, dict[str, Any]]] = {  # scene, patches, changes
+    "one crest": ("layer_sinusoid", 1, {"loading": {"targets": [20e-6]}}),
+    "two crests": ("layer_two_crests", 2, {}),
+}
+STEP = 0.003  # of the shorter of the patch and the gap beside an edge
+BEM_ERROR = 2e-7  # of w: three times what the difference of the energies of boundary elements was off by (7e-8)
 Known = tuple[float, float]  # a number and its uncertainty
 
 
@@ -203,6 +220,43 @@ def _loop(elements: str) -> Found:
                       for jump, event in zip(theirs, ours, strict=True)])  # fmt: skip
 
 
+def _difference_of_bem(scene: Scene, edges: FloatArray, penetration: float) -> FloatArray:
+    """G (n_patches, 2) in J/m^2: fourth-order differences of the elastic energy at fixed penetration."""
+    rates, steps = np.zeros(edges.shape), STEP * beside(edges, scene.surface().period)
+    for place in np.ndindex(*edges.shape):
+        total = 0.0
+        for k, weight in ((1, 8.0), (-1, -8.0), (2, -1.0), (-2, 1.0)):
+            moved = edges.copy()
+            moved[place] += k * steps[place] * (1.0 if place[1] else -1.0)
+            total += weight * fem_adapter.contact_state(scene, moved, penetration).elastic_energy
+        rates[place] = total / (12 * steps[place])
+    return rates
+
+
+def _rates(elements: str, label: str) -> Found:
+    name, patches, changes = SCENES[label]
+    scene = posed(name, **changes)
+    state, fem = bem.solve(scene).targets[-1], fem_adapter.solve_fem(scene, COARSER[elements], patches)
+    if state.status != "converged" or fem.status != "converged":
+        raise ArithmeticError(f"{label}: boundary elements {state.status}, finite elements {fem.status}")
+    found, uncertain = energy_difference(fem)
+    spread, edges = float(np.max(uncertain)), np.array(state.edges)
+    elastic = fem_adapter.contact_state(scene, edges, state.penetration)
+    assert scene.adhesion is not None
+    work = scene.adhesion.work_of_adhesion
+    slope = scene.surface().slope(fem.edges) if scene.adhesion.slope_term else 0.0 * fem.edges
+    by_energies = Against("FEM", f"fem_reference, {elements}, by its energies", spread)
+    ours = f"{label}: G of the boundary elements"
+    yield within(f"{ours}, K^2 / 2 E*", "J/m^2", by_energies, found, elastic.energy_release_rate, BEM_ERROR * work,
+                 work)  # fmt: skip
+    yield within(f"{ours}, by differences of energies", "J/m^2", by_energies, found,
+                 _difference_of_bem(scene, edges, state.penetration), BEM_ERROR * work, work)  # fmt: skip
+    yield within(f"{label}: G of the finite elements, by differences of energies", "J/m^2",
+                 Against("exact", "the work of adhesion at the edges"), work * np.sqrt(1 + slope**2), found, spread,
+                 work, "fem")  # fmt: skip
+    yield {"unknowns of the finite elements": fem.unknowns}
+
+
 CASES = (
     *in_forms({"fem-fold-coarse": ("quick", "P2/P1"), "fem-fold": ("standard", "P4/P3")}, GROUP, _waves,
               "Do both codes and Johnson's curve lose the contact of a wave at the same place?",
@@ -212,4 +266,11 @@ CASES = (
               "Do both codes find the same events of a loop of loading and unloading, and what it loses?",
               r"$U = U_{el} - \int \gamma \sqrt{1 + h'^2} dx$; released $= U_1 - U_2$ at fixed $\Delta$",
               "carbone2009 destuynder1983", "layer adhesion slope_term unloading", scene="layer_two_crests"),
+    *in_forms(
+        {"fem-release-rate-coarse": ("quick", "P2/P1", "one crest"),
+         "fem-release-rate": ("standard", "P4/P3", "one crest"),
+         "fem-release-rate-two": ("full", "P4/P3", "two crests")}, GROUP, _rates,
+        "Is the energy that opening an edge releases the same by differences of both codes' energies?",
+        r"$G = dU / d\xi = K^2 / (2 E^\ast) = \gamma \sqrt{1 + h'^2}$ at every edge",
+        "carbone2009 destuynder1983 shih1986", "layer adhesion slope_term", scene="layer_two_crests"),
 )  # fmt: skip

@@ -16,6 +16,7 @@ from validation.cases.shared.checks import (
     Found,
     case,
     column,
+    derivative,
     posed,
     refused,
     solved,
