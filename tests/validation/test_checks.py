@@ -2,9 +2,10 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
-from validation.cases.shared.checks import Against, case, column, gathered, posed, work
+from validation.cases.shared.checks import Against, as_many, case, column, derivative, gathered, posed, work
 from validation.harness.figure_data import axes, digits, drawn, marks, table
 from validation.harness.verdict import verdict_of
 
@@ -74,6 +75,21 @@ def test_a_case_is_what_it_yields_each_kind_in_its_order():
     assert (found.rows, found.figures, found.tables) == (tuple(rows), (figure,), (lines,))
     assert found.counts == {"states": 1, "events": 2}
     assert (lines.columns, lines.rows) == (["name", "value"], [["a", 1.3], ["b", 0.031]])
+
+
+def test_a_case_that_yields_something_else_is_refused():
+    with pytest.raises(TypeError, match="not tuple"):
+        gathered(lambda: iter(((KNOWN.row("load", "N/m", 1.0, 1.0, 0.1),),)))
+
+
+@pytest.mark.parametrize("found", [[], [1.0], [1.0, 1.0, 1.0]])
+def test_another_number_of_values_is_an_error(found):
+    assert verdict_of(KNOWN.row("load", "N/m", [1.0, 1.0], as_many(found, [1.0, 1.0]), 0.1)) == "error"
+
+
+def test_a_derivative_is_of_fourth_order():
+    errors = [abs(derivative(np.exp, step) - 1.0) for step in (0.2, 0.1)]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.05)  # measured 0.011
 
 
 def test_columns_of_a_table_are_of_one_length():

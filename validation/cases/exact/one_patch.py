@@ -29,7 +29,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 import bem
 from bem.scene.result import Event, Result
-from validation.cases.shared.checks import Against, Found, case, column, solved, work
+from validation.cases.shared.checks import Against, Found, as_many, case, column, solved, work
 from validation.harness.arrays import FloatArray
 from validation.harness.figure_data import axes, drawn, marks, trace
 from validation.references.one_patch import OnePatch
@@ -202,11 +202,6 @@ def _released(result: Result, wave: RippledWave) -> list[Event]:
     return [event for event in result.events if (event.energy_released or 0.0) > LEAST_RELEASED * wave.work]
 
 
-def _padded(found: list[Event], count: int) -> list[Event | None]:
-    """As many as expected; the verdict on how many there are is a row of its own."""
-    return [*found, *[None] * count][:count]
-
-
 def _rippled_wave() -> Found:
     result = solved("rippled_wave")
     up, widths = WAVE.loaded(*LOADING)
@@ -228,8 +223,7 @@ def _rippled_wave() -> Found:
                       [1.0] * len(result.targets) + [len(expected)],
                       [*column(result.targets, "n_patches"), len(met)])  # fmt: skip
     yield known.row("mean pressures at the jumps", "Pa", expected,
-                    [None if event is None else event.mean_pressure for event in _padded(met, len(expected))], 1e-9,
-                    scale=max(expected))  # fmt: skip
+                    as_many(column(met, "mean_pressure"), expected), 1e-9, scale=max(expected))  # fmt: skip
     curve = np.linspace(0.03, 0.5, 600)
     yield drawn("rippled-wave",
                 "Contact fraction against mean pressure: contact spreads and recedes from ripple to ripple, along the "
@@ -251,18 +245,17 @@ def _ripple_jumps() -> Found:
     jumps, met, kinds = [*up, *down], _released(result, COARSE), column(result.events, "kind")
     wide = [a / np.pi for a in (*widths, *narrower)]
     spread = [FINE.spread(FINE.profile.max_height - s) / np.pi for s in SEPARATIONS]
-    pairs = list(zip(_padded(met, len(jumps)), jumps, strict=True))
+    pairs = list(zip(as_many(met, jumps), jumps, strict=True))
     touched = 2.0 * sum(jump.touched for jump in jumps)
-    nan = float("nan")
     yield EXACT.row("contact fraction under a load that grows and falls, order 20", "", wide,
                     column(result.targets, "contact_fraction"), (1.4e-13, 5.5e-14))  # fmt: skip
     yield EXACT.row("contact fraction at two separations, order 40", "", spread,
                     column(driven.targets, "contact_fraction"), (5e-14, 2.1e-14))  # fmt: skip
     yield EXACT.row("energy released by every jump, over that of the closed form", "", [1.0] * len(jumps),
-                    [nan if event is None else (event.energy_released or 0.0) / jump.released for event, jump in pairs],
-                    8.9e-12)  # fmt: skip
+                    [None if event is None else (event.energy_released or 0.0) / jump.released
+                     for event, jump in pairs], 8.9e-12)  # fmt: skip
     yield EXACT.row("mean pressure at every jump, over the largest", "Pa", column(jumps, "pressure"),
-                    [nan if event is None else event.mean_pressure for event, _ in pairs], 4.4e-12)  # fmt: skip
+                    as_many(column(met, "mean_pressure"), jumps), 4.4e-12)  # fmt: skip
     yield EXACT.row("jumps whose pressure or energy is farther from the closed form than estimated", "", 0.0,
                     sum(event is None or _misjudged(event, jump) for event, jump in pairs), (0.01, 0.0), "absolute",
                     pinned="exact")  # fmt: skip

@@ -8,7 +8,6 @@ from functools import partial
 import numpy as np
 
 import bem
-from bem.scene.result import Result
 from validation.cases.shared.checks import OVER_STATES, Against, Found, case, column, posed, refused, solved, work
 from validation.corpus.convergence_curves import bem_curves
 from validation.harness.figure_data import axes, drawn, marks, semilogy, trace
@@ -24,19 +23,14 @@ def _wave(alpha: float) -> Sinusoid:
     return Sinusoid(AMPLITUDE, WAVELENGTH, YOUNGS_MODULUS, POISSON_RATIO, alpha)
 
 
-def _loop(wave: Sinusoid) -> tuple[Result, float]:
-    """Load from first touch to contact fraction 0.95, unload beyond pull-off; the result and the fold."""
+def _johnson(alpha: float) -> Found:
+    """Load from first touch to contact fraction 0.95, unload beyond pull-off."""
+    wave = _wave(alpha)
     closed, lowest = float(wave.penetration(0.95 * np.pi / 2)), float(wave.penetration(wave.fold()))
     loading = list(np.linspace(0.02 * closed, closed, 14))
     unloading = list(np.linspace(closed, lowest + 1e-3 * (closed - lowest), 16)[1:])
     targets = [*loading, *unloading, lowest - 0.05 * closed]
-    adhesion = {"work_of_adhesion": wave.work_of_adhesion}
-    return solved("sinusoid", adhesion=adhesion, loading={"targets": targets}), lowest
-
-
-def _johnson(alpha: float) -> Found:
-    wave = _wave(alpha)
-    result, lowest = _loop(wave)
+    result = solved("sinusoid", adhesion={"work_of_adhesion": wave.work_of_adhesion}, loading={"targets": targets})
     states = [state for state in result.states if state.n_patches == 1]
     fraction, pressure, penetration = (
         np.array(column(states, name)) for name in ("contact_fraction", "mean_pressure", "penetration")

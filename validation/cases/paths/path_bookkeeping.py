@@ -19,12 +19,12 @@ import bem
 from bem.scene.result import Event, Progress, Result, State
 from bem.scene.result_file import write_result
 from bem.scene.scene import parse_scene
-from validation.cases.shared.checks import OVER_STATES, Against, Found, case, column, posed, solved, work
+from validation.cases.shared.checks import OVER_STATES, Against, Found, as_many, case, column, posed, solved, work
 from validation.harness.figure_data import axes, drawn, marks, table, trace
 from validation.references.adapters import scene_text
 
 INCREMENTS = (0.05, 0.0125)
-# quantity of events, name, unit, error measured: the largest over the BLAS kernels of four processors
+# quantity of events, its name, unit, error measured: the largest over the BLAS kernels of four processors
 TOLD_OF_EVENTS = (
     ("penetration", "penetration", "m", 7.2e-13),
     ("mean pressure", "mean_pressure", "Pa", 9.2e-12),
@@ -45,12 +45,6 @@ def _in_increments(increment: float) -> tuple[Result, dict[str, int]]:
     return result, {"accepted": seen[-1].increments_accepted, "rejected": seen[-1].increments_rejected}
 
 
-def _of_events(result: Result, name: str, count: int | None = None) -> list[float]:
-    """What the events of a path say of the states from which it jumps, in order; zeros where they are not so many."""
-    values = [value or 0.0 for value in column(result.events, name)]
-    return values if count in (None, len(values)) else [0.0] * (count or 0)
-
-
 def _path_convergence() -> Found:
     (first, first_counts), (second, second_counts) = map(_in_increments, INCREMENTS)
     coarse, fine = first.targets, second.targets
@@ -62,9 +56,9 @@ def _path_convergence() -> Found:
                     3.6e-13, OVER_STATES, max(map(abs, pressures)))  # fmt: skip
     yield known.count("patches at every target", column(fine, "n_patches"), column(coarse, "n_patches"))
     for words, name, unit, measured in TOLD_OF_EVENTS:
-        values = _of_events(second, name)
-        yield known.row(f"{words} of every event, over the largest", unit, values, _of_events(first, name, len(values)),
-                        measured, OVER_STATES, max(map(abs, values)))  # fmt: skip
+        values, others = ([value or 0.0 for value in column(result.events, name)] for result in (second, first))
+        yield known.row(f"{words} of every event, over the largest", unit, values, as_many(others, values), measured,
+                        OVER_STATES, max(map(abs, values)))  # fmt: skip
     counts = [first_counts | work("events evaluations", first), second_counts | work("events evaluations", second)]
     yield table("Increments along the path, in rms heights; a rejected one is repeated shorter.",
                 {"largest increment": INCREMENTS}
@@ -96,18 +90,13 @@ def _crossed() -> Found:
     # next to a fold
     yield Against("self", "states 0.05 um apart, between which the load is first passed").row(
         "contact fraction at loads that are met twice", "", known, found, 1.2e-4)  # fmt: skip
-    yield scene.row("mean pressures asked for, in order", "Pa", loads, _as_many(pressures, loads), measured)
-    yield scene.row("separations asked for, in order", "m", places, _as_many(separations, places), measured)
+    yield scene.row("mean pressures asked for, in order", "Pa", loads, as_many(pressures, loads), measured)
+    yield scene.row("separations asked for, in order", "m", places, as_many(separations, places), measured)
     yield {"evaluations": sum(state.evaluations for state in states)}
 
 
 def _is(state: State, load: float) -> bool:
     return abs(state.mean_pressure - load) < 1e-6 * load
-
-
-def _as_many(values: list[float], expected: Sequence[float]) -> list[float]:
-    """Values in order; another number of them is as wrong as can be."""
-    return values if len(values) == len(expected) else [0.0] * len(expected)
 
 
 def _first(states: Sequence[State], load: float) -> float:

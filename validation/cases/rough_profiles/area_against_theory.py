@@ -14,7 +14,18 @@ import numpy as np
 import bem
 from bem.scene.scene import Scene
 from persson import AdhesiveContact
-from validation.cases.shared.checks import OVER_STATES, Against, Found, case, column, posed, refused, solved, work
+from validation.cases.shared.checks import (
+    OVER_STATES,
+    Against,
+    Found,
+    as_many,
+    case,
+    column,
+    posed,
+    refused,
+    solved,
+    work,
+)
 from validation.harness.figure_data import axes, drawn, loglog, marks, semilogy, table, trace
 from validation.harness.schema import Table
 from validation.references import adapters
@@ -83,15 +94,14 @@ def _paper_profile() -> Found:
     result, height = bem.solve(scene), adapters.persson_spectrum(scene).h_rms
     theory = [_with_adhesion(scene, load * MODULUS) for load in PAPER_LOADS]
     at_load = result.targets[: len(PAPER_LOADS)]
-    absent: list[float | None] = [None] * (len(PAPER_LOADS) - len(at_load))
     yield Against("theory", f"{PAPER}, theory with adhesion").ratio(
         "contact fraction, bem over Persson with adhesion, 0.0025 to 0.02 E*", "", column(theory, "contact_fraction"),
-        [*column(at_load, "contact_fraction"), *absent], PAPER_BAND, PAPER_CAUSE,
+        as_many(column(at_load, "contact_fraction"), PAPER_LOADS), PAPER_BAND, PAPER_CAUSE,
         f"{PAPER}, abstract: about 50 % for any given load",
         uncertainty=max(state.error_estimate.contact_fraction or 0.0 for state in at_load))  # fmt: skip
     yield Against("exact", "the scene").row(
         "loads reached (0.0025 to 0.02 E* in eight steps)", "Pa", [load * MODULUS for load in PAPER_LOADS],
-        [*column(at_load, "mean_pressure"), *absent], (5e-13, 2e-13), scale=MODULUS)  # fmt: skip
+        as_many(column(at_load, "mean_pressure"), PAPER_LOADS), (5e-13, 2e-13), scale=MODULUS)  # fmt: skip
     yield Against("exact", "every state of the path is a stable equilibrium").count(
         "states whose certificate is not ok", 0.0, refused(result))  # fmt: skip
     yield Against("exact", "G = w at every edge").row(

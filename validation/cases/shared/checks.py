@@ -3,7 +3,7 @@
 A case yields what it finds, in the order of the report: rows, figures, tables, and counts of work by their names.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Sized
 from functools import partial
 from typing import Any
 
@@ -24,8 +24,11 @@ OVER_STATES: Norm = "maximum over states"
 
 
 def gathered(find: Callable[[], Found]) -> Outcome:
-    """What a case yields, each kind in its order, the counts together."""
+    """What a case yields, each kind in its order, the counts together; TypeError for anything else."""
     found = list(find())
+    for one in found:
+        if not isinstance(one, (Row, Figure, Table, dict)):
+            raise TypeError(f"a case yields rows, figures, tables and counts, not {type(one).__name__}")
     return Outcome(
         rows=tuple(one for one in found if isinstance(one, Row)),
         figures=tuple(one for one in found if isinstance(one, Figure)),
@@ -76,6 +79,11 @@ def column(states: Iterable[Any], name: str, unit: float | None = None) -> list[
     """What every state, or event, says under a name; numbers in a unit, where one is given, None where it has none."""
     values = [getattr(state, name) for state in states]
     return values if unit is None else [None if value is None else value / unit for value in values]
+
+
+def as_many(values: Sequence[Any], expected: Sized) -> list[Any]:
+    """Values, if they are as many as expected; else nothing for every one, which is an error of its row."""
+    return list(values) if len(values) == len(expected) else [None] * len(expected)
 
 
 def touching(states: Iterable[State]) -> list[State]:
