@@ -31,7 +31,8 @@ from validation.harness.schema import Table
 from validation.references import adapters
 from validation.references.paper_sketch import sketch_scene, sketches
 
-MODULUS, WORK = 1e6 / (1 - 0.5**2), 0.03  # of all these scenes
+YOUNGS_MODULUS, POISSON_RATIO, WORK = 1e6, 0.5, 0.03  # of all these scenes
+MODULUS = YOUNGS_MODULUS / (1 - POISSON_RATIO**2)
 PAPER = "Carbone, Scaraggi, Tartaglino 2009"
 FEWER = {"harmonics": 50}
 ONE_LOADS = (0.002, 0.005, 0.01, 0.02)  # of E*
@@ -147,7 +148,7 @@ def _posed(hurst: float, seed: int, adhesive: bool) -> tuple[Scene, list[float]]
     surface = posed("rough_100", profile=profile).surface()
     q = 2 * np.pi / surface.period * surface.orders
     slope = float(np.sqrt(np.sum((q * surface.amplitudes) ** 2) / 2))
-    pressures = [share * slope * MODULUS for share in LOADS]
+    pressures = [share * slope * YOUNGS_MODULUS / (1 - POISSON_RATIO**2) for share in LOADS]
     if not adhesive:
         loading: dict[str, Any] = {"control": "mean_pressure", "targets": pressures}
         return posed("rough_100", profile=profile, loading=loading, adhesion=None), pressures
