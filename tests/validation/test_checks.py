@@ -2,10 +2,9 @@
 
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
-from validation.cases.shared.checks import Against, as_many, case, column, derivative, gathered, posed, work
+from validation.cases.shared.checks import Against, as_many, case, column, gathered, posed, work
 from validation.harness.figure_data import axes, digits, drawn, marks, table
 from validation.harness.verdict import verdict_of
 
@@ -85,11 +84,6 @@ def test_a_case_that_yields_something_else_is_refused():
 @pytest.mark.parametrize("found", [[], [1.0], [1.0, 1.0, 1.0]])
 def test_another_number_of_values_is_an_error(found):
     assert verdict_of(KNOWN.row("load", "N/m", [1.0, 1.0], as_many(found, [1.0, 1.0]), 0.1)) == "error"
-
-
-def test_a_derivative_is_of_fourth_order():
-    errors = [abs(derivative(np.exp, step) - 1.0) for step in (0.2, 0.1)]
-    assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.05)  # measured 0.011
 
 
 def test_columns_of_a_table_are_of_one_length():

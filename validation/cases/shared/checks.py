@@ -97,18 +97,6 @@ def beside(edges: FloatArray, period: float) -> FloatArray:
     return np.minimum(lengths, np.roll(lengths, 1)).reshape(edges.shape)
 
 
-def derivative(quantity: Callable[[float], Any], step: float) -> Any:
-    """Of fourth order, d quantity / dt at t = 0, from its values one and two steps away on either side.
-
-    Examples
-    --------
-    >>> round(derivative(lambda t: (1 + t) ** 4, 1e-3), 9)
-    4.0
-    """
-    near, far = (quantity(times * step) - quantity(-times * step) for times in (1, 2))
-    return (8 * near - far) / (12 * step)
-
-
 def refused(*results: Result) -> float:
     """How many states of some paths have a certificate that is not ok."""
     return float(sum(not state.certificate.ok for result in results for state in result.states))
