@@ -1,6 +1,7 @@
 """One sinusoid: the JKR curve of Johnson on a whole loop, and Westergaard's without adhesion.
 
-And a rough profile pressed flat.  Closed forms: validation/references/closed_forms.py.  SI units.
+And a rough profile, and waves on a compressible layer, pressed flat.  Closed forms:
+validation/references/closed_forms.py.  SI units.
 """
 
 from functools import partial
@@ -10,8 +11,10 @@ import numpy as np
 import bem
 from validation.cases.shared.checks import OVER_STATES, Against, Found, case, column, posed, refused, solved, work
 from validation.corpus.convergence_curves import bem_curves
+from validation.corpus.hard.hard_case_scenes import waves_of
 from validation.harness.figure_data import axes, drawn, marks, semilogy, trace
-from validation.references.closed_forms import Sinusoid, full_contact_amplitudes
+from validation.references.adapters import NOT_SELF_AFFINE
+from validation.references.closed_forms import Sinusoid, full_contact_amplitudes, layer_compliance
 
 AMPLITUDE, WAVELENGTH, YOUNGS_MODULUS, POISSON_RATIO = 1e-4, 0.01, 1e6, 0.5
 SMALLEST_SHOWN = 1e-17
@@ -138,6 +141,30 @@ def _complete() -> Found:
     yield work("evaluations", result)
 
 
+def uniform_compliance(thickness: float, nu: float) -> float:
+    """c(0) of a layer in m/Pa, the limit of c(q) for long waves."""
+    return thickness * (1 - 2 * nu) * (1 + nu) / (YOUNGS_MODULUS * (1 - nu))
+
+
+def _layer_complete() -> Found:
+    nu, thickness, pressure = 0.3, 0.1 * WAVELENGTH, 2e5
+    orders, amplitudes, phases = np.array([1, 2, 5]), np.array([20e-6, 10e-6, 3e-6]), [0.0, 1.0, 2.0]
+    profile = NOT_SELF_AFFINE | waves_of(bem.Profile.from_harmonics(WAVELENGTH, orders, amplitudes, phases))
+    (state,) = solved("rough_100", adhesion=None, solid={"poisson_ratio": nu}, profile=profile,
+                      layer={"thickness": thickness},
+                      loading={"control": "mean_pressure", "targets": [pressure]}).targets  # fmt: skip
+    compliance = layer_compliance(2 * np.pi * orders / WAVELENGTH, thickness, YOUNGS_MODULUS, nu)
+    x = np.linspace(0, WAVELENGTH, 1 << 16)
+    height = np.cos(2 * np.pi * np.outer(x, orders) / WAVELENGTH + phases) @ amplitudes
+    modes = Against("exact", "Carbone and Mangialardi 2008, mode by mode")
+    yield modes.row("elastic energy of complete contact", "J/m^2", float(np.sum(amplitudes**2 / compliance)) / 4,
+                    state.elastic_energy, (1e-14, 2e-16))  # fmt: skip
+    # the highest point on a grid of 65536
+    yield modes.row("total displacement, with the mean compression", "m",
+                    float(height.max()) + uniform_compliance(thickness, nu) * pressure, state.total_displacement,
+                    (2e-10, 7.4e-11))  # fmt: skip
+
+
 CASES = (
     *(
         case(f"johnson-alpha-{alpha:g}", "closed forms", partial(_johnson, alpha),
@@ -162,4 +189,8 @@ CASES = (
          r"$\sigma = \sigma_0 + \sum_m \frac{E^\ast m q_0 h_m}{2} \cos(m q_0 x + \varphi_m)$, "
          r"$U_{\text{el}} = \sum_m \frac{E^\ast m q_0 h_m^2}{8}$",
          "carbone2009 johnson1995", "half_space load_control", scene="rough_100"),
+    case("layer-complete-contact", "closed forms", _layer_complete,
+         "Has a compressible layer pressed flat the energy and the displacement of its closed form?",
+         r"$U_{\text{el}} = \sum_m \frac{h_m^2}{4 c(q_m)}$, $u_{\text{tot}} = h_{\text{max}} + c(0) \sigma_0$",
+         "carbone2008", "layer load_control", problem="complete contact of a layer"),
 )  # fmt: skip

@@ -2,8 +2,7 @@
 
 - Complete contact of a sinusoid with a layer, any nu: energy h_1^2 / (4 c(q)) per area, c(q) of G. Carbone,
   L. Mangialardi, J. Mech. Phys. Solids 56 (2008) 684; order of convergence on similar meshes, what comes after
-  the leading term fitted. The boundary elements' energy of the same contact stands beside it, and of a compressible
-  layer under several waves their energy and total displacement.
+  the leading term fitted. The boundary elements' energy of the same contact stands beside it.
 - One patch on a layer of two periods, which is a half-space to 1e-8: Johnson's state (closed_forms.py)
   with its edges prescribed (load and stress intensity asked), and by JKR closure (edges and load asked).
 - The closure moves edges until K = K_c.  Both are made with E*, from the energy release rate and from the work of
@@ -20,18 +19,15 @@ from typing import Any
 
 import numpy as np
 
-import bem
 import fem_reference
 from bem.scene.scene import Scene
 from fem_reference import Resolution, Result
 from fem_reference.solve import companions
 from validation.cases.finite_elements.fem_comparison import NAMES, uncertain, within
 from validation.cases.shared.checks import OVER_STATES, Against, Found, case, column, in_forms, posed, solved
-from validation.corpus.hard.hard_case_scenes import waves_of
 from validation.harness.figure_data import axes, drawn, loglog, marks, trace
 from validation.harness.schema import Row
 from validation.references import fem_adapter
-from validation.references.adapters import NOT_SELF_AFFINE
 from validation.references.closed_forms import Sinusoid, layer_compliance
 
 PERIOD, AMPLITUDE, YOUNGS_MODULUS = 0.01, 50e-6, 1e6
@@ -100,30 +96,6 @@ def _complete() -> Found:
     yield drawn("fem-complete", "Complete contact: relative error of the elastic energy against base cells per period.",
                 loglog("cells per period", "relative error of the energy", *series))  # fmt: skip
     yield {"unknowns of the finite elements": max(unknowns)}
-
-
-def uniform_compliance(thickness: float, nu: float) -> float:
-    """c(0) of a layer in m/Pa, the limit of c(q) for long waves."""
-    return thickness * (1 - 2 * nu) * (1 + nu) / (YOUNGS_MODULUS * (1 - nu))
-
-
-def _layer_complete() -> Found:
-    nu, thickness, pressure = 0.3, 0.1 * PERIOD, 2e5
-    orders, amplitudes, phases = np.array([1, 2, 5]), np.array([20e-6, 10e-6, 3e-6]), [0.0, 1.0, 2.0]
-    profile = NOT_SELF_AFFINE | waves_of(bem.Profile.from_harmonics(PERIOD, orders, amplitudes, phases))
-    (state,) = solved("rough_100", adhesion=None, solid={"poisson_ratio": nu}, profile=profile,
-                      layer={"thickness": thickness},
-                      loading={"control": "mean_pressure", "targets": [pressure]}).targets  # fmt: skip
-    compliance = layer_compliance(2 * np.pi * orders / PERIOD, thickness, YOUNGS_MODULUS, nu)
-    x = np.linspace(0, PERIOD, 1 << 16)
-    height = np.cos(2 * np.pi * np.outer(x, orders) / PERIOD + phases) @ amplitudes
-    modes = Against("exact", "Carbone and Mangialardi 2008, mode by mode")
-    yield modes.row("elastic energy of complete contact", "J/m^2", float(np.sum(amplitudes**2 / compliance)) / 4,
-                    state.elastic_energy, (1e-14, 2e-16))  # fmt: skip
-    # the highest point on a grid of 65536
-    yield modes.row("total displacement, with the mean compression", "m",
-                    float(height.max()) + uniform_compliance(thickness, nu) * pressure, state.total_displacement,
-                    (2e-10, 7.4e-11))  # fmt: skip
 
 
 def order_of_even(sizes: Sequence[float], errors: Sequence[float]) -> float:
@@ -284,8 +256,4 @@ CASES = (
          r"$K = \sqrt{2 E^\ast \gamma}$; "
          r"$\frac{d^2 U}{da^2} = \frac{dG}{da} = \frac{K}{E^\ast} \frac{dK}{da}$, both edges outwards or to one side",
          "johnson1995", "layer adhesion", code="fem", problem="adhesive wave, JKR closure"),
-    case("layer-complete-contact", "closed forms", _layer_complete,
-         "Has a compressible layer pressed flat the energy and the displacement of its closed form?",
-         r"$U_{\text{el}} = \sum_m \frac{h_m^2}{4 c(q_m)}$, $u_{\text{tot}} = h_{\text{max}} + c(0) \sigma_0$",
-         "carbone2008", "layer load_control", problem="complete contact of a layer"),
 )  # fmt: skip

@@ -22,8 +22,8 @@ import numpy as np
 import bem
 import fem_reference
 from bem.scene.scene import Scene, parse_scene
+from validation.cases.exact.waves import uniform_compliance
 from validation.cases.finite_elements import fem_comparison
-from validation.cases.finite_elements.fem_closed_forms import uniform_compliance
 from validation.cases.finite_elements.fem_comparison import (
     Comparison,
     compare_equilibria,
