@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from validation.cases.shared.checks import Against, case, column, posed, work
-from validation.harness.case import Outcome
+from validation.cases.shared.checks import Against, as_many, case, column, gathered, posed, work
+from validation.harness.figure_data import axes, digits, drawn, marks, table
 from validation.harness.verdict import verdict_of
 
 KNOWN = Against("exact", "a closed form")
@@ -58,10 +58,37 @@ def test_work_of_paths_is_summed_but_for_the_largest_system():
 
 
 def test_a_case_is_told_in_words():
-    made = case("one", "group", Outcome, "Why?", "$a$", "johnson1995 carbone2009", "layer adhesion", scene="sinusoid")
+    made = case(
+        "one", "group", lambda: iter(()), "Why?", "$a$", "johnson1995 carbone2009", "layer adhesion", scene="sinusoid"
+    )
     assert made.sources == ("johnson1995", "carbone2009")
     assert made.effects == ("layer", "adhesion")
     assert "[solid]" in made.scene
+
+
+def test_a_case_is_what_it_yields_each_kind_in_its_order():
+    rows = [KNOWN.row(name, "N/m", 1.0, 1.0, 0.1) for name in ("first", "second")]
+    figure = drawn("one", "One point.", axes("x", "y", marks("found", [1.0], [2.0])))
+    lines = table("Two numbers.", {"name": ("a", "b"), "value": digits([1.26, 0.0314], 2)})
+    found = gathered(lambda: iter((rows[0], {"states": 1}, figure, lines, rows[1], {"events": 2})))
+    assert (found.rows, found.figures, found.tables) == (tuple(rows), (figure,), (lines,))
+    assert found.counts == {"states": 1, "events": 2}
+    assert (lines.columns, lines.rows) == (["name", "value"], [["a", 1.3], ["b", 0.031]])
+
+
+def test_a_case_that_yields_something_else_is_refused():
+    with pytest.raises(TypeError, match="not tuple"):
+        gathered(lambda: iter(((KNOWN.row("load", "N/m", 1.0, 1.0, 0.1),),)))
+
+
+@pytest.mark.parametrize("found", [[], [1.0], [1.0, 1.0, 1.0]])
+def test_another_number_of_values_is_an_error(found):
+    assert verdict_of(KNOWN.row("load", "N/m", [1.0, 1.0], as_many(found, [1.0, 1.0]), 0.1)) == "error"
+
+
+def test_columns_of_a_table_are_of_one_length():
+    with pytest.raises(ValueError, match="shorter"):
+        table("Two numbers.", {"name": ("a", "b"), "value": (1.0,)})
 
 
 def test_tables_of_a_scene_are_changed_and_left_out():

@@ -7,6 +7,7 @@ import pytest
 
 from validation.cases.rough_profiles import paper_method_audit
 from validation.cases.rough_profiles.paper_method_audit import Limit
+from validation.cases.shared.checks import gathered
 from validation.cases.suite import convergence_rates
 from validation.corpus.convergence_curves import paper_method_curve
 from validation.harness.verdict import verdict_of
@@ -16,7 +17,7 @@ def test_rate_off_on_either_side_deviates():
     curve = paper_method_curve((8, 16, 32))
     for order, verdict in ((2.0, "agrees"), (1.7, "deviates"), (2.4, "deviates")):
         made = replace(curve, errors=tuple(n**-order for n in curve.sizes))
-        assert verdict_of(convergence_rates._rate_row(made, 0.033)) == verdict
+        assert [verdict_of(row) for row in convergence_rates._rate_rows([made], {made.id: 0.033})] == [verdict]
 
 
 def test_extrapolation_of_second_order_is_exact_for_it():
@@ -38,8 +39,7 @@ def test_edges_are_listed_from_the_start_of_the_period():
 
 
 def test_audit_agrees_and_notices_a_shifted_edge(monkeypatch):
-    outcome = paper_method_audit._layer()
-    assert {verdict_of(row) for row in outcome.rows} == {"agrees"}
+    assert {verdict_of(row) for row in gathered(paper_method_audit._layer).rows} == {"agrees"}
     solved = paper_method_audit._solved
 
     def shifted(posed):
@@ -48,6 +48,6 @@ def test_audit_agrees_and_notices_a_shifted_edge(monkeypatch):
         return replace(state, edges=((left, right + 2e-7), second), contact_fraction=state.contact_fraction + 2e-5)
 
     monkeypatch.setattr(paper_method_audit, "_solved", shifted)
-    verdicts = {row.quantity: verdict_of(row) for row in paper_method_audit._layer().rows}
+    verdicts = {row.quantity: verdict_of(row) for row in gathered(paper_method_audit._layer).rows}
     assert verdicts["contact fraction"] == verdicts["edges over the period"] == "deviates"
     assert verdicts["mean pressure over E* h'_rms / 2"] == "agrees"

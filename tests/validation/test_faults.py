@@ -21,7 +21,10 @@ from validation.studies.faults.fault_injection import Examined, Exposure, Fault,
 from validation.studies.faults.faults import Runs, control_run, examine_faults
 
 HERE = Path(__file__).parent
-SHORT = ("exact.waves", "states.fault_gaps", "states.identities", "theory.theory_accuracy", "suite.harness")
+SHORT = (
+    *("exact.waves", "states.stored_fields", "states.identities", "finite_elements.fem_equilibria"),
+    *("theory.theory_accuracy", "suite.harness"),
+)
 QUICK = Studied(tuple(f for f in faults_in() if f.quick), modules=tuple(f"validation.cases.{name}" for name in SHORT))
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from validation.cases.finite_elements import fem_comparison, fem_matrix
+from validation.cases.finite_elements import fem_comparison, fem_equilibria
 from validation.cases.finite_elements.fem_closed_forms import layer_compliance
 from validation.cases.finite_elements.fem_equilibria import EDGES, PENETRATION, SCENES
 from validation.harness.case import registry
@@ -52,10 +52,10 @@ def test_the_combined_uncertainty_decides_without_a_factor_and_nothing_is_called
 
 
 def test_random_scenes_of_the_matrix_are_those_drawn():
-    scene = fem_matrix.posed(3)
+    scene = fem_equilibria.posed_of(3)
     assert scene.accuracy.tolerance == 1e-9
     assert scene.loading.control == "total_displacement"
-    assert [fem_matrix.taken(k) for k in (0, 3, 6)] == [False, True, False]  # no layer, one patch, complete contact
+    assert [fem_equilibria.taken(k) for k in (0, 3, 6)] == [False, True, False]  # no layer, one patch, complete contact
 
 
 def test_middle_pressure_is_the_weighted_mean_of_westergaards():

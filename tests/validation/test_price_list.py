@@ -10,7 +10,8 @@ import bem
 import bem.adhesive.equilibrium
 import bem.elastic.collocation
 import bem.elastic.hierarchical
-from validation.cases.suite import accuracy_costs
+from validation.cases.shared.checks import gathered
+from validation.cases.suite import costs as priced
 from validation.corpus import effects
 from validation.corpus.accuracy_costs import CostPoint, stored
 from validation.corpus.effects import EFFECTS, Cost, Times, costs_of, loaded_alone, rough
@@ -91,8 +92,8 @@ def test_ratio_is_told_with_what_repetition_changes_of_it():
 @pytest.mark.parametrize("seconds", [(0.8, 0.8, 0.81), (1.05, 1.15, 1.2), (1.0, 1.0, 1.0)])
 def test_no_price_is_told_of_an_effect_that_takes_no_longer(seconds, monkeypatch):
     costs = {effect.name: Cost((1.0, 1.0, 1.0), 7) for effect in EFFECTS} | {"slope term": Cost(seconds, 6)}
-    monkeypatch.setattr(accuracy_costs, "costs_of", lambda scenes, runs: costs)
-    (table,) = accuracy_costs._prices().tables
+    monkeypatch.setattr(priced, "costs_of", lambda scenes, runs: costs)
+    (table,) = gathered(priced._prices).tables
     lines = {str(line[0]): dict(zip(table.columns, line, strict=True)) for line in table.rows}
     assert str(lines["slope term"]["times the scene without it"]).startswith("no more, ± ")
     assert all(not isinstance(cell, float | int) or cell >= 0 for line in table.rows for cell in line)
@@ -105,15 +106,15 @@ def point(route, setting, seconds):
 def test_a_route_with_one_point_is_left_out_with_a_sentence():
     points = [point("bem", "1e-2", 1.0), point("bem", "1e-4", 2.0), point("fft, c = 8", "1024", 3.0)]
     points += [point("fem", "(2, 4, 4)", 4.0), point("fem", "(4, 4, 6)", 5.0), point("fem", "(4, 4, 8)", 6.0)]
-    curves, sentence = accuracy_costs.curves_of(points)
+    curves, sentence = priced.curves_of(points)
     assert [curve.label for curve in curves if curve.label] == ["boundary elements", "finite elements, P4"]
     alone = "finite elements, P2, FFT grid, cohesion along 8 spacings"
     assert sentence == f" Left out, as one point is no curve: {alone}."
-    assert accuracy_costs.curves_of(points[:2])[1] == ""
+    assert priced.curves_of(points[:2])[1] == ""
 
 
 def test_both_orders_of_finite_elements_are_drawn_on_the_rough_profile():
-    curves, _ = accuracy_costs.curves_of(point for point in stored().points if point.scene == "rough")
+    curves, _ = priced.curves_of(point for point in stored().points if point.scene == "rough")
     assert {"finite elements, P2", "finite elements, P4"} <= {curve.label for curve in curves}
     assert all(len(curve.x) > 1 for curve in curves)
 

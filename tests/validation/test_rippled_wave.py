@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import bem
-from validation.cases.exact.ripples import LOADING, MOST, UNLOADING, WAVE
+from validation.cases.exact.one_patch import LOADING, MOST, UNLOADING, WAVE
 from validation.references import adapters
 
 

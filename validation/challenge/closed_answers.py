@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from validation.cases.exact.ripples import WAVE
+from validation.cases.exact.one_patch import WAVE
 from validation.harness.arrays import FloatArray
 from validation.references.closed_forms import Sinusoid
 from validation.references.one_patch import OnePatch

@@ -1,10 +1,10 @@
-"""Figures of cases from labels and numbers, with what most of them share."""
+"""Figures and tables of cases from labels and numbers, with what most of them share."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import partial
 from typing import Any
 
-from validation.harness.schema import Figure, Panel, Series
+from validation.harness.schema import Cells, Figure, Panel, Series, Table
 
 Values = Iterable[float | None]
 
@@ -43,6 +43,17 @@ loglog = partial(axes, xscale="log", yscale="log")
 def drawn(name: str, caption: str, solution: Panel, error: Panel | None = None) -> Figure:
     """A figure, its name unique in the report: a solution and, where there is one, its signed error below."""
     return Figure(id=name, caption=caption, solution=solution, error=error)
+
+
+def table(caption: str, columns: Mapping[str, Iterable[Any]]) -> Table:
+    """A table from its columns, all of one length, by their headings."""
+    rows: list[Cells] = [list(line) for line in zip(*columns.values(), strict=True)]
+    return Table(caption=caption, columns=list(columns), rows=rows)
+
+
+def digits(values: Iterable[float], count: int) -> list[float]:
+    """Numbers to so many significant digits, as tables show them."""
+    return [float(f"{value:.{count}g}") for value in values]
 
 
 def _numbers(values: Values) -> list[float | None]:

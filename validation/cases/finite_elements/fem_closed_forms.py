@@ -13,21 +13,20 @@
 The true error over the uncertainty that the reference states of it is a quantity of its own: at most 1. SI units.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
 
 import fem_reference
 from bem.scene.scene import Scene
-from fem_reference import Resolution
-from fem_reference.refine import Estimate
+from fem_reference import Resolution, Result
 from fem_reference.solve import companions
-from validation.cases.finite_elements.fem_comparison import NAMES, within
-from validation.cases.shared.checks import OVER_STATES, Against, case, in_forms, posed, solved
-from validation.harness.case import Outcome
+from validation.cases.finite_elements.fem_comparison import NAMES, uncertain, within
+from validation.cases.shared.checks import OVER_STATES, Against, Found, case, column, in_forms, posed, solved
 from validation.harness.figure_data import axes, drawn, loglog, marks, trace
-from validation.harness.schema import Figure, Row
+from validation.harness.schema import Row
 from validation.references import fem_adapter
 from validation.references.closed_forms import Sinusoid, layer_compliance
 
@@ -66,34 +65,37 @@ def _complete_bem(poisson_ratio: float) -> float | None:
     return state.elastic_energy if state.status == "complete_contact" else None
 
 
-def _complete() -> Outcome:
+def _complete() -> Found:
     exact = {
         nu: 0.25 * AMPLITUDE**2 / float(layer_compliance(2 * np.pi / PERIOD, HALVED * PERIOD, YOUNGS_MODULUS, nu))
         for nu in RATIOS
     }
-    rows, series, unknowns = [], [], 0
-    for order in (2, 4):
-        for nu in RATIOS:
-            ladder = companions(Resolution(order, 24 if _has_order(order, nu) else 16, 10))  # 14, 18 and 24 cells
-            found = fem_reference.refine(**given(_wave(nu, 0.0), HALVED * PERIOD), control="mean_pressure", value=0.0,
-                                         edges="complete", resolutions=ladder)  # fmt: skip
-            energy = found.estimates["strain_energy"]
-            errors = [abs(float(level) / PERIOD / exact[nu] - 1) for level in energy.levels]
-            cells = [resolution.cells for resolution in ladder]
-            rows += _energy_rows(f"{NAMES[order]}, nu = {nu:g}", energy, exact[nu])
-            if _has_order(order, nu):
-                rows.append(_order_row(order, nu, order_of_even([1 / count for count in cells], errors)))
-            series.append(trace(f"{NAMES[order]}, nu = {nu:g}", cells, errors))
-            unknowns = max(unknowns, found.result.unknowns)
-    rows.append(CARBONE.row("energy per area, boundary elements, nu = 0.3, 0.499999, 0.5", "J/m^2",
-                            [exact[nu] for nu in RATIOS[1:]], map(_complete_bem, RATIOS[1:]), (1e-13, 1e-15),
-                            OVER_STATES, exact[0.3], code="bem"))  # fmt: skip
-    figure = drawn(
-        "fem-complete",
-        "Complete contact: relative error of the elastic energy against base cells per period.",
-        loglog("cells per period", "relative error of the energy", *series),
-    )
-    return Outcome(rows=tuple(rows), figures=(figure,), counts={"unknowns of the finite elements": unknowns})
+    series, unknowns = [], []
+    for order, nu in product((2, 4), RATIOS):
+        ordered, name = order == 2 or nu < NO_ORDER, f"{NAMES[order]}, nu = {nu:g}"
+        ladder = companions(Resolution(order, 24 if ordered else 16, 10))  # 14, 18 and 24 cells
+        found = fem_reference.refine(**given(_wave(nu, 0.0), HALVED * PERIOD), control="mean_pressure", value=0.0,
+                                     edges="complete", resolutions=ladder)  # fmt: skip
+        energy = found.estimates["strain_energy"]
+        value, spread = float(energy.value) / PERIOD, float(np.max(energy.uncertainty)) / PERIOD
+        yield within(f"energy per area, finite elements {name}", "J/m^2", CARBONE, exact[nu], value, spread, exact[nu],
+                     "fem")  # fmt: skip
+        yield _coverage(name, abs(value - exact[nu]) / spread)
+        errors = [abs(float(level) / PERIOD / exact[nu] - 1) for level in energy.levels]
+        cells = [resolution.cells for resolution in ladder]
+        if ordered:
+            predicted, measured = ORDERS[order, nu]
+            yield Against("predicted order", "energy norm of order m, squared").row(
+                f"observed order of the energy, {name}", "", predicted,
+                order_of_even([1 / count for count in cells], errors), measured, "absolute")  # fmt: skip
+        series.append(trace(name, cells, errors))
+        unknowns.append(found.result.unknowns)
+    yield CARBONE.row("energy per area, boundary elements, nu = 0.3, 0.499999, 0.5", "J/m^2",
+                      [exact[nu] for nu in RATIOS[1:]], map(_complete_bem, RATIOS[1:]), (1e-13, 1e-15), OVER_STATES,
+                      exact[0.3], code="bem")  # fmt: skip
+    yield drawn("fem-complete", "Complete contact: relative error of the elastic energy against base cells per period.",
+                loglog("cells per period", "relative error of the energy", *series))  # fmt: skip
+    yield {"unknowns of the finite elements": max(unknowns)}
 
 
 def order_of_even(sizes: Sequence[float], errors: Sequence[float]) -> float:
@@ -108,25 +110,6 @@ def order_of_even(sizes: Sequence[float], errors: Sequence[float]) -> float:
     h = np.asarray(sizes)
     terms = np.column_stack([np.log(h), h**2, np.ones(3)])
     return float(np.linalg.solve(terms, np.log(np.asarray(errors)))[0])
-
-
-def _has_order(order: int, nu: float) -> bool:
-    return order == 2 or nu < NO_ORDER
-
-
-def _energy_rows(name: str, energy: Estimate, exact: float) -> list[Row]:
-    value, spread = float(energy.value) / PERIOD, float(np.max(energy.uncertainty)) / PERIOD
-    return [
-        within(f"energy per area, finite elements {name}", "J/m^2", CARBONE, exact, value, spread, exact, "fem"),
-        _coverage(name, abs(value - exact) / spread),
-    ]
-
-
-def _order_row(order: int, nu: float, observed: float) -> Row:
-    predicted, apart = ORDERS[order, nu]
-    return Against("predicted order", "energy norm of order m, squared").row(
-        f"observed order of the energy, {NAMES[order]}, nu = {nu:g}", "", predicted, observed, apart, "absolute"
-    )
 
 
 def _coverage(name: str, ratio: float) -> Row:
@@ -155,77 +138,58 @@ ASKED = {
     2: ((1.2e-5, 4e-6), (4e-4, 1.4e-4), (3e-4, 1e-4), (6e-5, 2e-5)),
     4: ((1e-7, 9e-9), (1e-6, 6.2e-8), (1e-6, 1.6e-7), (1e-7, 1.5e-8)),
 }
-Value = tuple[float, float, float]  # exact, computed, uncertain
 
 
-def _given(order: int, fraction: float, nu: float, alpha: float) -> tuple[Value, Value]:
-    """Mean pressure, and stress intensity over critical where it is farthest off, at Johnson's edges."""
-    wave, psi, crest = _wave(nu, alpha), fraction * np.pi / 2, -0.7 / (2 * np.pi) * PERIOD
-    half = 0.5 * fraction * PERIOD
-    fem = fem_adapter.solve_fem(layered(wave, float(wave.penetration(psi))), PRESCRIBED[order],
-                                edges=[[crest - half, crest + half]])  # fmt: skip
-    critical = alpha * wave.full_contact_pressure * np.sqrt(PERIOD)
-    farthest = fem.stress_intensity.ravel()[np.argmax(np.abs(fem.stress_intensity / critical - 1))]
-    uncertain = {name: float(np.max(fem.uncertainty[name])) for name in ("mean_pressure", "stress_intensity")}
-    return (
-        (float(wave.mean_pressure(psi)), fem.mean_pressure, uncertain["mean_pressure"]),
-        (1.0, float(farthest / critical), uncertain["stress_intensity"] / critical),
-    )
+def _solved(resolution: Resolution, fraction: float, nu: float, alpha: float, *, given: bool = False) -> Result:
+    """One of Johnson's states at its penetration, its edges given or found."""
+    wave, half, crest = _wave(nu, alpha), 0.5 * fraction * PERIOD, -0.7 / (2 * np.pi) * PERIOD
+    scene = layered(wave, float(wave.penetration(fraction * np.pi / 2)))
+    return fem_adapter.solve_fem(scene, resolution, edges=[[crest - half, crest + half]] if given else None)
 
 
-def _closed(order: int, fraction: float, nu: float, alpha: float) -> tuple[Value, Value, float, int]:
-    """Relative contact fraction and pressure of a closure, error of the fraction over that of edges; unknowns."""
-    wave, psi = _wave(nu, alpha), fraction * np.pi / 2
-    fem = fem_adapter.solve_fem(layered(wave, float(wave.penetration(psi))), CLOSURE[order])
-    found = fem.contact_fraction if fem.status == "converged" else float("nan")
-    covered = abs(found - fraction) / float(np.sum(fem.uncertainty["edges"]) / PERIOD)
-    spread = {name: float(np.max(fem.uncertainty[name])) for name in ("contact_fraction", "mean_pressure")}
-    width = (1.0, found / fraction, spread["contact_fraction"] / fraction)
-    load = (float(wave.mean_pressure(psi)), fem.mean_pressure, spread["mean_pressure"])
-    return width, load, covered, fem.unknowns
+def _load(fraction: float, nu: float, alpha: float) -> float:
+    return float(_wave(nu, alpha).mean_pressure(fraction * np.pi / 2))
 
 
-def _one_patch(order: int) -> Outcome:
-    given, closed = [_given(order, *state) for state in STATES], [_closed(order, *state) for state in CLOSED]
-    star = _wave(0.3, 0.0).full_contact_pressure
-
-    def row(
-        quantity: str, unit: str, values: Iterable[Value], scale: float, asked: tuple[float, float]
-    ) -> Row:  # fmt: skip
-        expected, computed, uncertain = (list(column) for column in zip(*values, strict=True))
-        return JOHNSON.row(f"{quantity}, {NAMES[order]}", unit, expected, computed, asked, OVER_STATES, scale,
-                           required=asked[0] if order == 4 else None, uncertainty=max(uncertain))  # fmt: skip
-
-    load, intensity, width, closed_load = ASKED[order]
-    rows = (
-        row("given edges: mean pressure over p*", "Pa", (g[0] for g in given), star, load),
-        row("given edges: stress intensity over critical", "", (g[1] for g in given), 1.0, intensity),
-        row("JKR closure: contact fraction, relative", "", (c[0] for c in closed), 1.0, width),
-        row("JKR closure: mean pressure over p*", "Pa", (c[1] for c in closed), star, closed_load),
-        _coverage(f"load at given edges, {NAMES[order]}", max(abs(b - a) / u for (a, b, u), _ in given)),
-        _coverage(f"edges of a closure, {NAMES[order]}", max(c[2] for c in closed)),
-    )
-    counts = {"unknowns of the finite elements": max(c[3] for c in closed)}
-    return Outcome(rows=rows, figures=(_figure(order, given),), counts=counts)
-
-
-def _figure(order: int, given: list[tuple[Value, Value]]) -> Figure:
+def _one_patch(order: int) -> Found:
+    name, star = NAMES[order], _wave(0.3, 0.0).full_contact_pressure
+    given = [_solved(PRESCRIBED[order], *state, given=True) for state in STATES]
+    closed = [_solved(CLOSURE[order], *state) for state in CLOSED]
+    loads, stars = [_load(*state) for state in STATES], [_wave(nu, 0.0).full_contact_pressure for _, nu, _ in STATES]
+    critical = [alpha * own * np.sqrt(PERIOD) for (_, _, alpha), own in zip(STATES, stars, strict=True)]
+    ratios = [fem.stress_intensity.ravel() / one for fem, one in zip(given, critical, strict=True)]
+    farthest = [float(ratio[np.argmax(np.abs(ratio - 1))]) for ratio in ratios]
+    fractions = [fraction for fraction, _, _ in CLOSED]
+    widths = [fem.contact_fraction if fem.status == "converged" else float("nan") for fem in closed]
+    for (quantity, unit, expected, computed, spread, scale), (allowed, measured) in zip((
+        ("given edges: mean pressure over p*", "Pa", loads, column(given, "mean_pressure"),
+         [uncertain(fem, "mean_pressure") for fem in given], star),
+        ("given edges: stress intensity over critical", "", [1.0] * len(given), farthest,
+         [uncertain(fem, "stress_intensity") / one for fem, one in zip(given, critical, strict=True)], 1.0),
+        ("JKR closure: contact fraction, relative", "", [1.0] * len(closed), np.divide(widths, fractions),
+         [uncertain(fem, "contact_fraction") / one for fem, one in zip(closed, fractions, strict=True)], 1.0),
+        ("JKR closure: mean pressure over p*", "Pa", [_load(*state) for state in CLOSED],
+         column(closed, "mean_pressure"), [uncertain(fem, "mean_pressure") for fem in closed], star),
+    ), ASKED[order], strict=True):  # fmt: skip
+        yield JOHNSON.row(f"{quantity}, {name}", unit, expected, computed, (allowed, measured), OVER_STATES, scale,
+                          required=allowed if order == 4 else None, uncertainty=max(spread))  # fmt: skip
+    apart = np.subtract(column(given, "mean_pressure"), loads)
+    yield _coverage(f"load at given edges, {name}", max(
+        abs(off) / uncertain(fem, "mean_pressure") for off, fem in zip(apart, given, strict=True)))  # fmt: skip
+    yield _coverage(f"edges of a closure, {name}", max(
+        abs(found - fraction) / float(np.sum(fem.uncertainty["edges"]) / PERIOD)
+        for found, fraction, fem in zip(widths, fractions, closed, strict=True)))  # fmt: skip
     curve, at = np.linspace(0.02, 0.9, 200), [fraction for fraction, _, _ in STATES]
-    stars = [_wave(nu, alpha).full_contact_pressure for _, nu, alpha in STATES]
-    star = _wave(0.3, 0.0).full_contact_pressure
-    pairs = list(zip(given, stars, strict=True))
-    return drawn(
-        f"fem-one-patch-{NAMES[order].replace('/', '').lower()}",
-        f"Mean pressure of finite elements, {NAMES[order]}, at the edges of Johnson's states.",
-        axes("contact fraction", "mean pressure / p*",
-             *(trace(f"Johnson 1995, alpha = {alpha:g}", curve,
-                     _wave(0.3, alpha).mean_pressure(curve * np.pi / 2) / star)
-               for alpha in sorted({alpha for _, _, alpha in STATES})),
-             marks("finite elements", at, [load[1] / own for (load, _), own in pairs])),
-        axes("contact fraction", "signed error",
-             marks("mean pressure / p*", at, [(load[1] - load[0]) / own for (load, _), own in pairs]),
-             marks("stress intensity", at, [intensity[1] - 1 for (_, intensity), _ in pairs])),
-    )  # fmt: skip
+    yield drawn(f"fem-one-patch-{name.replace('/', '').lower()}",
+                f"Mean pressure of finite elements, {name}, at the edges of Johnson's states.",
+                axes("contact fraction", "mean pressure / p*",
+                     *(trace(f"Johnson 1995, alpha = {alpha:g}", curve,
+                             _wave(0.3, alpha).mean_pressure(curve * np.pi / 2) / star)
+                       for alpha in sorted({alpha for _, _, alpha in STATES})),
+                     marks("finite elements", at, np.divide(column(given, "mean_pressure"), stars))),
+                axes("contact fraction", "signed error", marks("mean pressure / p*", at, apart / stars),
+                     marks("stress intensity", at, np.subtract(farthest, 1))))  # fmt: skip
+    yield {"unknowns of the finite elements": max(column(closed, "unknowns"))}
 
 
 WAVE = Sinusoid(amplitude=1e-4, wavelength=0.01, youngs_modulus=1e6, poisson_ratio=0.3, alpha=0.3)
@@ -255,24 +219,21 @@ def stiffness(wave: Sinusoid, psi: float) -> tuple[float, float]:
     return float(rate * outwards * np.pi / length), float(rate * aside)
 
 
-def _closure() -> Outcome:
-    found = [
-        fem_reference.solve(**given(WAVE, 2 * WAVE.wavelength), control="penetration",
-                            value=float(WAVE.penetration(fraction * np.pi / 2)),
-                            work_of_adhesion=WAVE.work_of_adhesion, resolution=CLOSURE[2])
-        for fraction in FRACTIONS
-    ]  # fmt: skip
+def _closure() -> Found:
+    found = [fem_reference.solve(**given(WAVE, 2 * WAVE.wavelength), control="penetration",
+                                 value=float(WAVE.penetration(fraction * np.pi / 2)),
+                                 work_of_adhesion=WAVE.work_of_adhesion, resolution=CLOSURE[2])
+             for fraction in FRACTIONS]  # fmt: skip
     intensities = np.concatenate([result.stress_intensity.ravel() for result in found])
     critical = float(np.sqrt(2 * WAVE.modulus * WAVE.work_of_adhesion))
     eigenvalues = [min(stiffness(WAVE, fraction * np.pi / 2)) for fraction in FRACTIONS]
-    rows = (  # the iteration ends below 1e-8
-        JOHNSON.row("stress intensity at the edges found, contact fractions 0.3, 0.5 and 0.7", "Pa m^1/2",
-                    [critical] * intensities.size, intensities, 7.1e-9, scale=critical,
-                    uncertainty=max(float(np.max(result.uncertainty["stress_intensity"])) for result in found)),
-        JOHNSON.row("smallest eigenvalue of the energy, contact fractions 0.3, 0.5 and 0.7", "J/m^3", eigenvalues,
-                    [result.min_eigenvalue for result in found], 4.8e-4, OVER_STATES, max(eigenvalues)),
-    )  # fmt: skip
-    return Outcome(rows=rows, counts={"unknowns of the finite elements": max(result.unknowns for result in found)})
+    # the iteration ends below 1e-8
+    yield JOHNSON.row("stress intensity at the edges found, contact fractions 0.3, 0.5 and 0.7", "Pa m^1/2",
+                      [critical] * intensities.size, intensities, 7.1e-9, scale=critical,
+                      uncertainty=max(uncertain(fem, "stress_intensity") for fem in found))  # fmt: skip
+    yield JOHNSON.row("smallest eigenvalue of the energy, contact fractions 0.3, 0.5 and 0.7", "J/m^3", eigenvalues,
+                      column(found, "min_eigenvalue"), 4.8e-4, OVER_STATES, max(eigenvalues))  # fmt: skip
+    yield {"unknowns of the finite elements": max(column(found, "unknowns"))}
 
 
 GROUP = "finite elements against closed forms"

@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import bem
+from bem.scene.result import State
 from bem.scene.scene import Scene
 from fem_reference import Resolution, Result
 from validation.cases.shared.checks import Against, beside
@@ -138,26 +139,7 @@ def compare_equilibria(label: str, posed: Scene, elements: str, patches: int | N
         why = f"finite elements: {fem.status} with {len(fem.edges)} patches of {state.n_patches}. {fem.message}"
         return Comparison(label, (), fem, failure=why)
     elastic = fem_adapter.contact_state(posed, edges, state.penetration)
-    energies = {"elastic energy per area": "elastic_energy"}
-    if posed.adhesion is not None:
-        energies["elastic and adhesive energy per area"] = "total_energy"
-    own, uncertain = state.error_estimate.contact_fraction or 0.0, fem.uncertainty
-    unit = abs(state.elastic_energy)
-    pressure = state.error_estimate.mean_pressure or 0.0
-    found = (
-        _difference("edges", "m", edges, fem.edges, own * period, uncertain["edges"], period),
-        _difference("contact fraction", "", state.contact_fraction, fem.contact_fraction, own,
-                    uncertain["contact_fraction"], 1.0),
-        *_heights(posed, fem, state.penetration, state.total_displacement),
-        *list(_stresses(posed, fem, elastic, state.mean_pressure, pressure))[:-1],
-        *(
-            _difference(name, "J/m^2", getattr(state, key), getattr(fem, key) / period,
-                        posed.accuracy.tolerance * unit, np.asarray(uncertain[key]) / period, unit)
-            for name, key in energies.items()
-        ),
-        _displacement(posed, fem, elastic),
-    )  # fmt: skip
-    return Comparison(label, found, fem, elastic)
+    return Comparison(label, tuple(_differences(posed, fem, elastic, state)), fem, elastic)
 
 
 def _aside(edges: FloatArray, period: float) -> FloatArray:
@@ -171,49 +153,49 @@ def compare_prescribed(label: str, posed: Scene, elements: str, edges: FloatArra
     state = fem_adapter.contact_state(posed, edges, penetration)
     if fem.status not in SOLVED:
         return Comparison(label, (), fem, failure=f"finite elements: {fem.status}. {fem.message}")
-    unit = abs(state.elastic_energy)
-    found = (
-        *_stresses(posed, fem, state, state.mean_pressure, 0.0),
-        _difference("elastic energy per period", "J/m", state.elastic_energy, fem.elastic_energy,
-                    posed.accuracy.tolerance * unit, fem.uncertainty["elastic_energy"], unit),
-        _displacement(posed, fem, state),
-    )  # fmt: skip
-    return Comparison(label, found, fem, state)
+    return Comparison(label, tuple(_differences(posed, fem, state, None)), fem, state)
 
 
-def _heights(posed: Scene, fem: Result, penetration: float, total: float | None) -> Iterator[Difference]:
-    """Penetration and total displacement, but not the one that is prescribed."""
-    height = fem.problem.unit_height
+def _differences(posed: Scene, fem: Result, elastic: bem.ContactState, state: State | None) -> Iterator[Difference]:
+    """All that is compared and not prescribed; without a state at edges that were given to both codes."""
+    tolerance, known = posed.accuracy.tolerance, fem.uncertainty
+    height, period = fem.problem.unit_height, fem.problem.period
     prescribed = "penetration" if posed.loading.control == "separation" else posed.loading.control
-    for key, ours in (("penetration", penetration), ("total_displacement", total)):
-        if ours is not None and prescribed != key:
-            yield _difference(key.replace("_", " "), "m", ours, getattr(fem, key), posed.accuracy.tolerance * height,
-                              fem.uncertainty[key], height)  # fmt: skip
-
-
-def _stresses(
-    posed: Scene, fem: Result, state: bem.ContactState, mean_pressure: float, estimate: float
-) -> Iterator[Difference]:
-    """Mean pressure (unless prescribed), pressure of the middle of each patch, stress intensity at each edge."""
-    middle, root = fem_adapter.middle_pressure(state), float(np.sqrt(fem.problem.period))
+    middle = fem_adapter.middle_pressure(elastic)
     scale = float(np.max(np.abs(middle)))
-    own = posed.accuracy.tolerance * scale
-    if posed.loading.control != "mean_pressure":
-        yield _difference("mean pressure", "Pa", mean_pressure, fem.mean_pressure, max(estimate, own),
-                          fem.uncertainty["mean_pressure"], scale)  # fmt: skip
-    yield _difference("pressure away from the edges", "Pa", middle, fem.middle_pressure, own,
-                      fem.uncertainty["middle_pressure"], scale)  # fmt: skip
-    yield _difference("stress intensity at the edges", "Pa m^1/2", state.stress_intensity, fem.stress_intensity,
-                      own * root, fem.uncertainty["stress_intensity"], scale * root)  # fmt: skip
-
-
-def _displacement(posed: Scene, fem: Result, state: bem.ContactState) -> Difference:
-    """Mean-free displacement at points away from the edges."""
-    height, x, known = fem.problem.unit_height, away_from_edges(fem), fem.uncertainty
-    theirs = fem.displacement(x) - (fem.total_displacement - fem.penetration)
-    uncertain = float(np.max(fem.uncertainty_at("displacement", x))) + 2.0 * float(np.max(known["penetration"]))
-    return _difference("interface displacement away from the edges", "m", state.displacement(x), theirs,
-                       posed.accuracy.tolerance * height, uncertain, height)  # fmt: skip
+    estimate = 0.0
+    if state is not None:
+        own, estimate = state.error_estimate.contact_fraction or 0.0, state.error_estimate.mean_pressure or 0.0
+        yield _difference("edges", "m", np.array(state.edges), fem.edges, own * period, known["edges"], period)
+        yield _difference("contact fraction", "", state.contact_fraction, fem.contact_fraction, own,
+                          known["contact_fraction"], 1.0)  # fmt: skip
+        for key in ("penetration", "total_displacement"):
+            if key != prescribed and getattr(state, key) is not None:
+                yield _difference(key.replace("_", " "), "m", getattr(state, key), getattr(fem, key),
+                                  tolerance * height, known[key], height)  # fmt: skip
+    if prescribed != "mean_pressure":
+        ours = elastic.mean_pressure if state is None else state.mean_pressure
+        yield _difference("mean pressure", "Pa", ours, fem.mean_pressure, max(estimate, tolerance * scale),
+                          known["mean_pressure"], scale)  # fmt: skip
+    yield _difference("pressure away from the edges", "Pa", middle, fem.middle_pressure, tolerance * scale,
+                      known["middle_pressure"], scale)  # fmt: skip
+    if state is None:
+        root, energy = float(np.sqrt(period)), elastic.elastic_energy
+        yield _difference("stress intensity at the edges", "Pa m^1/2", elastic.stress_intensity, fem.stress_intensity,
+                          tolerance * scale * root, known["stress_intensity"], scale * root)  # fmt: skip
+        yield _difference("elastic energy per period", "J/m", energy, fem.elastic_energy, tolerance * abs(energy),
+                          known["elastic_energy"], abs(energy))  # fmt: skip
+    else:
+        for name, key in (("elastic", "elastic_energy"), ("elastic and adhesive", "total_energy")):
+            if key == "elastic_energy" or posed.adhesion is not None:
+                yield _difference(f"{name} energy per area", "J/m^2", getattr(state, key), getattr(fem, key) / period,
+                                  tolerance * abs(state.elastic_energy), np.asarray(known[key]) / period,
+                                  abs(state.elastic_energy))  # fmt: skip
+    x = away_from_edges(fem)
+    uncertain_there = float(np.max(fem.uncertainty_at("displacement", x))) + 2.0 * uncertain(fem, "penetration")
+    yield _difference("interface displacement away from the edges", "m", elastic.displacement(x),
+                      fem.displacement(x) - (fem.total_displacement - fem.penetration), tolerance * height,
+                      uncertain_there, height)  # fmt: skip
 
 
 def away_from_edges(fem: Result) -> FloatArray:
@@ -230,9 +212,8 @@ def rows(comparison: Comparison, asked_uncertainty: bool = True) -> Iterator[Row
     prefix, fem, elements = f"{comparison.label}: " if comparison.label else "", comparison.fem, comparison.elements
     source = "fem_reference" if fem is None else f"fem_reference, {elements}, {fem.unknowns} unknowns"
     if not comparison.differences:
-        missing = Against("FEM", "fem_reference").row(
-            f"{prefix}equilibrium", "", 1.0, 0.0, None, "absolute", required=0.5
-        )
+        missing = Against("FEM", "fem_reference").row(f"{prefix}equilibrium", "", 1.0, 0.0, None, "absolute",
+                                                      required=0.5)  # fmt: skip
         yield missing.model_copy(update={"status": "not converged", "message": comparison.failure})
         return
     for one in comparison.differences:
@@ -245,10 +226,14 @@ def rows(comparison: Comparison, asked_uncertainty: bool = True) -> Iterator[Row
         ("largest of all but displacement", others, 1e-5, 2.7e-6),
         ("displacement", [displacement], 1e-4, 3.5e-5),
     ):
-        yield Against("FEM", source).row(
-            f"{prefix}combined uncertainty over its scale, {name}", "", 0.0,
-            max(difference.uncertainty for difference in judged), measured, "absolute", required=asked,
-            pinned="unconverged")  # fmt: skip
+        yield Against("FEM", source).row(f"{prefix}combined uncertainty over its scale, {name}", "", 0.0,
+                                         max(difference.uncertainty for difference in judged), measured, "absolute",
+                                         required=asked, pinned="unconverged")  # fmt: skip
+
+
+def uncertain(fem: Result, name: str) -> float:
+    """The largest uncertainty that the finite elements state of a quantity, in its unit."""
+    return float(np.max(fem.uncertainty[name]))
 
 
 def within(
@@ -259,7 +244,7 @@ def within(
     computed: ArrayLike,
     uncertainty: float,
     scale: float,
-    code: Code = "bem",
+    code: Code | None = "bem",
 ) -> Row:
     """A row of a code's answer that the combined uncertainty of both sides judges, never below rounding."""
     return against.row(quantity, unit, np.ravel(expected), np.ravel(computed), None, "absolute", scale,

@@ -18,12 +18,10 @@ import bem
 from bem.scene.result import State
 from bem.scene.scene import Scene
 from validation.cases.finite_elements import fem_comparison
-from validation.cases.finite_elements.fem_comparison import Comparison
-from validation.cases.shared.checks import Against, column, in_forms, posed
+from validation.cases.shared.checks import Against, Found, column, in_forms, posed
 from validation.harness.arrays import FloatArray
-from validation.harness.case import Outcome
-from validation.harness.figure_data import axes, drawn, marks, shaded, trace
-from validation.harness.schema import Cells, Figure, Table
+from validation.harness.figure_data import axes, digits, drawn, marks, shaded, trace
+from validation.harness.schema import Table
 from validation.references import adapters
 
 SEED, REALISATIONS = 1, 12
@@ -41,7 +39,6 @@ BANDS = {  # of means over the theory, by harmonics: three standard errors on bo
     (20, "contact_fraction"): (1.16, 1.50),  # 1.33 +- 0.06
     (20, "separation"): (1.05, 1.33),  # 1.19 +- 0.05
 }
-Ensemble = dict[str, FloatArray]  # of each quantity, (realisations, loads)
 
 
 def _posed(harmonics: int, seed: int, loads: Sequence[float] = LOADS[-1:], layer: bool = True) -> Scene:
@@ -50,8 +47,8 @@ def _posed(harmonics: int, seed: int, loads: Sequence[float] = LOADS[-1:], layer
                  loading={"control": "mean_pressure", "targets": [load * MODULUS for load in loads]})  # fmt: skip
 
 
-def _ensemble(harmonics: int) -> Ensemble:
-    """Boundary elements of all realisations."""
+def _ensemble(harmonics: int) -> dict[str, FloatArray]:
+    """Each quantity by the boundary elements, (realisations, loads)."""
     found: list[list[State]] = [list(bem.solve(_posed(harmonics, k, LOADS)).targets) for k in range(REALISATIONS)]
     if any(state.status != "converged" for states in found for state in states):
         raise ArithmeticError("a realisation did not converge")
@@ -65,58 +62,48 @@ def _theory(harmonics: int) -> dict[str, FloatArray]:
     return {name: np.array(column(found, name)) for name in QUANTITIES}
 
 
-def _rough(harmonics: int, elements: str) -> Outcome:
+def _rough(harmonics: int, elements: str) -> Found:
     found = fem_comparison.compare_equilibria("", _posed(harmonics, SEED), elements, None)
     ensemble, theory = _ensemble(harmonics), _theory(harmonics)
-    judged, table = list(fem_comparison.rows(found)), []
+    yield from fem_comparison.rows(found)
+    lines = []
     for name, unit in QUANTITIES.items():
         words, values, expected = name.replace("_", " "), ensemble[name][:, -1], float(theory[name][-1])
         mean, spread = float(values.mean()), float(values.std(ddof=1))
-        judged.append(Against("theory", "Persson 2001").ratio(
+        yield Against("theory", "Persson 2001").ratio(
             f"{words} over Persson, mean of {REALISATIONS} realisations", unit, expected, mean, BANDS[harmonics, name],
-            CAUSE, SOURCE, uncertainty=spread / REALISATIONS**0.5, review="2027-11-26"))  # fmt: skip
-        line: Cells = [words, float(f"{values[SEED]:.9g}")]
-        line.append(None if found.fem is None else float(f"{getattr(found.fem, name):.9g}"))
-        table.append([*line, float(f"{mean:.4g}"), float(f"{spread:.2g}"), float(f"{expected:.4g}")])
-    shown = Table(
+            CAUSE, SOURCE, uncertainty=spread / REALISATIONS**0.5, review="2027-11-26")  # fmt: skip
+        one = None if found.fem is None else float(f"{getattr(found.fem, name):.9g}")
+        lines.append([words, *digits([values[SEED]], 9), one, *digits([mean], 4), *digits([spread], 2),
+                      *digits([expected], 4)])  # fmt: skip
+    yield Table(
         caption=f"One load, {LOADS[-1]:g} E*: what each code says, the ensemble of {REALISATIONS} realisations by "
         "their seeds. One realisation is no test of the theory: it scatters by the spread.",
         columns=["quantity", "bem, one realisation", "fem, one realisation", "bem, mean", "spread", "Persson"],
-        rows=table,
+        rows=lines,
     )
-    figures = fem_comparison.figure(
+    pressed = fem_comparison.figure(
         "fem-rough", f"Pressure of a rough profile of {harmonics} harmonics, {elements}.", found
     )
-    return Outcome(rows=tuple(judged), figures=(*figures, *_centre(harmonics, found, figures, ensemble, theory)),
-                   tables=(shown,), counts=fem_comparison.counts([found]))  # fmt: skip
-
-
-def _centre(
-    harmonics: int, found: Comparison, pressed: Sequence[Figure], ensemble: Ensemble, theory: dict[str, FloatArray]
-) -> list[Figure]:
-    """The pressure of both codes, and what they say over what the theory says."""
+    yield from pressed
     series = [trace("Persson's theory", LOADS, [1.0] * len(LOADS), "dashed", hue=5)]
     for hue, name in enumerate(QUANTITIES):
         words, ratios = name.replace("_", " "), ensemble[name] / theory[name]
         mean, spread = ratios.mean(axis=0), ratios.std(axis=0, ddof=1)
         series += [
-            shaded(
-                f"{words}: boundary elements, {REALISATIONS} realisations", LOADS, mean - spread, mean + spread, hue
-            ),
+            shaded(f"{words}: boundary elements, {REALISATIONS} realisations", LOADS, mean - spread, mean + spread,
+                   hue),
             trace("this one", LOADS, ratios[SEED], hue=hue),
-        ]
+        ]  # fmt: skip
         if found.fem is not None:
             one = float(getattr(found.fem, name)) / float(theory[name][-1])
             series.append(marks("this one, finite elements", LOADS[-1:], [one], hue))
-    return [
-        drawn(
-            "centre-rough",
-            f"A rough profile of {harmonics} harmonics: boundary elements (line), finite elements (points); then both "
-            "codes over Persson's theory.",
-            figure.solution, axes("load / E*", "over Persson's theory", *series)
-        )
-        for figure in pressed
-    ]  # fmt: skip
+    for figure in pressed:  # the pressure of both codes, and what they say over what the theory says
+        yield drawn("centre-rough",
+                    f"A rough profile of {harmonics} harmonics: boundary elements (line), finite elements (points); "
+                    "then both codes over Persson's theory.",
+                    figure.solution, axes("load / E*", "over Persson's theory", *series))  # fmt: skip
+    yield fem_comparison.counts([found])
 
 
 CASES = tuple(in_forms(

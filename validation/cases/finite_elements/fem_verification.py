@@ -29,12 +29,10 @@ from fem_reference.mesh import crisscross
 from fem_reference.refine import observed_order
 from validation.cases.finite_elements.fem_closed_forms import given
 from validation.cases.finite_elements.fem_comparison import NAMES
-from validation.cases.shared.checks import Against, case, in_forms
+from validation.cases.shared.checks import Against, Found, case, in_forms
 from validation.harness.arrays import FloatArray
-from validation.harness.case import Outcome
 from validation.harness.compare import pairwise_orders
-from validation.harness.figure_data import drawn, loglog, trace
-from validation.harness.schema import Table
+from validation.harness.figure_data import drawn, loglog, table, trace
 from validation.references.closed_forms import Sinusoid
 
 RATIOS = (-0.5, 0.3, 0.499999, 0.5)
@@ -93,8 +91,8 @@ def manufactured_errors(order: int, nu: float, cells: int) -> tuple[float, float
     return float(np.sqrt(square)), float(np.sqrt(np.sum(off**2 * Q.dx)))
 
 
-def _manufactured() -> Outcome:
-    rows, curves = [], []
+def _manufactured() -> Found:
+    curves = []
     for order, cells in CELLS.items():
         found = {nu: np.array([manufactured_errors(order, nu, count) for count in cells]) for nu in RATIOS}
         for name, place, predicted in (("displacement", 0, order + 1), ("pressure", 1, order)):
@@ -103,12 +101,11 @@ def _manufactured() -> Outcome:
                 errors = found[nu][:, place].tolist()
                 observed.append(pairwise_orders([1 / count for count in cells], errors)[0])
                 curves.append(trace(f"{NAMES[order]}, {name}, nu = {nu:g}", cells, errors))
-            rows.append(Against("predicted order", "m + 1 and m in L2 on a manufactured plane wave").row(
+            yield Against("predicted order", "m + 1 and m in L2 on a manufactured plane wave").row(
                 f"observed order of the {name} in L2, {NAMES[order]}, nu = -0.5, 0.3, 0.499999, 0.5", "",
-                [predicted] * len(RATIOS), observed, MEASURED_ORDER[order][place], "absolute"))  # fmt: skip
-    figure = drawn("fem-manufactured", "Manufactured plane wave on uniform meshes: errors in L2 against cells.",
-                   loglog("cells per side", "error in L2", *curves))  # fmt: skip
-    return Outcome(rows=tuple(rows), figures=(figure,))
+                [predicted] * len(RATIOS), observed, MEASURED_ORDER[order][place], "absolute")  # fmt: skip
+    yield drawn("fem-manufactured", "Manufactured plane wave on uniform meshes: errors in L2 against cells.",
+                loglog("cells per side", "error in L2", *curves))  # fmt: skip
 
 
 def _arguments(wave: Sinusoid, fraction: float) -> dict[str, Any]:
@@ -122,7 +119,7 @@ def _arguments(wave: Sinusoid, fraction: float) -> dict[str, Any]:
     }
 
 
-def _richardson(order: int) -> Outcome:
+def _richardson(order: int) -> Found:
     wave, fraction = Sinusoid(AMPLITUDE, PERIOD, MODULUS, 0.3, 0.3), 0.4
     exact, scale = float(wave.mean_pressure(fraction * np.pi / 2)), wave.full_contact_pressure
     ladder, name, predicted = LADDERS[order], NAMES[order], 2 * order
@@ -137,26 +134,20 @@ def _richardson(order: int) -> Outcome:
     error, stated = abs(values[-1] - exact), float(found.uncertainty)
     coarse, middle, fine = (size**predicted for size in sizes)
     of_order, of_range, of_value, of_error, of_index = MEASURED_LADDER[order]
-    rows = (
-        ENERGY.row(f"observed order of the load, graded meshes, {name}", "", predicted, p, of_order, "absolute"),
-        ENERGY.row(f"asymptotic range: ratio of differences over that of the order {predicted}, {name}", "", 1.0,
-                   steps[0] / steps[1] / ((coarse - middle) / (middle - fine)), of_range, "absolute"),
-        JOHNSON.row(f"Richardson's value of the load over p*, {name}", "Pa", exact, richardson, of_value, scale=scale,
-                    uncertainty=index),
-        JOHNSON.row(f"true error of the load over its GCI, {name}", "", 0.0, error / index, of_index, "absolute",
-                    required=1.0, pinned="unconverged"),
-        JOHNSON.row(f"true error of the load over its stated uncertainty, {name}", "", 0.0, error / stated, of_error,
-                    "absolute", required=1.0, pinned="unconverged"),
-    )  # fmt: skip
-    table = Table(
-        caption="Load over p* at given edges: errors are true ones.",
-        columns=["elements", "cells per period", *(f"error, mesh {k + 1}" for k, _ in enumerate(ladder)),
-                 "observed order", "error of Richardson's value", "GCI", "stated uncertainty"],
-        rows=[[name, ", ".join(str(resolution.cells) for resolution in ladder),
-               *(f"{(value - exact) / scale:.2e}" for value in values), f"{p:.2f}",
-               f"{(richardson - exact) / scale:.1e}", f"{index / scale:.1e}", f"{stated / scale:.1e}"]],
-    )  # fmt: skip
-    return Outcome(rows=rows, tables=(table,))
+    yield ENERGY.row(f"observed order of the load, graded meshes, {name}", "", predicted, p, of_order, "absolute")
+    yield ENERGY.row(f"asymptotic range: ratio of differences over that of the order {predicted}, {name}", "", 1.0,
+                     steps[0] / steps[1] / ((coarse - middle) / (middle - fine)), of_range, "absolute")  # fmt: skip
+    yield JOHNSON.row(f"Richardson's value of the load over p*, {name}", "Pa", exact, richardson, of_value, scale=scale,
+                      uncertainty=index)  # fmt: skip
+    yield JOHNSON.row(f"true error of the load over its GCI, {name}", "", 0.0, error / index, of_index, "absolute",
+                      required=1.0, pinned="unconverged")  # fmt: skip
+    yield JOHNSON.row(f"true error of the load over its stated uncertainty, {name}", "", 0.0, error / stated, of_error,
+                      "absolute", required=1.0, pinned="unconverged")  # fmt: skip
+    told = {"elements": name, "cells per period": ", ".join(str(resolution.cells) for resolution in ladder)}
+    told |= {f"error, mesh {k}": f"{(value - exact) / scale:.2e}" for k, value in enumerate(values, start=1)}
+    told |= {"observed order": f"{p:.2f}", "error of Richardson's value": f"{(richardson - exact) / scale:.1e}",
+             "GCI": f"{index / scale:.1e}", "stated uncertainty": f"{stated / scale:.1e}"}  # fmt: skip
+    yield table("Load over p* at given edges: errors are true ones.", {head: [said] for head, said in told.items()})
 
 
 def ratios(order: int, draws: int) -> FloatArray:
@@ -179,20 +170,16 @@ def ratios(order: int, draws: int) -> FloatArray:
     return np.array(found)
 
 
-def _coverage(order: int, draws: int) -> Outcome:
+def _coverage(order: int, draws: int) -> Found:
     found = ratios(order, draws)
     within, largest = float(np.mean(found <= 1.0)), float(np.max(found))
     missed, most = MEASURED_COVERAGE[order, draws]
-    rows = (
-        JOHNSON.row(f"values whose true error is within the uncertainty, {found.size} of {NAMES[order]}", "", 1.0,
-                    within, missed, "absolute", required=0.05, pinned="unconverged"),
-        JOHNSON.row(f"largest true error over its uncertainty, {found.size} of {NAMES[order]}", "", 0.0, largest, most,
-                    "absolute", required=2.0, pinned="unconverged"),
-    )  # fmt: skip
-    share = [float(np.mean(found.ravel() <= at)) for at in (0.1, 0.2, 0.5, 1.0, 2.0)]
-    table = Table(caption=f"Share of true errors up to a part of the stated uncertainty, {NAMES[order]}.",
-                  columns=["0.1", "0.2", "0.5", "1", "2"], rows=[list(share)])  # fmt: skip
-    return Outcome(rows=rows, tables=(table,))
+    yield JOHNSON.row(f"values whose true error is within the uncertainty, {found.size} of {NAMES[order]}", "", 1.0,
+                      within, missed, "absolute", required=0.05, pinned="unconverged")  # fmt: skip
+    yield JOHNSON.row(f"largest true error over its uncertainty, {found.size} of {NAMES[order]}", "", 0.0, largest,
+                      most, "absolute", required=2.0, pinned="unconverged")  # fmt: skip
+    yield table(f"Share of true errors up to a part of the stated uncertainty, {NAMES[order]}.",
+                {f"{at:g}": [float(np.mean(found.ravel() <= at))] for at in (0.1, 0.2, 0.5, 1.0, 2.0)})  # fmt: skip
 
 
 GROUP, SOURCES = "code verification of the finite elements", "roache1998 taylor1973 gustafsson2020 johnson1995"

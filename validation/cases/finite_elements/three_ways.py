@@ -5,177 +5,34 @@ edges.  The closed form is that of references/closed_forms.py.  Points: the inne
 tenth of its width off the edge.  SI units.
 """
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import bem
-from bem.scene.result import State
-from bem.scene.scene import Scene
-from fem_reference import Result
-from validation.cases.finite_elements.fem_comparison import GROUP, RESOLUTIONS, ROUNDING
-from validation.cases.shared.checks import Against, case, posed
+from validation.cases.finite_elements.fem_comparison import GROUP, RESOLUTIONS, uncertain, within
+from validation.cases.shared.checks import Against, Found, case, posed
 from validation.harness.arrays import FloatArray
-from validation.harness.case import Outcome
 from validation.harness.figure_data import axes, drawn, marks, semilogy, trace
-from validation.harness.schema import Figure, Row
 from validation.references import fem_adapter
 from validation.references.closed_forms import Sinusoid
 
 WAVE = Sinusoid(amplitude=50e-6, wavelength=0.01, youngs_modulus=1e6, poisson_ratio=0.3, alpha=0.3)
 FRACTION = 0.5
-PSI = 0.5 * np.pi * FRACTION
+PSI, HALF = 0.5 * np.pi * FRACTION, 0.5 * FRACTION * WAVE.wavelength
 CREST = -0.7 / (2 * np.pi) * WAVE.wavelength  # of the scene
 INNER, AWAY = 0.8, 0.1
 SMALLEST_SHOWN = 1e-17
-# of the scale: the boundary elements less the closed form, largest of two processors and of the kernels in NumPy
-MEASURED = {
-    "contact fraction": 6.5e-15,
-    "penetration": 5.7e-15,
-    "edges": 4.5e-15,
-    "elastic energy per area": 2.8e-14,
-    "pressure at points": 4.1e-14,
-    "gap at points": 1.8e-14,
-}
 JOHNSON = Against("exact", "Johnson 1995")
-CAPTION = (
-    "One adhesive wave: boundary elements (line), finite elements (points), Johnson's closed form (dashed); "
-    "then how far any two are apart."
-)
 
 
-@dataclass(frozen=True)
-class ThreeAnswers:
-    """A quantity by both codes and the closed form, with the uncertainties that the codes state, in one unit."""
-
-    name: str
-    unit: str
-    exact: FloatArray
-    bem: FloatArray
-    fem: FloatArray
-    bem_uncertainty: float
-    fem_uncertainty: float
-    scale: float
-
-
-def _posed() -> Scene:
-    return posed(
-        "layer_sinusoid",
-        layer={"thickness": 3 * WAVE.wavelength},
-        adhesion={"work_of_adhesion": WAVE.work_of_adhesion, "slope_term": False},
-        loading={"control": "mean_pressure", "targets": [float(WAVE.mean_pressure(PSI))]},
-    )
-
-
-def _quantities(state: State, elastic: bem.ContactState, fem: Result) -> list[ThreeAnswers]:
-    """All that is compared; lengths along the period by it, heights by the amplitude, pressures by p*."""
-    period, depth, star = WAVE.wavelength, WAVE.amplitude, WAVE.full_contact_pressure
-    half = 0.5 * FRACTION * period
-    estimate, x = state.error_estimate, fem.interface.x
-    distance = _from_crest(x)
-    inside, outside = _away_from_edges(distance)
-
-    def of(
-        name: str, unit: str, exact: Any, ours: Any, theirs: Any, own: float | None, key: str, scale: float,
-        nodes: Any = slice(None),
-    ) -> ThreeAnswers:  # fmt: skip
-        right, one, other = (np.ravel(np.asarray(value, dtype=np.float64)) for value in (exact, ours, theirs))
-        per = period if unit == "J/m^2" else 1.0  # theirs are of one period
-        uncertain = float(np.max(np.ravel(fem.uncertainty[key])[nodes])) / per
-        return ThreeAnswers(name, unit, right, one, other, own or 0.0, uncertain, scale)
-
-    energy, height = WAVE.elastic_energy(PSI), elastic.profile.height(x[outside]) - depth
-    gap = elastic.displacement(x[outside]) - height - elastic.penetration
-    return [
-        of("contact fraction", "", FRACTION, state.contact_fraction, fem.contact_fraction, estimate.contact_fraction,
-           "contact_fraction", 1.0),
-        of("penetration", "m", WAVE.penetration(PSI), state.penetration, fem.penetration, estimate.penetration,
-           "penetration", depth),
-        of("edges", "m", [-half, half], _from_crest(np.array(state.edges[0])), _from_crest(fem.edges[0]),
-           (estimate.contact_fraction or 0.0) * period, "edges", period),
-        of("elastic energy per area", "J/m^2", energy, state.elastic_energy, fem.elastic_energy / period,
-           estimate.elastic_energy, "elastic_energy", energy),
-        of("pressure at points", "Pa", WAVE.pressure(distance[inside], PSI), elastic.pressure(x[inside]),
-           fem.interface.pressure[inside], None, "pressure", star, inside),
-        of("gap at points", "m", WAVE.gap(distance[outside], PSI), gap, fem.gap(x[outside]), None, "gap", depth,
-           outside),
-    ]  # fmt: skip
-
-
-def _away_from_edges(distance: FloatArray) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Which distances from the crest lie where pressures are compared, and where gaps are."""
-    half = 0.5 * FRACTION * WAVE.wavelength
-    return np.abs(distance) < INNER * half, np.abs(distance) > half + AWAY * (WAVE.wavelength - 2 * half)
+def _gap(elastic: bem.ContactState, x: FloatArray) -> FloatArray:
+    """By the boundary elements at places x, m."""
+    return np.asarray(elastic.displacement(x) - (elastic.profile.height(x) - WAVE.amplitude) - elastic.penetration)
 
 
 def _from_crest(x: FloatArray) -> FloatArray:
     return np.asarray((x - CREST + 0.5 * WAVE.wavelength) % WAVE.wavelength - 0.5 * WAVE.wavelength)
-
-
-def _rows(found: list[ThreeAnswers], unknowns: int) -> list[Row]:
-    """Each quantity three times: both codes against the closed form, and against each other."""
-    source = f"fem_reference, P4/P3, {unknowns} unknowns"
-    rows = []
-    for q in found:
-        fem, ours, theirs = Against("FEM", source, q.fem_uncertainty), q.bem_uncertainty, q.fem_uncertainty
-        rows += [
-            JOHNSON.row(f"{q.name}, boundary elements", q.unit, q.exact, q.bem, MEASURED[q.name], "absolute", q.scale,
-                        uncertainty=ours),
-            JOHNSON.row(f"{q.name}, finite elements", q.unit, q.exact, q.fem, None, "absolute", q.scale,
-                        required=ROUNDING, uncertainty=theirs, code="fem"),
-            fem.row(q.name, q.unit, q.fem, q.bem, None, "absolute", q.scale, required=ROUNDING, uncertainty=ours),
-        ]  # fmt: skip
-    return rows
-
-
-def _figure(found: list[ThreeAnswers], elastic: bem.ContactState, fem: Result) -> Figure:
-    """Pressure and gap by all three; below, the differences of any two and the uncertainty stated."""
-    period, star, depth = WAVE.wavelength, WAVE.full_contact_pressure, WAVE.amplitude
-    half = 0.5 * FRACTION * period
-    on, off = np.linspace(-0.97 * half, 0.97 * half, 161), np.linspace(half * 1.0001, 0.5 * period, 121)
-    off = np.concatenate([-off[::-1], off])
-    nodes = _from_crest(fem.interface.x)
-    inside, outside = _away_from_edges(nodes)
-    beside = np.abs(nodes) > half * (1 + 1e-9)
-    height = elastic.profile.height(CREST + off) - depth
-    gap = elastic.displacement(CREST + off) - height - elastic.penetration
-    shown = np.abs(nodes) < 0.97 * half
-
-    def over(x: FloatArray, values: FloatArray, scale: float) -> tuple[list[float], list[float]]:
-        order = np.argsort(x)
-        return (x[order] / period).tolist(), (values[order] / scale).tolist()
-
-    left = off < 0
-    halves = [over(off[side], gap[side], depth) for side in (left, ~left)]
-    exact = [over(off[side], WAVE.gap(off[side], PSI), depth) for side in (left, ~left)]
-    exact.insert(1, over(on, WAVE.pressure(on, PSI), star))
-    above = axes(
-        "x / period, from the crest",
-        "pressure / p*,  gap / amplitude",
-        trace("pressure, boundary elements", *over(on, elastic.pressure(CREST + on), star), hue=0),
-        marks("pressure, finite elements", *over(nodes[shown], fem.interface.pressure[shown], star), hue=0),
-        trace("gap, boundary elements", *_parted(halves), hue=1),
-        marks("gap, finite elements", *over(nodes[beside], fem.interface.gap[beside], depth), hue=1),
-        trace("Johnson 1995, both", *_parted(exact), "dashed", hue=5),
-    )
-    pressure, opened = found[-2:]
-    places, own = np.concatenate([nodes[inside], nodes[outside]]), fem.uncertainty
-    stated = np.concatenate([np.asarray(own["pressure"])[inside] / star, np.asarray(own["gap"])[outside] / depth])
-
-    def apart(a: str, b: str) -> FloatArray:
-        parts = [np.abs(getattr(q, a) - getattr(q, b)) / q.scale for q in (pressure, opened)]
-        return np.asarray(np.maximum(np.concatenate(parts), SMALLEST_SHOWN))
-
-    below = semilogy(
-        "x / period, from the crest", "difference",
-        trace("uncertainty stated by finite elements", *over(places, stated, 1.0), "dots", hue=5),
-        marks("boundary less finite elements", *over(places, apart("bem", "fem"), 1.0), hue=1),
-        marks("finite elements less Johnson", *over(places, apart("fem", "exact"), 1.0), hue=2),
-        marks("boundary elements less Johnson", *over(places, apart("bem", "exact"), 1.0), hue=0),
-    )  # fmt: skip
-    return drawn("centre-three-ways", CAPTION, above, below)
 
 
 def _parted(pieces: list[tuple[list[float], list[float]]]) -> tuple[list[float | None], list[float | None]]:
@@ -184,14 +41,79 @@ def _parted(pieces: list[tuple[list[float], list[float]]]) -> tuple[list[float |
     return x, y
 
 
-def _three_ways() -> Outcome:
-    scene = _posed()
+def _over(x: FloatArray, values: FloatArray, scale: float) -> tuple[list[float], list[float]]:
+    """Places from left to right, over the period, and values over a scale."""
+    order = np.argsort(x)
+    return (x[order] / WAVE.wavelength).tolist(), (values[order] / scale).tolist()
+
+
+def _three_ways() -> Found:
+    scene = posed("layer_sinusoid", layer={"thickness": 3 * WAVE.wavelength},
+                  adhesion={"work_of_adhesion": WAVE.work_of_adhesion, "slope_term": False},
+                  loading={"control": "mean_pressure", "targets": [float(WAVE.mean_pressure(PSI))]})  # fmt: skip
     state = bem.solve(scene).targets[-1]
     elastic = fem_adapter.contact_state(scene, np.array(state.edges), state.penetration)
     fem = fem_adapter.solve_fem(scene, RESOLUTIONS["P4/P3"])
-    found = _quantities(state, elastic, fem)
-    counts = {"unknowns": state.unknowns, "unknowns of the finite elements": fem.unknowns}
-    return Outcome(rows=tuple(_rows(found, fem.unknowns)), figures=(_figure(found, elastic, fem),), counts=counts)
+    # lengths along the period by it, heights by the amplitude, pressures by p*
+    period, depth, star, energy = WAVE.wavelength, WAVE.amplitude, WAVE.full_contact_pressure, WAVE.elastic_energy(PSI)
+    estimate, x, nodes = state.error_estimate, fem.interface.x, _from_crest(fem.interface.x)
+    inside, outside = np.abs(nodes) < INNER * HALF, np.abs(nodes) > HALF + AWAY * (period - 2 * HALF)
+    pressures = WAVE.pressure(nodes[inside], PSI), elastic.pressure(x[inside]), fem.interface.pressure[inside]
+    gaps = WAVE.gap(nodes[outside], PSI), _gap(elastic, x[outside]), fem.gap(x[outside])
+    stated = [np.asarray(fem.uncertainty[name])[there] for name, there in (("pressure", inside), ("gap", outside))]
+    # by the closed form and both codes; uncertainties of both; scale, and over it the boundary elements less the closed
+    # form, the largest of two processors and of the kernels in NumPy
+    quantities: tuple[tuple[str, str, tuple[Any, Any, Any], float | None, float, float, float], ...] = (
+        ("contact fraction", "", (FRACTION, state.contact_fraction, fem.contact_fraction), estimate.contact_fraction,
+         uncertain(fem, "contact_fraction"), 1.0, 6.5e-15),
+        ("penetration", "m", (WAVE.penetration(PSI), state.penetration, fem.penetration), estimate.penetration,
+         uncertain(fem, "penetration"), depth, 5.7e-15),
+        ("edges", "m", ([-HALF, HALF], _from_crest(np.array(state.edges[0])), _from_crest(fem.edges[0])),
+         (estimate.contact_fraction or 0.0) * period, uncertain(fem, "edges"), period, 4.5e-15),
+        ("elastic energy per area", "J/m^2", (energy, state.elastic_energy, fem.elastic_energy / period),
+         estimate.elastic_energy, uncertain(fem, "elastic_energy") / period, energy, 2.8e-14),
+        ("pressure at points", "Pa", pressures, None, float(stated[0].max()), star, 4.1e-14),
+        ("gap at points", "m", gaps, None, float(stated[1].max()), depth, 1.8e-14),
+    )  # fmt: skip
+    by_fem = f"fem_reference, P4/P3, {fem.unknowns} unknowns"
+    for name, unit, answers, own, spread, scale, measured in quantities:
+        exact, ours, theirs = map(np.ravel, answers)
+        yield JOHNSON.row(f"{name}, boundary elements", unit, exact, ours, measured, "absolute", scale,
+                          uncertainty=own or 0.0)  # fmt: skip
+        yield within(f"{name}, finite elements", unit, JOHNSON, exact, theirs, spread, scale, "fem")
+        yield within(name, unit, Against("FEM", by_fem, spread), theirs, ours, own or 0.0, scale, None)
+    on, off = np.linspace(-0.97 * HALF, 0.97 * HALF, 161), np.linspace(HALF * 1.0001, 0.5 * period, 121)
+    sides = -off[::-1], off
+    shown, beside = np.abs(nodes) < 0.97 * HALF, np.abs(nodes) > HALF * (1 + 1e-9)
+    left, right = (_over(side, WAVE.gap(side, PSI), depth) for side in sides)
+    above = axes(
+        "x / period, from the crest", "pressure / p*,  gap / amplitude",
+        trace("pressure, boundary elements", *_over(on, elastic.pressure(CREST + on), star), hue=0),
+        marks("pressure, finite elements", *_over(nodes[shown], fem.interface.pressure[shown], star), hue=0),
+        trace("gap, boundary elements",
+              *_parted([_over(side, _gap(elastic, CREST + side), depth) for side in sides]), hue=1),
+        marks("gap, finite elements", *_over(nodes[beside], fem.interface.gap[beside], depth), hue=1),
+        trace("Johnson 1995, both", *_parted([left, _over(on, WAVE.pressure(on, PSI), star), right]), "dashed", hue=5),
+    )  # fmt: skip
+    places = np.concatenate([nodes[inside], nodes[outside]])
+
+    def apart(one: int, other: int) -> FloatArray:
+        """Of the answers of pressures and gaps, over their scales."""
+        parts = [np.abs(of[one] - of[other]) / scale for of, scale in ((pressures, star), (gaps, depth))]
+        return np.asarray(np.maximum(np.concatenate(parts), SMALLEST_SHOWN))
+
+    below = semilogy(
+        "x / period, from the crest", "difference",
+        trace("uncertainty stated by finite elements",
+              *_over(places, np.concatenate([stated[0] / star, stated[1] / depth]), 1.0), "dots", hue=5),
+        marks("boundary less finite elements", *_over(places, apart(1, 2), 1.0), hue=1),
+        marks("finite elements less Johnson", *_over(places, apart(2, 0), 1.0), hue=2),
+        marks("boundary elements less Johnson", *_over(places, apart(1, 0), 1.0), hue=0),
+    )  # fmt: skip
+    yield drawn("centre-three-ways",
+                "One adhesive wave: boundary elements (line), finite elements (points), Johnson's closed form "
+                "(dashed); then how far any two are apart.", above, below)  # fmt: skip
+    yield {"unknowns": state.unknowns, "unknowns of the finite elements": fem.unknowns}
 
 
 CASES = (

@@ -10,10 +10,21 @@ import numpy as np
 
 import bem
 from bem.scene.result import Result
-from validation.cases.shared.checks import OVER_STATES, Against, case, column, posed, refused, solved, touching, work
-from validation.harness.case import Outcome
-from validation.harness.figure_data import axes, drawn, marks, trace
-from validation.harness.schema import Figure, Row, Table
+from validation.cases.shared.checks import (
+    OVER_STATES,
+    Against,
+    Found,
+    case,
+    column,
+    posed,
+    refused,
+    solved,
+    touching,
+    work,
+)
+from validation.harness.arrays import FloatArray
+from validation.harness.figure_data import axes, digits, drawn, marks, table, trace
+from validation.harness.schema import Row
 from validation.references.adapters import NOT_SELF_AFFINE
 from validation.references.closed_forms import layer_compliance
 from validation.references.dense_equilibrium import reference
@@ -27,53 +38,59 @@ LAYERS: dict[str, dict[str, Any]] = {  # compared with doubled resolution, by na
     "nu = 0.3, adhesion": MILD,
     "nu = 0.3, driven by its plate": {**MILD, "loading": PLATE},
 }
-Pairs = dict[str, tuple[list[float], list[float]]]  # computed and expected values of every quantity
+ADHESIVE, INCOMPRESSIBLE = ("nu = 0.5, adhesion", "nu = 0.3, adhesion"), ("nu = 0.5, adhesion", "nu = 0.5")  # drawn
 
 
-def _layer_path() -> Outcome:
-    doubled = Against("dense algebra", "doubled resolution")
+def _layer_path() -> Found:
+    doubled, relative = Against("dense algebra", "doubled resolution"), dict[str, list[float]]()
     results: dict[str, Result] = {}
-    found: dict[str, Pairs] = {}
-    rows = []
+    apart: dict[str, FloatArray] = {}  # mean pressures less those of doubled resolution, over the largest
     for name, changes in LAYERS.items():
         scene = posed("thin_layer", **changes)
         results[name] = bem.solve(scene)
-        states = touching(results[name].targets)
+        states, relative[name] = touching(results[name].targets), []
         known = [reference(scene, state, refinement=2) for state in states]
-        found[name] = {key: (column(states, key), [values[key] for values in known]) for key in QUANTITIES}
         for key, unit in QUANTITIES.items():
-            computed, expected = found[name][key]
-            rows.append(doubled.row(f"{key.replace('_', ' ')}, d = 0.02 wavelengths, {name}, over the largest", unit,
-                                    expected, computed, 1.1e-11, OVER_STATES, max(map(abs, expected)),
-                                    required=1e-10))  # fmt: skip
+            computed, expected = column(states, key), [values[key] for values in known]
+            largest = max(map(abs, expected))
+            yield doubled.row(f"{key.replace('_', ' ')}, d = 0.02 wavelengths, {name}, over the largest", unit,
+                              expected, computed, 1.1e-11, OVER_STATES, largest, required=1e-10)  # fmt: skip
+            relative[name].append(max(abs(np.subtract(computed, expected))) / largest)
+            if key == "mean_pressure":
+                apart[name] = np.subtract(computed, expected) / largest
+    yield Against("exact", "every state of the paths is an equilibrium").count(
+        "states whose certificate is not ok", 0.0, refused(*results.values()))  # fmt: skip
     half_space = solved("thin_layer", layer=None)
-    rows += [
-        Against("exact", "every state of the paths is an equilibrium").count(
-            "states whose certificate is not ok", 0.0, refused(*results.values())),
-        *_thick(half_space), _complete(),
-    ]  # fmt: skip
-    return Outcome(
-        rows=tuple(rows),
-        figures=(_figure(results, half_space, found),),
-        tables=(_table(found, results),),
-        counts=work("unknowns evaluations", *results.values()),
-    )
+    yield from _thick(half_space)
+    yield _complete()
+    yield table("Largest relative error against doubled resolution along each path, d = 0.02 wavelengths.",
+                {"path": results, "states": [len(result.targets) for result in results.values()],
+                 "events": [len(result.events) for result in results.values()]}
+                | {key.replace("_", " "): digits(errors, 2)
+                   for key, errors in zip(QUANTITIES, zip(*relative.values(), strict=True), strict=True)})  # fmt: skip
+    yield drawn("thin-layer-path",
+                "Loading and unloading on a layer of 0.02 wavelengths and on a half-space; below, bem less reference.",
+                axes("separation / um", "mean pressure / kPa",
+                     *(trace(name, column(states, "separation", 1e-6), column(states, "mean_pressure", 1e3), style)
+                       for name, result, style in (*((name, results[name], "line") for name in ADHESIVE),
+                                                   ("half-space", half_space, "dashed"))
+                       for states in [touching(result.states)]), yscale="symlog"),
+                axes("separation / um", "relative to the largest",
+                     *(marks(name, column(touching(results[name].targets), "separation", 1e-6), apart[name])
+                       for name in INCOMPRESSIBLE)))  # fmt: skip
+    yield work("unknowns evaluations", *results.values())
 
 
-def _thick(half_space: Result) -> tuple[Row, Row]:
+def _thick(half_space: Result) -> Found:
     """A layer of four periods changes the compliance by 1e-19: left out with a note, and nothing else changes."""
-    thick = solved("thin_layer", layer={"thickness": 0.04})
+    thick, pressures = solved("thin_layer", layer={"thickness": 0.04}), column(half_space.targets, "mean_pressure")
     note = next(effect for effect in thick.effects if effect.name == "layer")
-    known, pressures = (
-        Against("exact", "the layer is thicker than any wave reaches"),
-        column(half_space.targets, "mean_pressure"),
-    )
-    return (
-        known.count("layer of four periods left out, with a note in effects (1: yes)", 1.0,
-                    not note.active and "left out" in note.reason),
-        known.row("mean pressure of that layer, over the largest of the half-space", "Pa", pressures,
-                  column(thick.targets, "mean_pressure"), 0.0, OVER_STATES, max(map(abs, pressures)), required=1e-13),
-    )  # fmt: skip
+    known = Against("exact", "the layer is thicker than any wave reaches")
+    yield known.count("layer of four periods left out, with a note in effects (1: yes)", 1.0,
+                      not note.active and "left out" in note.reason)  # fmt: skip
+    yield known.row("mean pressure of that layer, over the largest of the half-space", "Pa", pressures,
+                    column(thick.targets, "mean_pressure"), 0.0, OVER_STATES, max(map(abs, pressures)),
+                    required=1e-13)  # fmt: skip
 
 
 def _complete() -> Row:
@@ -87,37 +104,6 @@ def _complete() -> Row:
     return Against("exact", "compliance of a bonded incompressible layer").row(
         "pressure of complete contact of a sinusoid, bracketed to 1e-6", "Pa", exact,
         exact if joined == [False, True] else None, 0.0, required=1e-6)  # fmt: skip
-
-
-def _table(found: dict[str, Pairs], results: dict[str, Result]) -> Table:
-    return Table(
-        caption="Largest relative error against doubled resolution along each path, d = 0.02 wavelengths.",
-        columns=["path", "states", "events", *(key.replace("_", " ") for key in QUANTITIES)],
-        rows=[[name, len(results[name].targets), len(results[name].events),
-               *(float(f"{max(abs(np.subtract(*pair))) / max(map(abs, pair[1])):.1e}") for pair in pairs.values())]
-              for name, pairs in found.items()],
-    )  # fmt: skip
-
-
-def _figure(results: dict[str, Result], half_space: Result, found: dict[str, Pairs]) -> Figure:
-    shown = {name: results[name] for name in ("nu = 0.5, adhesion", "nu = 0.3, adhesion")} | {"half-space": half_space}
-    above = [
-        trace(name, column(states, "separation", 1e-6), column(states, "mean_pressure", 1e3),
-              "dashed" if name == "half-space" else "line")
-        for name, result in shown.items()
-        for states in [touching(result.states)]
-    ]  # fmt: skip
-    below = []
-    for name in ("nu = 0.5, adhesion", "nu = 0.5"):
-        computed, expected = found[name]["mean_pressure"]
-        apart = np.subtract(computed, expected) / max(map(abs, expected))
-        below.append(marks(name, column(touching(results[name].targets), "separation", 1e-6), apart))
-    return drawn(
-        "thin-layer-path",
-        "Loading and unloading on a layer of 0.02 wavelengths and on a half-space; below, bem less reference.",
-        axes("separation / um", "mean pressure / kPa", *above, yscale="symlog"),
-        axes("separation / um", "relative to the largest", *below),
-    )
 
 
 CASES = (

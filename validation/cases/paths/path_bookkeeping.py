@@ -1,5 +1,6 @@
-"""What a path keeps: the first of several states at a load, targets in order, and the same path taken up again.
+"""What a path keeps: the first of several states at a load, targets in order, the same path in steps or taken up again.
 
+A quarter of the increment changes nothing beyond the tolerance.
 A load that an event lowers is met twice; the state asked for is the first, which states close to each other enclose.
 A path that is interrupted and taken up, or begun from a stored state, goes through the same states and events bit for
 bit, also between targets.  SI units.
@@ -15,13 +16,20 @@ from typing import Any
 import numpy as np
 
 import bem
-from bem.scene.result import Event, Result, State
+from bem.scene.result import Event, Progress, Result, State
 from bem.scene.result_file import write_result
 from bem.scene.scene import parse_scene
-from validation.cases.shared.checks import Against, case, column, solved
-from validation.harness.case import Outcome
+from validation.cases.shared.checks import OVER_STATES, Against, Found, as_many, case, column, posed, solved, work
+from validation.harness.figure_data import axes, drawn, marks, table, trace
 from validation.references.adapters import scene_text
 
+INCREMENTS = (0.05, 0.0125)
+# quantity of events, its name, unit, error measured: the largest over the BLAS kernels of four processors
+TOLD_OF_EVENTS = (
+    ("penetration", "penetration", "m", 7.2e-13),
+    ("mean pressure", "mean_pressure", "Pa", 9.2e-12),
+    ("energy released", "energy_released", "J/m^2", 3.1e-13),
+)
 STOPS = (70e-6, 56e-6, 42e-6)  # separations in m, there and back
 MET_TWICE = {1381.208: 61.8e-6, 3558.97: 48.3e-6}  # mean pressures in Pa, and separations in m between their two states
 ASKED = (*MET_TWICE, 2000.0, 2002.0)  # the last two within one increment
@@ -30,7 +38,41 @@ RESTARTED = (60e-6, 42e-6, 62e-6)
 ADHESION = {"work_of_adhesion": 0.05}
 
 
-def _crossed() -> Outcome:
+def _in_increments(increment: float) -> tuple[Result, dict[str, int]]:
+    """The scene at one largest increment, and the increments accepted and rejected."""
+    seen: list[Progress] = []
+    result = bem.solve(posed("rough_100", accuracy={"max_increment": increment}), progress=seen.append)
+    return result, {"accepted": seen[-1].increments_accepted, "rejected": seen[-1].increments_rejected}
+
+
+def _path_convergence() -> Found:
+    (first, first_counts), (second, second_counts) = map(_in_increments, INCREMENTS)
+    coarse, fine = first.targets, second.targets
+    known = Against("self", f"the same path at increments of {INCREMENTS[1]} rms heights")
+    fractions, pressures = column(fine, "contact_fraction"), column(fine, "mean_pressure")
+    yield known.row("contact fraction at every target", "", fractions, column(coarse, "contact_fraction"), 7e-13,
+                    OVER_STATES, 1.0)  # fmt: skip
+    yield known.row("mean pressure at every target, over the largest", "Pa", pressures, column(coarse, "mean_pressure"),
+                    3.6e-13, OVER_STATES, max(map(abs, pressures)))  # fmt: skip
+    yield known.count("patches at every target", column(fine, "n_patches"), column(coarse, "n_patches"))
+    for words, name, unit, measured in TOLD_OF_EVENTS:
+        values, others = ([value or 0.0 for value in column(result.events, name)] for result in (second, first))
+        yield known.row(f"{words} of every event, over the largest", unit, values, as_many(others, values), measured,
+                        OVER_STATES, max(map(abs, values)))  # fmt: skip
+    counts = [first_counts | work("events evaluations", first), second_counts | work("events evaluations", second)]
+    yield table("Increments along the path, in rms heights; a rejected one is repeated shorter.",
+                {"largest increment": INCREMENTS}
+                | {name: [count[name] for count in counts] for name in counts[0]})  # fmt: skip
+    at, apart = column(fine, "separation", 1e-6), np.subtract(column(coarse, "contact_fraction"), fractions)
+    yield drawn("path-convergence", "Contact fraction at the targets for two sizes of increment.",
+                axes("separation / um", "contact fraction",
+                     marks(f"increment {INCREMENTS[0]}", at, column(coarse, "contact_fraction")),
+                     trace(f"increment {INCREMENTS[1]}", at, fractions)),
+                axes("separation / um", "coarse less fine", marks("contact fraction", at, apart)))  # fmt: skip
+    yield work("evaluations", first, second)
+
+
+def _crossed() -> Found:
     there, between, back = STOPS
     ways: dict[str, Any] = {"start": there, "stop": back, "count": 3, "then_back_to": there, "targets": None}
     states = solved("rough_100", adhesion=ADHESION, loading={**ways, "at_mean_pressures": list(ASKED)}).targets
@@ -45,22 +87,16 @@ def _crossed() -> Outcome:
     )
     scene, measured = Against("exact", "the scene"), 8e-13
     loads, places = [*sorted(ASKED), *sorted(ASKED, reverse=True)], [there, between, back, between, there]
-    rows = (
-        Against("self", "states 0.05 um apart, between which the load is first passed").row(
-            "contact fraction at loads that are met twice", "", known, found, 1.2e-4),  # next to a fold
-        scene.row("mean pressures asked for, in order", "Pa", loads, _as_many(pressures, loads), measured),
-        scene.row("separations asked for, in order", "m", places, _as_many(separations, places), measured),
-    )  # fmt: skip
-    return Outcome(rows=rows, counts={"evaluations": sum(state.evaluations for state in states)})
+    # next to a fold
+    yield Against("self", "states 0.05 um apart, between which the load is first passed").row(
+        "contact fraction at loads that are met twice", "", known, found, 1.2e-4)  # fmt: skip
+    yield scene.row("mean pressures asked for, in order", "Pa", loads, as_many(pressures, loads), measured)
+    yield scene.row("separations asked for, in order", "m", places, as_many(separations, places), measured)
+    yield {"evaluations": sum(state.evaluations for state in states)}
 
 
 def _is(state: State, load: float) -> bool:
     return abs(state.mean_pressure - load) < 1e-6 * load
-
-
-def _as_many(values: list[float], expected: Sequence[float]) -> list[float]:
-    """Values in order; another number of them is as wrong as can be."""
-    return values if len(values) == len(expected) else [0.0] * len(expected)
 
 
 def _first(states: Sequence[State], load: float) -> float:
@@ -72,7 +108,7 @@ def _first(states: Sequence[State], load: float) -> float:
     return float("nan")
 
 
-def _restarted() -> Outcome:
+def _restarted() -> Found:
     tables = tomllib.loads(scene_text("rough_100"))
     tables |= {"profile": {**tables["profile"], "harmonics": 40}, "adhesion": {"work_of_adhesion": 0.1}}
     loading: dict[str, Any] = {"control": "separation", "targets": list(RESTARTED)}
@@ -90,18 +126,16 @@ def _restarted() -> Outcome:
         "taken up": (taken_up.states[first + 1 :], taken_up.events[before:]),
         "begun from a stored state": (begun.states, begun.events),
     }
-    known, bit_for_bit, rows = Against("self", "the whole path"), (1e-16, 0.0), []
+    known, bit_for_bit = Against("self", "the whole path"), (1e-16, 0.0)
     for way, (states, events) in ways.items():
         for what, apart in (
             ("states", _apart(whole.states[first + 1 :], states, "branch", OF_STATES)),
             ("events", _apart(whole.events[before:], events, "kind", OF_EVENTS)),
         ):
-            rows.append(known.row(f"{what} of a path {way}: difference", "", [0.0] * len(apart), apart, bit_for_bit,
-                                  "absolute"))  # fmt: skip
+            yield known.row(f"{what} of a path {way}: difference", "", [0.0] * len(apart), apart, bit_for_bit,
+                            "absolute")  # fmt: skip
     fields = [*_fields_apart(whole, taken_up, 0), *_fields_apart(whole, begun, 1)]
-    rows.append(known.row("shapes stored by either: difference", "", [0.0] * len(fields), fields, bit_for_bit,
-                          "absolute"))  # fmt: skip
-    return Outcome(rows=tuple(rows))
+    yield known.row("shapes stored by either: difference", "", [0.0] * len(fields), fields, bit_for_bit, "absolute")
 
 
 OF_STATES = ("penetration", "mean_pressure", "contact_fraction", "total_energy", "n_patches")
@@ -134,6 +168,10 @@ def _fields_apart(known: Result, found: Result, before: int) -> list[float]:
 
 HISTORY = "half_space adhesion slope_term unloading"
 CASES = (
+    case("path-convergence", "path", _path_convergence,
+         "Is the state at a target independent of the increments on the way, through all events?",
+         "increments of 0.05 and 0.0125 rms heights; events are the ends of branches",
+         "carbone2009", "half_space adhesion slope_term unloading", scene="rough_100"),
     case("first-crossing", "path", _crossed,
          "Are the states at mean pressures asked for the first on the way, and all targets met in order?",
          r"$p(s) = p_{\text{asked}}$ for the first time since the path turned",

@@ -18,10 +18,8 @@ import numpy as np
 
 import bem
 from bem.scene.result import Result
-from validation.cases.shared.checks import Against, beside, case, solved
+from validation.cases.shared.checks import Against, Found, beside, case, solved
 from validation.harness.arrays import FloatArray
-from validation.harness.case import Outcome
-from validation.harness.schema import Row
 
 PERIOD, DEEPEST, BETWEEN = 0.01, 10e-6, 2.16e-6  # m; the outer pair detaches at penetrations of 2.22 and 2.11 um
 AROUND, SMALLER = (-5.4e-6, -5.8e-6), 0.01  # m; widths: seven equal patches part at a penetration of -5.46 um
@@ -63,13 +61,9 @@ class Waves:
     def solved(self, targets: list[float]) -> Result:
         """The path of the solver to penetrations in m."""
         profile = {"orders": self.orders, "amplitudes": self.amplitudes, "phases": self.phases}
-        return solved(
-            "sinusoid",
-            profile={name: list(values) for name, values in profile.items()},
-            adhesion={"work_of_adhesion": self.work},
-            loading={"targets": targets},
-            accuracy={"max_increment": 0.02, "tolerance": None},
-        )
+        return solved("sinusoid", profile={name: list(values) for name, values in profile.items()},
+                      adhesion={"work_of_adhesion": self.work}, loading={"targets": targets},
+                      accuracy={"max_increment": 0.02, "tolerance": None})  # fmt: skip
 
 
 PAIRS = Waves((1, 24), (3e-5, 4e-6), (0.0, 0.02), 0.01)
@@ -77,30 +71,23 @@ EQUAL = Waves((7,), (2e-5,), (0.0,), 0.1)
 FLOW = Against("self", "overdamped motion of the edges in small steps, from the state before")
 
 
-def _standing() -> Outcome:
+def _standing() -> Found:
     result = PAIRS.solved([DEEPEST, BETWEEN])
     last = result.targets[-1]
     before = next(s for s in reversed(result.states) if s.branch == "unloading" and s.n_patches > last.n_patches)
     event = next(e for e in result.events if e.kind == "detachment")
     rest = PAIRS.relaxed(PAIRS.relaxed(np.array(before.edges), event.penetration - PAST), BETWEEN)
     width = float(np.sum(rest[:, 1] - rest[:, 0])) / PERIOD
-    rows = (
-        FLOW.count("patches before and after one of a pair has detached", [5.0, len(rest)],
-                   [before.n_patches, last.n_patches]),
-        # rounding of the motion in small steps; the state is good to 2e-14
-        FLOW.row("contact fraction after it has detached", "", width, last.contact_fraction, (6e-12, 2.3e-12)),
-        _first_of_equal(),
-    )  # fmt: skip
-    return Outcome(rows=rows)
-
-
-def _first_of_equal() -> Row:
-    """Patches left when the first of equal crests detaches; the motion begins with one patch made a little narrower."""
-    before, after = EQUAL.solved([DEEPEST, *AROUND]).targets[1:]
-    edges = np.array(before.edges)
+    yield FLOW.count("patches before and after one of a pair has detached", [5.0, len(rest)],
+                     [before.n_patches, last.n_patches])  # fmt: skip
+    # rounding of the motion in small steps; the state is good to 2e-14
+    yield FLOW.row("contact fraction after it has detached", "", width, last.contact_fraction, (6e-12, 2.3e-12))
+    # patches left when the first of equal crests detaches; the motion begins with one patch made a little narrower
+    first, after = EQUAL.solved([DEEPEST, *AROUND]).targets[1:]
+    edges = np.array(first.edges)
     edges[0] += SMALLER * (edges[0, 1] - edges[0, 0]) * np.array([0.5, -0.5])
-    return FLOW.count("patches before and after the first of seven equal crests detaches",
-                      [7.0, len(EQUAL.relaxed(edges, AROUND[1]))], [before.n_patches, after.n_patches])  # fmt: skip
+    yield FLOW.count("patches before and after the first of seven equal crests detaches",
+                     [7.0, len(EQUAL.relaxed(edges, AROUND[1]))], [first.n_patches, after.n_patches])  # fmt: skip
 
 
 CASES = (

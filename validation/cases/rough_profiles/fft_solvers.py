@@ -6,6 +6,7 @@ the solver itself. Where the extra `peers` is not installed, its grids are those
 """
 
 import json
+from collections.abc import Sequence
 from dataclasses import asdict
 from functools import partial
 from importlib import metadata
@@ -15,15 +16,12 @@ from typing import Any
 import numpy as np
 
 import bem
-from bem.scene.result import State
 from bem.scene.scene import Scene
-from validation.cases.shared.checks import OVER_STATES, Against, case, column, posed
-from validation.harness.case import Outcome
-from validation.harness.figure_data import axes, drawn, marks, semilogy, trace
+from validation.cases.shared.checks import OVER_STATES, Against, Found, case, column, posed
+from validation.harness.figure_data import axes, drawn, marks, semilogy, table, trace
 from validation.harness.provenance import provenance
-from validation.harness.schema import Figure, Table
 from validation.harness.store import write_json
-from validation.references.fft_solver import PACKAGES, Extrapolated, GridContact, extrapolated, grid_contact, missing
+from validation.references.fft_solver import PACKAGES, GridContact, extrapolated, grid_contact, missing
 
 SEED = 2009
 MODULUS = 1e6 / (1 - 0.5**2)
@@ -42,28 +40,22 @@ def _posed(harmonics: int, pressures: list[float]) -> Scene:
     return posed("paper_profile", adhesion=None, profile={"seed": SEED, "harmonics": harmonics}, loading=loading)
 
 
-def _recorded() -> Outcome:
+def _recorded() -> Found:
     scene = _posed(1000, [share * MODULUS for share in SHARES])
-    states, recorded = (
-        bem.solve(scene).targets,
-        Against("independent code", "FFT solver, figures recorded for seed 2009"),
-    )
-    rows = (
-        recorded.row("separation at 0.005, 0.01 and 0.02 E*, over the rms height", "m", RECORDED_SEPARATION,
-                     column(states, "separation"), 3.7e-9 / 50e-6, OVER_STATES, scene.surface().rms_height,
-                     required=2e-4),
-        recorded.row("contact fraction over that of the grid, which counts too much: ratio", "", [1.0] * len(states),
-                     np.divide(column(states, "contact_fraction"), RECORDED_AREA), (0.015, 0.0066), OVER_STATES, 1.0),
-    )  # fmt: skip
-    table = Table(
-        caption="Paper's profile without adhesion, seed 2009, and figures recorded from an FFT solver.",
-        columns=["pressure / E*", "separation / um", "recorded", "contact fraction", "recorded, still falling"],
-        rows=[
-            [share, round(state.separation * 1e6, 5), at * 1e6, round(state.contact_fraction, 7), area]
-            for share, state, at, area in zip(SHARES, states, RECORDED_SEPARATION, RECORDED_AREA, strict=True)
-        ],
-    )
-    return Outcome(rows=rows, tables=(table,), counts={"unknowns": max(state.unknowns for state in states)})
+    states = bem.solve(scene).targets
+    recorded = Against("independent code", "FFT solver, figures recorded for seed 2009")
+    yield recorded.row("separation at 0.005, 0.01 and 0.02 E*, over the rms height", "m", RECORDED_SEPARATION,
+                       column(states, "separation"), 3.7e-9 / 50e-6, OVER_STATES, scene.surface().rms_height,
+                       required=2e-4)  # fmt: skip
+    yield recorded.row("contact fraction over that of the grid, which counts too much: ratio", "", [1.0] * len(states),
+                       np.divide(column(states, "contact_fraction"), RECORDED_AREA), (0.015, 0.0066), OVER_STATES,
+                       1.0)  # fmt: skip
+    yield table("Paper's profile without adhesion, seed 2009, and figures recorded from an FFT solver.",
+                {"pressure / E*": SHARES, "separation / um": [round(state.separation * 1e6, 5) for state in states],
+                 "recorded": [at * 1e6 for at in RECORDED_SEPARATION],
+                 "contact fraction": [round(state.contact_fraction, 7) for state in states],
+                 "recorded, still falling": RECORDED_AREA})  # fmt: skip
+    yield {"unknowns": max(state.unknowns for state in states)}
 
 
 def _asked(harmonics: int) -> dict[str, Any]:
@@ -97,7 +89,7 @@ def stored(harmonics: int) -> tuple[list[list[GridContact]], str]:
     raise LookupError(f"{STORED.name} holds no grids of {_asked(harmonics)}")
 
 
-def _peer(harmonics: int) -> Outcome:
+def _peer(harmonics: int) -> Found:
     pressures = [share * MODULUS for share in SHARES]
     scene = _posed(harmonics, pressures)
     states = bem.solve(scene).targets
@@ -109,56 +101,40 @@ def _peer(harmonics: int) -> Outcome:
                      max(limit.separation_error for limit in limits))  # fmt: skip
     both = Against("independent code", f"ContactMechanics, from {points[-2]} and {points[-1]} points{whence}",
                    max(limit.contact_fraction_error / limit.contact_fraction for limit in limits))  # fmt: skip
-    rows = (
-        finest.row("separation at 0.005, 0.01 and 0.02 E*, over the rms height", "m", column(limits, "separation"),
-                   column(states, "separation"), of_separation, OVER_STATES, scene.surface().rms_height),
-        both.row("contact fraction over that of the grids extrapolated: ratio", "", [1.0] * len(states),
-                 np.divide(column(states, "contact_fraction"), column(limits, "contact_fraction")), of_area,
-                 OVER_STATES, 1.0),
-    )  # fmt: skip
-    table = Table(caption="Contact fraction on grids, their extrapolation, and ours.",
-                  columns=["pressure / E*", *(f"{n} points" for n in points), "extrapolated", "bem"],
-                  rows=[[share, *(round(grid.contact_fraction, 6) for grid in sequence),
-                         round(limit.contact_fraction, 6), round(state.contact_fraction, 6)]
-                        for share, sequence, limit, state in zip(SHARES, grids, limits, states,
-                                                                      strict=True)])  # fmt: skip
-    figures = (_figure(harmonics, states, limits), _areas(harmonics, states, grids, limits))
-    return Outcome(rows=rows, figures=figures, tables=(table,), counts={"patches": states[-1].n_patches})
-
-
-def _areas(
-    harmonics: int, states: tuple[State, ...], grids: list[list[GridContact]], limits: list[Extrapolated]
-) -> Figure:
-    """Contact fractions on grids over ours against the spacing, which reach the extrapolation at zero."""
+    yield finest.row("separation at 0.005, 0.01 and 0.02 E*, over the rms height", "m", column(limits, "separation"),
+                     column(states, "separation"), of_separation, OVER_STATES, scene.surface().rms_height)  # fmt: skip
+    yield both.row("contact fraction over that of the grids extrapolated: ratio", "", [1.0] * len(states),
+                   np.divide(column(states, "contact_fraction"), column(limits, "contact_fraction")), of_area,
+                   OVER_STATES, 1.0)  # fmt: skip
+    shown: dict[str, Sequence[Any]] = {
+        f"{n} points": [sequence[place] for sequence in grids] for place, n in enumerate(points)
+    }
+    shown |= {"extrapolated": limits, "bem": states}
+    yield table("Contact fraction on grids, their extrapolation, and ours.",
+                {"pressure / E*": SHARES} | {name: [round(one.contact_fraction, 6) for one in found]
+                                             for name, found in shown.items()})  # fmt: skip
+    along = (np.geomspace(SHARES[0] / 2, SHARES[-1] * 1.2, 12) * MODULUS).tolist()
+    curve, at = bem.solve(_posed(harmonics, along)).targets, column(limits, "separation", 1e-6)
+    yield drawn(f"fft-peer-{harmonics}",
+                f"Pressure against separation without adhesion, {harmonics} harmonics, against an FFT solver.",
+                semilogy("separation / um", "mean pressure / E*",
+                         trace("bem", column(curve, "separation", 1e-6), column(curve, "mean_pressure", MODULUS)),
+                         marks("ContactMechanics", at, SHARES)),
+                axes("separation / um", "difference / um",
+                     marks("bem less FFT", at, np.subtract(column(states, "separation", 1e-6), at))))  # fmt: skip
     series, ratios = [], []
     for share, state, sequence, limit in zip(SHARES, states, grids, limits, strict=True):
         spacing = [1 / grid.points for grid in sequence]
         found, end = (column(of, "contact_fraction", state.contact_fraction) for of in (sequence, [limit]))
-        series.append(marks(f"{share:g} E*, grids", spacing, found))
-        series.append(trace(f"{share:g} E*, extrapolated", [0.0, spacing[-2]], [*end, found[-2]], "dashed"))
+        series += [marks(f"{share:g} E*, grids", spacing, found),
+                   trace(f"{share:g} E*, extrapolated", [0.0, spacing[-2]], [*end, found[-2]], "dashed")]  # fmt: skip
         ratios.append(end[0] - 1)
-    return drawn(
-        f"fft-peer-area-{harmonics}",
-        f"Contact fraction of an FFT solver over that of the boundary elements, {harmonics} harmonics: a grid "
-        "counts whole points, and its area falls to the extrapolation with the spacing.",
-        axes("spacing / period", "contact fraction, FFT over bem", *series),
-        axes("pressure / E*", "extrapolated - 1", marks("extrapolated", SHARES, ratios)),
-    )
-
-
-def _figure(harmonics: int, states: tuple[State, ...], limits: list[Extrapolated]) -> Figure:
-    """Pressure against separation, ours on a finer curve, theirs as points, and the difference in separation."""
-    along = (np.geomspace(SHARES[0] / 2, SHARES[-1] * 1.2, 12) * MODULUS).tolist()
-    curve, at = bem.solve(_posed(harmonics, along)).targets, column(limits, "separation", 1e-6)
-    return drawn(
-        f"fft-peer-{harmonics}",
-        f"Pressure against separation without adhesion, {harmonics} harmonics, against an FFT solver.",
-        semilogy("separation / um", "mean pressure / E*",
-                 trace("bem", column(curve, "separation", 1e-6), column(curve, "mean_pressure", MODULUS)),
-                 marks("ContactMechanics", at, SHARES)),
-        axes("separation / um", "difference / um",
-             marks("bem less FFT", at, np.subtract(column(states, "separation", 1e-6), at))),
-    )  # fmt: skip
+    yield drawn(f"fft-peer-area-{harmonics}",
+                f"Contact fraction of an FFT solver over that of the boundary elements, {harmonics} harmonics: a grid "
+                "counts whole points, and its area falls to the extrapolation with the spacing.",
+                axes("spacing / period", "contact fraction, FFT over bem", *series),
+                axes("pressure / E*", "extrapolated - 1", marks("extrapolated", SHARES, ratios)))  # fmt: skip
+    yield {"patches": states[-1].n_patches}
 
 
 EQUATIONS = r"$p \ge 0$, $g \ge 0$, $p g = 0$ with the gap $g$; $s$ = mean gap; $A_{\text{grid}}(n) = A + O(1/n)$"

@@ -9,9 +9,8 @@ import numpy as np
 
 from bem.scene.scene import parse_scene
 from bem.solver import solve
-from validation.cases.shared.checks import Against, case, column
+from validation.cases.shared.checks import Against, Found, case, column
 from validation.corpus.maps import FULL_AXES, Point, maps_over, member_of, reduced, stored_runs
-from validation.harness.case import Outcome
 from validation.harness.figure_data import bars, drawn, loglog, semilogx, trace
 from validation.harness.schema import Figure, Series
 from validation.report.map_figures import Map
@@ -30,27 +29,23 @@ def _figure(found: Map) -> Figure:
                  if value and float(x) > 0]  # fmt: skip
         if there:
             x, y, spread = np.array(there).T
-            series += [
-                trace(f"{row}", x, y, hue=hue),
-                bars(f"{row}, standard error", x, y - spread, y + spread, hue=hue),
-            ]
+            series.append(trace(f"{row}", x, y, hue=hue))
+            series.append(bars(f"{row}, standard error", x, y - spread, y + spread, hue=hue))
     draw = semilogx if found.name.endswith("slope") else loglog
     caption = f"{found.title[0].upper()}{found.title[1:]} against {found.column_label}; curves: {found.row_label}."
     return drawn(f"maps-{found.name}", caption, draw(found.column_label, found.title, *series))
 
 
-def _maps() -> Outcome:
+def _maps() -> Found:
     """All maps, and members solved now against those stored."""
     members, stored = [member_of(point, 0) for point in AGAIN], stored_runs()
     now = [reduced(member.name, solve(parse_scene(member.scene))) for member in members]
     before = [stored[member.name] for member in members]
-    rows = [
-        Against("self", "stored runs of the full maps").row(
+    for quantity in ("slope", "loop", "tension"):
+        yield Against("self", "stored runs of the full maps").row(
             f"{quantity} of members solved again", "", column(before, quantity), column(now, quantity), SAME
         )
-        for quantity in ("slope", "loop", "tension")
-    ]
-    return Outcome(rows=tuple(rows), figures=tuple(map(_figure, maps_over(FULL_AXES, stored))))
+    yield from map(_figure, maps_over(FULL_AXES, stored))
 
 
 CASES = (

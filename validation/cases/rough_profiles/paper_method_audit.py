@@ -16,12 +16,10 @@ import numpy as np
 
 from bem.scene.result import State
 from bem.scene.scene import parse_scene
-from validation.cases.shared.checks import OVER_STATES, Against, beside, case, column, posed
+from validation.cases.shared.checks import OVER_STATES, Against, Found, beside, case, column, posed
 from validation.corpus.effects import solved
 from validation.harness.arrays import FloatArray
-from validation.harness.case import Outcome
-from validation.harness.figure_data import drawn, loglog, marks, trace
-from validation.harness.schema import Table
+from validation.harness.figure_data import drawn, loglog, marks, table, trace
 from validation.references.paper_method import PaperState, Surface, follow, solve
 from validation.references.posed_contacts import Posed, scene_tables, scenes
 
@@ -66,8 +64,8 @@ def _audited(surface: Surface, penetration: float, edges: FloatArray, cells: Seq
     return states
 
 
-def _outcome(name: str, state: State, states: list[PaperState], cells: Sequence[int], surface: Surface) -> Outcome:
-    """Rows, table and figure of a state of the solver against three grids of the paper's method."""
+def _audit(name: str, state: State, states: list[PaperState], cells: Sequence[int], surface: Surface) -> Found:
+    """A state of the solver against three grids of the paper's method."""
     heights, period = np.asarray(surface.amplitudes, dtype=np.float64) / surface.unit_height, surface.period
     unit = surface.unit_pressure * float(np.sqrt(np.sum((surface.order * heights) ** 2) / 2))
     fractions, energy = column(states, "contact_fraction"), state.elastic_energy
@@ -80,27 +78,22 @@ def _outcome(name: str, state: State, states: list[PaperState], cells: Sequence[
     if set(patches) == {state.n_patches}:
         edges = [_listed(found.edges, period) for found in states]
         compared.append(("edges over the period", "m", period, _listed(np.array(state.edges), period), edges))
-    rows = [Against("paper's method", METHOD).count("patches on every grid", patches,
-                                                      [state.n_patches] * len(states))]  # fmt: skip
+    yield Against("paper's method", METHOD).count("patches on every grid", patches, [state.n_patches] * len(states))
     for (quantity, unit_name, scale, computed, found), measured in zip(compared, MEASURED[name], strict=False):
         limit = Limit.of(*map(np.asarray, found))
-        rows.append(Against("paper's method", f"{METHOD}; extrapolated", limit.uncertainty).row(
-            quantity, unit_name, np.ravel(limit.value), np.ravel(computed), measured, OVER_STATES, scale))  # fmt: skip
+        yield Against("paper's method", f"{METHOD}; extrapolated", limit.uncertainty).row(
+            quantity, unit_name, np.ravel(limit.value), np.ravel(computed), measured, OVER_STATES, scale)  # fmt: skip
     apart, sizes = [abs(fraction - state.contact_fraction) for fraction in fractions], column(states, "unknowns")
-    figure = drawn(
-        f"paper-method-{name}-cells",
-        "Contact fraction of the paper's method less that of the solver, against its cells.",
-        loglog("cells", "difference of the contact fraction", marks("paper's method", sizes, apart),
-               trace("second order", sizes, [apart[-1] * (sizes[-1] / n) ** 2 for n in sizes])),
-    )  # fmt: skip
-    table = Table(caption="The audit on its grids.",
-                  columns=["cells per patch", "cells", "patches", "contact fraction", "mean pressure / Pa", "|G/w - 1|",
-                           "smallest gap / m", "pressures", "sweeps"],
-                  rows=[[count, found.unknowns, len(found.edges), found.contact_fraction, found.mean_pressure,
-                         found.residual, found.smallest_gap, found.evaluations, found.sweeps]
-                        for count, found in zip(cells, states, strict=True)])  # fmt: skip
-    counts = {"cells": states[-1].unknowns, "patches": state.n_patches}
-    return Outcome(rows=tuple(rows), figures=(figure,), tables=(table,), counts=counts)
+    yield drawn(f"paper-method-{name}-cells",
+                "Contact fraction of the paper's method less that of the solver, against its cells.",
+                loglog("cells", "difference of the contact fraction", marks("paper's method", sizes, apart),
+                       trace("second order", sizes, [apart[-1] * (sizes[-1] / n) ** 2 for n in sizes])))  # fmt: skip
+    told = {"contact fraction": "contact_fraction", "mean pressure / Pa": "mean_pressure", "|G/w - 1|": "residual",
+            "smallest gap / m": "smallest_gap", "pressures": "evaluations", "sweeps": "sweeps"}  # fmt: skip
+    yield table("The audit on its grids.",
+                {"cells per patch": cells, "cells": sizes, "patches": patches}
+                | {heading: column(states, name) for heading, name in told.items()})  # fmt: skip
+    yield {"cells": states[-1].unknowns, "patches": state.n_patches}
 
 
 def _listed(edges: FloatArray, period: float) -> FloatArray:
@@ -109,23 +102,23 @@ def _listed(edges: FloatArray, period: float) -> FloatArray:
     return np.asarray(shifted[np.argsort(shifted[:, 0])])
 
 
-def _layer() -> Outcome:
+def _layer() -> Found:
     posed = scenes()["layer"]
     state, surface, cells = _solved(posed), posed.surface(), (16, 32, 64)
     states = _audited(surface, posed.penetration, np.array([[0.004, 0.006], [0.009, 0.011]]), cells)
-    return _outcome("layer", state, states, cells, surface)
+    return _audit("layer", state, states, cells, surface)
 
 
-def _path() -> Outcome:
+def _path() -> Found:
     posed = scenes()["rough"]
     state, surface, cells = _solved(posed), posed.surface(), (6, 12, 24)
     path = follow(surface, np.linspace(0.0, posed.penetration, STEPS + 1)[1:], 6, PATH_RESIDUAL, GAP)
     if path[-1].status != "converged":
         raise ArithmeticError(f"path of the paper's method: {path[-1].message}")
-    return _outcome("path", state, _audited(surface, posed.penetration, path[-1].edges, cells), cells, surface)
+    return _audit("path", state, _audited(surface, posed.penetration, path[-1].edges, cells), cells, surface)
 
 
-def _many() -> Outcome:
+def _many() -> Found:
     scene = posed("rough_100", profile={"harmonics": 300}, loading={"targets": [25e-6]}, accuracy={"tolerance": 1e-8})
     state, profile, cells = solved(scene).targets[-1], scene.surface(), (4, 8, 16)
     assert scene.adhesion is not None
@@ -135,7 +128,7 @@ def _many() -> Outcome:
     )  # fmt: skip
     edges = np.array(state.edges)
     moved = edges + MOVED * beside(edges, surface.period) * np.random.default_rng(0).uniform(-1, 1, edges.shape)
-    return _outcome("many", state, _audited(surface, state.penetration, moved, cells), cells, surface)
+    return _audit("many", state, _audited(surface, state.penetration, moved, cells), cells, surface)
 
 
 CASES = (

@@ -1,8 +1,11 @@
-"""A case in words, scenes solved, and numbers of their states; rows against one reference are those of `Against`."""
+"""A case in words, scenes solved, and numbers of their states; rows against one reference are those of `Against`.
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+A case yields what it finds, in the order of the report: rows, figures, tables, and counts of work by their names.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Sized
 from functools import partial
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -12,18 +15,32 @@ from bem.scene.scene import Scene
 from validation.harness.arrays import FloatArray
 from validation.harness.case import Case, Outcome
 from validation.harness.rows import Against as Against
-from validation.harness.schema import Code, Level, Norm
+from validation.harness.schema import Code, Figure, Level, Norm, Row, Table
 from validation.references import adapters
 
-Work = Literal["unknowns", "evaluations", "states", "events"]
+Found = Iterator[Row | Figure | Table | dict[str, int]]  # by a case, counts as of `work`
 
 OVER_STATES: Norm = "maximum over states"
+
+
+def gathered(find: Callable[[], Found]) -> Outcome:
+    """What a case yields, each kind in its order, the counts together; TypeError for anything else."""
+    found = list(find())
+    for one in found:
+        if not isinstance(one, (Row, Figure, Table, dict)):
+            raise TypeError(f"a case yields rows, figures, tables and counts, not {type(one).__name__}")
+    return Outcome(
+        rows=tuple(one for one in found if isinstance(one, Row)),
+        figures=tuple(one for one in found if isinstance(one, Figure)),
+        tables=tuple(one for one in found if isinstance(one, Table)),
+        counts={name: count for one in found if isinstance(one, dict) for name, count in one.items()},
+    )
 
 
 def case(
     identity: str,
     group: str,
-    compute: Callable[[], Outcome],
+    find: Callable[[], Found],
     question: str,
     equations: str,
     sources: str,
@@ -36,16 +53,16 @@ def case(
 ) -> Case:
     """A case; sources and effects are words in a text, the scene is a name of the registry or a text of more lines."""
     text = adapters.scene_text(scene) if scene.isidentifier() else scene
-    return Case(identity, group, level, question, equations, tuple(sources.split()), compute, tuple(effects.split()),
-                text, code, problem)  # fmt: skip
+    return Case(identity, group, level, question, equations, tuple(sources.split()), partial(gathered, find),
+                tuple(effects.split()), text, code, problem)  # fmt: skip
 
 
 def in_forms(
-    forms: Mapping[str, tuple[Any, ...]], group: str, compute: Callable[..., Outcome], *words: str, **named: Any
+    forms: Mapping[str, tuple[Any, ...]], group: str, find: Callable[..., Found], *words: str, **named: Any
 ) -> Iterator[Case]:
-    """One case in several forms, by their names: the level of each, and what `compute` is given; the rest as `case`."""
+    """One case in several forms, by their names: the level of each, and what `find` is given; the rest as `case`."""
     for identity, (level, *given) in forms.items():
-        yield case(identity, group, partial(compute, *given), *words, level=level, **named)
+        yield case(identity, group, partial(find, *given), *words, level=level, **named)
 
 
 def posed(name: str, **tables: Any) -> Scene:
@@ -62,6 +79,11 @@ def column(states: Iterable[Any], name: str, unit: float | None = None) -> list[
     """What every state, or event, says under a name; numbers in a unit, where one is given, None where it has none."""
     values = [getattr(state, name) for state in states]
     return values if unit is None else [None if value is None else value / unit for value in values]
+
+
+def as_many(values: Sequence[Any], expected: Sized) -> list[Any]:
+    """Values, if they are as many as expected; else nothing for every one, which is an error of its row."""
+    return list(values) if len(values) == len(expected) else [None] * len(expected)
 
 
 def touching(states: Iterable[State]) -> list[State]:

@@ -18,10 +18,8 @@ from scipy.optimize import brentq
 import bem
 from bem.scene.result import State
 from bem.scene.scene import Scene
-from validation.cases.shared.checks import Against, case, posed, touching
-from validation.harness.case import Outcome
-from validation.harness.figure_data import drawn, loglog, marks, trace
-from validation.harness.schema import Cells, Figure, Row, Table
+from validation.cases.shared.checks import Against, Found, case, column, posed, touching
+from validation.harness.figure_data import digits, drawn, loglog, marks, table, trace
 from validation.references.closed_forms import Sinusoid
 from validation.references.dense_equilibrium import reference
 
@@ -34,8 +32,13 @@ QUANTITIES = (
     "mean_pressure", "contact_fraction", "penetration", "separation", "total_displacement", "elastic_energy",
     "adhesion_energy", "total_energy", "stress_intensity_max", "contact_stiffness",
 )  # fmt: skip
-# errors measured at the tolerances
-MEASURED_ERROR = {1e-3: 2.7e-9, 1e-6: 2.7e-9, 1e-10: 1.8e-12}
+KINDS = {  # as they are drawn
+    "pressure, contact fraction": ("mean_pressure", "contact_fraction"),
+    "displacements": ("penetration", "separation", "total_displacement"),
+    "energies": ("elastic_energy", "adhesion_energy", "total_energy"),
+    "stress intensity, stiffness": ("stress_intensity_max", "contact_stiffness"),
+}
+MEASURED_ERROR = {1e-3: 2.7e-9, 1e-6: 2.7e-9, 1e-10: 1.8e-12}  # at the tolerances
 
 
 @dataclass(frozen=True)
@@ -131,7 +134,7 @@ def distance(posed: Scene, states: tuple[State, ...], tight: tuple[State, ...]) 
     return max(errors)
 
 
-def _error_estimate() -> Outcome:
+def _error_estimate() -> Found:
     found: list[Number] = []
     errors: dict[float, float] = {}
     effort = {tolerance: [0, 0] for tolerance in MEASURED_ERROR}
@@ -144,79 +147,48 @@ def _error_estimate() -> Outcome:
             found += numbers(name, scene, wave, result.targets)
             miss = distance(scene, result.targets, tight[name])
             errors[tolerance] = max(errors.get(tolerance, 0.0), miss)
-    spent = Table(
-        caption="What a tolerance costs: unknowns of all states at targets, evaluations of all paths.",
-        columns=["tolerance", "true error", "unknowns", "evaluations"],
-        rows=[[tolerance, float(f"{errors[tolerance]:.2g}"), *effort[tolerance]] for tolerance in errors],
-    )
+    known = Against("exact", "closed forms; dense algebra for layers and rough profiles")
+    of = {quantity: [number for number in found if number.quantity == quantity] for quantity in QUANTITIES}
+    least = min(float(np.mean(column(numbers, "bounded"))) for numbers in of.values())
+    close = float(np.mean([number.ratio <= ORDERS for number in found if not number.leaps]))
+    yield known.row(f"share of {len(found)} reported numbers whose true error is below the estimate, least of "
+                    f"{len(of)} quantities", "", 1.0, least, 0.0105, "absolute", required=0.05,
+                    pinned="unconverged")  # fmt: skip
+    yield known.row("share of estimates at most a hundred times the true error", "", 1.0, close, 0.038, "absolute",
+                    required=0.05, pinned="unconverged")  # fmt: skip
+    for tolerance, error in errors.items():
+        yield Against("self", f"the same path at tolerance {TIGHT:g}").row(
+            f"true error of contact fraction and mean pressure at tolerance {tolerance:g}", "", 0.0, error,
+            MEASURED_ERROR[tolerance], "absolute", required=tolerance, pinned="unconverged")  # fmt: skip
+    span = [RESOLUTION, 1e-7]
+    kinds = {label: [number for number in found if number.quantity in names] for label, names in KINDS.items()}
+    yield drawn("error-estimates",
+                "Estimated against true errors, over the largest value of the scene: good ones lie between the lines.",
+                loglog("true error (1e-14: that or less)", "estimated error",
+                       *(marks(label, [max(number.true, RESOLUTION) for number in numbers], column(numbers, "estimate"))
+                         for label, numbers in kinds.items()),
+                       trace("true error", span, span),
+                       trace("a hundred times that", span, [ORDERS * value for value in span], "dashed")))  # fmt: skip
     tolerances = sorted(errors)
-    met = drawn("tolerance-met",
+    yield drawn("tolerance-met",
                 "Largest true error of contact fraction and mean pressure at the targets of all scenes.",
                 loglog("tolerance asked for", "error",
                        marks("largest true error", tolerances, [errors[t] for t in tolerances]),
                        trace("tolerance", tolerances, tolerances, "dashed")))  # fmt: skip
-    return Outcome(
-        rows=_rows(found, errors),
-        figures=(_figure(found), met),
-        tables=(_table(found), spent),
-        counts={"numbers": len(found), "evaluations": sum(evaluations for _, evaluations in effort.values())},
-    )
-
-
-def _rows(found: list[Number], errors: dict[float, float]) -> tuple[Row, ...]:
-    known = Against("exact", "closed forms; dense algebra for layers and rough profiles")
-    of = [[number.bounded for number in found if number.quantity == quantity] for quantity in QUANTITIES]
-    close = float(np.mean([number.ratio <= ORDERS for number in found if not number.leaps]))
-    return (
-        known.row(f"share of {len(found)} reported numbers whose true error is below the estimate, least of "
-                  f"{len(of)} quantities", "", 1.0, min(float(np.mean(bounded)) for bounded in of), 0.0105,
-                  "absolute", required=0.05, pinned="unconverged"),
-        known.row("share of estimates at most a hundred times the true error", "", 1.0, close, 0.038, "absolute",
-                  required=0.05, pinned="unconverged"),
-        *(
-            Against("self", f"the same path at tolerance {TIGHT:g}").row(
-                f"true error of contact fraction and mean pressure at tolerance {tolerance:g}", "", 0.0, error,
-                MEASURED_ERROR[tolerance], "absolute", required=tolerance, pinned="unconverged")
-            for tolerance, error in errors.items()
-        ),
+    words = [name.replace("_", " ") if name != "stress_intensity_max" else "largest stress intensity" for name in of]
+    ratios = [column(numbers, "ratio") for numbers in of.values()]
+    yield table(
+        "Estimated over true errors of every number reported; 1e-14 of the largest value counts as no error.",
+        {"quantity": words, "numbers": map(len, of.values()),
+         "bounded": [sum(column(numbers, "bounded")) for numbers in of.values()],
+         "median of estimate/true": digits(map(np.median, ratios), 2), "largest": digits(map(max, ratios), 2),
+         "largest true error, relative": digits((max(column(numbers, "true")) for numbers in of.values()), 2)}
     )  # fmt: skip
-
-
-def _table(found: list[Number]) -> Table:
-    rows: list[Cells] = []
-    for quantity in QUANTITIES:
-        of = [number for number in found if number.quantity == quantity]
-        ratios = [number.ratio for number in of]
-        shown = (np.median(ratios), max(ratios), max(number.true for number in of))
-        words = quantity.replace("_", " ") if quantity != "stress_intensity_max" else "largest stress intensity"
-        rows.append([words, len(of), sum(number.bounded for number in of), *(float(f"{one:.2g}") for one in shown)])
-    return Table(
-        caption="Estimated over true errors of every number reported; 1e-14 of the largest value counts as no error.",
-        columns=["quantity", "numbers", "bounded", "median of estimate/true", "largest",
-                 "largest true error, relative"],
-        rows=rows
-    )  # fmt: skip
-
-
-def _figure(found: list[Number]) -> Figure:
-    kinds = {
-        "pressure, contact fraction": ("mean_pressure", "contact_fraction"),
-        "displacements": ("penetration", "separation", "total_displacement"),
-        "energies": ("elastic_energy", "adhesion_energy", "total_energy"),
-        "stress intensity, stiffness": ("stress_intensity_max", "contact_stiffness"),
-    }
-    span = [RESOLUTION, 1e-7]
-    series = [
-        marks(label, [max(number.true, RESOLUTION) for number in found if number.quantity in names],
-              [number.estimate for number in found if number.quantity in names])
-        for label, names in kinds.items()
-    ]  # fmt: skip
-    return drawn("error-estimates",
-                 "Estimated against true errors, over the largest value of the scene: good ones lie between the lines.",
-                 loglog("true error (1e-14: that or less)", "estimated error",
-                        *series,
-                        trace("true error", span, span),
-                        trace("a hundred times that", span, [ORDERS * value for value in span], "dashed")))  # fmt: skip
+    yield table("What a tolerance costs: unknowns of all states at targets, evaluations of all paths.",
+                {"tolerance": errors, "true error": digits(errors.values(), 2),
+                 "unknowns": [effort[tolerance][0] for tolerance in errors],
+                 "evaluations": [effort[tolerance][1] for tolerance in errors]})  # fmt: skip
+    yield {"numbers": len(found), "evaluations": sum(evaluations for _, evaluations in effort.values())}
 
 
 CASES = (

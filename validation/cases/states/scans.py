@@ -11,14 +11,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 import bem
 from bem.geometry.profile import Profile
 from bem.scene.scene import Scene, parse_scene
-from validation.cases.shared.checks import Against, case
-from validation.harness.arrays import FloatArray
-from validation.harness.case import Outcome
+from validation.cases.shared.checks import Against, Found, case
+from validation.harness.schema import Row
 
 SAMPLES, SPACING, HEIGHT = 81, 0.25e-3, 1e-6
 PERIOD = SAMPLES * SPACING
@@ -69,98 +68,61 @@ def _highest(start: float) -> float:
     return at % period
 
 
-def _shifted_scan() -> Outcome:
+def _shifted_scan() -> Found:
     found, touched = list[float](), list[float | None]()
     for start in STARTS:
         x = start + SPACING * np.arange(FEWER)
         scene = _posed(x, DRAWN)
         found += scene.surface().height(x).tolist()
         touched.append(next(event.position for event in bem.solve(scene).events if event.kind == "first_touch"))
-    rows = (
-        Against("exact", "the samples, less their mean").row(
-            "surface at the samples, over the largest", "m", (DRAWN - np.mean(DRAWN)).tolist() * len(STARTS), found,
-            (1e-12, 4e-13)),
-        Against("exact", "highest point of the trigonometric interpolant").row(
-            "place of first touch", "m", map(_highest, STARTS), touched, (1e-12, 4e-13)),
-    )  # fmt: skip
-    return Outcome(rows=rows)
+    yield Against("exact", "the samples, less their mean").row(
+        "surface at the samples, over the largest", "m", (DRAWN - np.mean(DRAWN)).tolist() * len(STARTS), found,
+        (1e-12, 4e-13))  # fmt: skip
+    yield Against("exact", "highest point of the trigonometric interpolant").row(
+        "place of first touch", "m", map(_highest, STARTS), touched, (1e-12, 4e-13))  # fmt: skip
 
 
-Pair = tuple[FloatArray, FloatArray]  # what is right, and what is found
+def _step(name: str, source: str, expected: ArrayLike, found: ArrayLike, measured: float) -> Row:
+    """The surface after a step against what is right."""
+    return Against("exact", source).row(f"surface after the step, over the largest: {name}", "m", np.ravel(expected),
+                                        np.ravel(found), measured)  # fmt: skip
 
 
-def _trends() -> Pair:
-    """The residue of least squares, by an orthogonal basis of the polynomials."""
-    expected, found = [], []
-    for method, degree in DEGREES.items():
-        basis = np.linalg.qr(np.vander((X - X.mean()) / PERIOD, degree + 1))[0]
-        expected.append(LINE - basis @ (basis.T @ LINE))
-        found.append(_surface(LINE, detrend=method).height(X))
-    return np.concatenate(expected), np.concatenate(found)
-
-
-def _mirrored() -> Pair:
+def _steps() -> Found:
+    bases = (np.linalg.qr(np.vander((X - X.mean()) / PERIOD, degree + 1))[0] for degree in DEGREES.values())
+    yield _step("trend", "least squares: mean, line, quadratic, cubic",
+                [LINE - basis @ (basis.T @ LINE) for basis in bases],
+                [_surface(LINE, detrend=method).height(X) for method in DEGREES], 4.3e-15)  # fmt: skip
     both = np.concatenate([LINE, LINE[::-1]])
-    surface = _surface(LINE, periodic="mirror", harmonics=SAMPLES - 1)
-    return both - both.mean(), surface.height(SPACING * np.arange(2 * SAMPLES))
-
-
-def _windowed() -> Pair:
+    mirrored = _surface(LINE, periodic="mirror", harmonics=SAMPLES - 1)
+    yield _step("mirror", "the line and its reverse", both - both.mean(),
+                mirrored.height(SPACING * np.arange(2 * SAMPLES)), 3.1e-15)  # fmt: skip
     h, reach = LINE - LINE.mean(), TAPERED * (SAMPLES - 1)
     from_end = np.minimum(np.arange(SAMPLES), np.arange(SAMPLES)[::-1])
     tapered = h * np.where(from_end < reach, 0.5 * (1 - np.cos(np.pi * from_end / reach)), 1.0)
-    return tapered - tapered.mean(), _surface(h, detrend="mean", periodic="window").height(X)
-
-
-def _without_spikes() -> Pair:
-    h = LINE + HEIGHT * np.array([SPIKES.get(k, 0.0) for k in range(SAMPLES)])
-    clean = h.copy()
+    yield _step("window", "half a cosine over a tenth of the line at either end", tapered - tapered.mean(),
+                _surface(h, detrend="mean", periodic="window").height(X), 1.8e-15)  # fmt: skip
+    spiked = LINE + HEIGHT * np.array([SPIKES.get(k, 0.0) for k in range(SAMPLES)])
+    clean = spiked.copy()
     for k in SPIKES:
-        clean[k] = statistics.median(h[k - NEIGHBOURS : k + NEIGHBOURS + 1].tolist())
-    return clean - clean.mean(), _surface(h, outliers="replace").height(X)
-
-
-def _resampled() -> Pair:
-    """A straight line at unequal steps: any curve through it that does not overshoot is that line."""
+        clean[k] = statistics.median(spiked[k - NEIGHBOURS : k + NEIGHBOURS + 1].tolist())
+    yield _step("spikes", "median of five samples at each spike, up and down", clean - clean.mean(),
+                _surface(spiked, outliers="replace").height(X), 4.7e-15)  # fmt: skip
+    # a straight line at unequal steps: any curve through it that does not overshoot is that line
     x = X + 0.3 * SPACING * np.sin(np.arange(SAMPLES)) * (np.arange(SAMPLES) % (SAMPLES - 1) > 0)
     line = HEIGHT * X / PERIOD
-    surface = _surface(HEIGHT * x / PERIOD, x, unequal_spacing="resample", detrend="none")
-    return line - line.mean(), surface.height(X)
-
-
-def _waves(x: NDArray[Any]) -> FloatArray:
-    """Seven waves of a scan, (n, 7)."""
-    order = np.arange(1, 8)
-    return np.asarray(HEIGHT / order * np.cos(2 * np.pi * np.outer(x / PERIOD, order) + order - 1))
-
-
-def _cut() -> Pair:
-    """Of seven waves, the first five, at places between the samples."""
-    return _waves(BETWEEN)[:, :KEPT].sum(axis=1), _surface(_waves(X).sum(axis=1), harmonics=KEPT).height(BETWEEN)
-
-
-def _filtered() -> Pair:
-    """Seven waves, each by what the filters of ISO 16610-21 let pass."""
-    short, long = (np.log(2) * (cut * np.arange(1, 8) / PERIOD) ** 2 for cut in CUT_OFFS)
-    surface = _surface(_waves(X).sum(axis=1), cutoff_short=CUT_OFFS[0], cutoff_long=CUT_OFFS[1])
-    return _waves(BETWEEN) @ (np.exp(-short) * (1 - np.exp(-long))), surface.height(BETWEEN)
-
-
-STEPS = (  # name, what is right, and the error measured
-    ("trend", "least squares: mean, line, quadratic, cubic", _trends, 4.3e-15),
-    ("mirror", "the line and its reverse", _mirrored, 3.1e-15),
-    ("window", "half a cosine over a tenth of the line at either end", _windowed, 1.8e-15),
-    ("spikes", "median of five samples at each spike, up and down", _without_spikes, 4.7e-15),
-    ("unequal steps", "a straight line", _resampled, 6.7e-15),
-    ("cut", "the waves that are kept, between the samples", _cut, 1.9e-15),
-    ("cut-offs", "each wave by the Gaussian filters of ISO 16610-21", _filtered, 1.9e-15),
-)
-
-
-def _steps() -> Outcome:
-    rows = (Against("exact", source).row(f"surface after the step, over the largest: {name}", "m", *of(), measured)
-            for name, source, of, measured in STEPS)  # fmt: skip
-    return Outcome(rows=tuple(rows))
+    resampled = _surface(HEIGHT * x / PERIOD, x, unequal_spacing="resample", detrend="none")
+    yield _step("unequal steps", "a straight line", line - line.mean(), resampled.height(X), 6.7e-15)
+    order = np.arange(1, 8)  # of seven waves
+    at_samples, between = (HEIGHT / order * np.cos(2 * np.pi * np.outer(at / PERIOD, order) + order - 1)
+                           for at in (X, BETWEEN))  # fmt: skip
+    waves = at_samples.sum(axis=1)
+    yield _step("cut", "the waves that are kept, between the samples", between[:, :KEPT].sum(axis=1),
+                _surface(waves, harmonics=KEPT).height(BETWEEN), 1.9e-15)  # fmt: skip
+    short, long = (np.log(2) * (cut * order / PERIOD) ** 2 for cut in CUT_OFFS)
+    filtered = _surface(waves, cutoff_short=CUT_OFFS[0], cutoff_long=CUT_OFFS[1])
+    yield _step("cut-offs", "each wave by the Gaussian filters of ISO 16610-21",
+                between @ (np.exp(-short) * (1 - np.exp(-long))), filtered.height(BETWEEN), 1.9e-15)  # fmt: skip
 
 
 CASES = (

@@ -34,9 +34,7 @@ from bem.geometry.patches import Patches, PatchPressure
 from bem.nonadhesive.contact_assessment import assess_contact
 from bem.problem import pose
 from bem.scene.result import State
-from validation.cases.shared.checks import Against, case, column, posed, solved
-from validation.harness.case import Outcome
-from validation.harness.schema import Row
+from validation.cases.shared.checks import Against, Found, case, column, posed, solved
 from validation.references.closed_forms import Sinusoid
 from validation.references.one_patch import OnePatch
 
@@ -61,26 +59,38 @@ def _slope(quantity: Any, psi: float) -> float:
     return (8 * near - far) / (12 * STEP * psi)
 
 
-def _stability() -> Outcome:
+def _stability() -> Found:
     tension = float(brentq(lambda psi: _slope(WAVE.mean_pressure, psi), WAVE.fold(), 0.6, xtol=1e-14))
     psi, work = tension * np.array(BESIDE), WAVE.work_of_adhesion
     targets = [float(WAVE.penetration(2 * tension)), *WAVE.penetration(psi).tolist()]
     states = solved("sinusoid", adhesion={"work_of_adhesion": work}, loading={"targets": targets}).targets[1:]
     slopes = [_slope(WAVE.mean_pressure, p) for p in psi.tolist()]
     johnson = Against("exact", "Johnson 1995: the mean pressure rises with the contact width")
-    rows: tuple[Row, ...] = (
-        johnson.count("stable at fixed load (1: yes), from compression to pull-off past the largest tension",
-                      [slope > 0 for slope in slopes], column(states, "stable_at_fixed_load")),
-        johnson.row("contact stiffness, over the largest", "Pa/m",
-                    [slope / _slope(WAVE.penetration, p) for slope, p in zip(slopes, psi.tolist(), strict=True)],
-                    column(states, "contact_stiffness"), (1.2e-10, 4e-11)),
-        Against("exact", "K^2 = 2 E* w, U_ad = -w f").row(
-            "largest stress intensity over critical, adhesion energy over -w f, total over both energies", "",
-            [1.0] * 3 * len(states), [ratio for state in states for ratio in _ratios(state)], RATIOS),
-        _joined(),
-        _steep(),
-    )  # fmt: skip
-    return Outcome(rows=rows)
+    yield johnson.count("stable at fixed load (1: yes), from compression to pull-off past the largest tension",
+                        [slope > 0 for slope in slopes], column(states, "stable_at_fixed_load"))  # fmt: skip
+    yield johnson.row("contact stiffness, over the largest", "Pa/m",
+                      [slope / _slope(WAVE.penetration, p) for slope, p in zip(slopes, psi.tolist(), strict=True)],
+                      column(states, "contact_stiffness"), (1.2e-10, 4e-11))  # fmt: skip
+    yield Against("exact", "K^2 = 2 E* w, U_ad = -w f").row(
+        "largest stress intensity over critical, adhesion energy over -w f, total over both energies", "",
+        [1.0] * 3 * len(states), [ratio for state in states for ratio in _ratios(state)], RATIOS)  # fmt: skip
+    loading = {"control": "mean_pressure", "targets": [1.2 * WAVE.full_contact_pressure],
+               "initial": "complete_contact", "flaw": 1e-5}  # fmt: skip
+    (state,) = solved("sinusoid", adhesion={"work_of_adhesion": work}, loading=loading).targets
+    yield Against("exact", "p* D / 4 and -w").row(
+        "elastic energy and adhesion energy of complete contact, over the larger", "J/m^2",
+        [WAVE.full_contact_pressure * WAVE.amplitude / 4, -work], [state.elastic_energy, state.adhesion_energy],
+        RATIOS)  # fmt: skip
+    # stiffness where the work of adhesion grows with the slope
+    steep = replace(WAVE, amplitude=1e-3)
+    middle, step = 0.6e-3, 1e-6
+    adhesion = {"work_of_adhesion": steep.work_of_adhesion, "slope_term": True}
+    states = solved("sinusoid", profile={"amplitudes": [steep.amplitude]}, adhesion=adhesion,
+                    loading={"targets": [middle + times * step for times in (-2, -1, 0, 1, 2)]}).targets  # fmt: skip
+    p = column(states, "mean_pressure")
+    yield Against("self", "differences of fourth order of the mean pressure of neighbouring states").row(
+        "contact stiffness on a steep wave with the slope term", "Pa/m",
+        (8 * (p[3] - p[1]) - (p[4] - p[0])) / (12 * step), states[2].contact_stiffness, (3e-11, 1e-11))  # fmt: skip
 
 
 def _ratios(state: State) -> tuple[float, float, float]:
@@ -91,31 +101,6 @@ def _ratios(state: State) -> tuple[float, float, float]:
         state.adhesion_energy / (-work * state.contact_fraction),
         state.total_energy / (state.elastic_energy + state.adhesion_energy),
     )
-
-
-def _joined() -> Row:
-    """Energies of complete contact."""
-    work = WAVE.work_of_adhesion
-    loading = {"control": "mean_pressure", "targets": [1.2 * WAVE.full_contact_pressure],
-               "initial": "complete_contact", "flaw": 1e-5}  # fmt: skip
-    (state,) = solved("sinusoid", adhesion={"work_of_adhesion": work}, loading=loading).targets
-    return Against("exact", "p* D / 4 and -w").row(
-        "elastic energy and adhesion energy of complete contact, over the larger", "J/m^2",
-        [WAVE.full_contact_pressure * WAVE.amplitude / 4, -work], [state.elastic_energy, state.adhesion_energy],
-        RATIOS)  # fmt: skip
-
-
-def _steep() -> Row:
-    """Stiffness where the work of adhesion grows with the slope, against differences of the mean pressure."""
-    steep = replace(WAVE, amplitude=1e-3)
-    middle, step = 0.6e-3, 1e-6
-    adhesion = {"work_of_adhesion": steep.work_of_adhesion, "slope_term": True}
-    states = solved("sinusoid", profile={"amplitudes": [steep.amplitude]}, adhesion=adhesion,
-                    loading={"targets": [middle + times * step for times in (-2, -1, 0, 1, 2)]}).targets  # fmt: skip
-    p = column(states, "mean_pressure")
-    return Against("self", "differences of fourth order of the mean pressure of neighbouring states").row(
-        "contact stiffness on a steep wave with the slope term", "Pa/m",
-        (8 * (p[3] - p[1]) - (p[4] - p[0])) / (12 * step), states[2].contact_stiffness, (3e-11, 1e-11))  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -156,19 +141,18 @@ class PosedState:
         return stored.certificate.ok
 
 
-def _states() -> tuple[list[PosedState], list[PosedState]]:
-    """States that are right, and wrong ones."""
+def _refusals() -> Found:
     modulus, length = WAVE.modulus, WAVE.wavelength
     smooth = OnePatch(length, modulus, (1e-4,), WAVE.work_of_adhesion)
     rippled = OnePatch(length, modulus, (1e-4, *[0.0] * 18, 4e-6), 0.06)
     dented = OnePatch(length, modulus, (1e-4, -0.5e-4), 0.0)  # two crests with a dip between them
     free = replace(smooth, work=0.0)
-    right = [
+    right = (
         PosedState("adhesive", smooth, 1.2),
         PosedState("without adhesion", free, 1.2, adhesive=False),
         PosedState("two crests pressed together", dented, DENTED[0], adhesive=False),
-    ]
-    wrong = [
+    )
+    wrong = (
         PosedState("an edge moved", smooth, 1.2, shift=1e-6),
         PosedState("too deep", smooth, 1.2, deeper=1e-6),
         PosedState("negative eigenvalue", smooth, 1.2, eigenvalue=-1e-3),
@@ -177,33 +161,20 @@ def _states() -> tuple[list[PosedState], list[PosedState]]:
         PosedState("an edge moved without adhesion", free, 1.2, shift=1e-6, adhesive=False),
         PosedState("tension at the edges without adhesion", smooth, 1.2, adhesive=False),
         PosedState("tension inside without adhesion", dented, DENTED[1], adhesive=False),
-    ]
-    return right, wrong
-
-
-def _refusals() -> Outcome:
-    right, wrong = _states()
+    )
     known = Against("exact", "equilibria in closed form, and the same with one fault each")
     names = ", ".join(state.name for state in wrong)
-    rows = (
-        known.count("states in equilibrium that are accepted (1: yes)", [1.0] * len(right),
-                    [state.accepted() for state in right]),
-        known.count(f"states that are refused (1: yes): {names}", [1.0] * len(wrong),
-                    [not state.accepted() for state in wrong]),
-    )  # fmt: skip
-    return Outcome(rows=(*rows, _opened()))
-
-
-def _opened() -> Row:
-    """Patches of the dented wave without adhesion while it is unloaded."""
-    dented = OnePatch(WAVE.wavelength, WAVE.modulus, (1e-4, -0.5e-4), 0.0)
+    yield known.count("states in equilibrium that are accepted (1: yes)", [1.0] * len(right),
+                      [state.accepted() for state in right])  # fmt: skip
+    yield known.count(f"states that are refused (1: yes): {names}", [1.0] * len(wrong),
+                      [not state.accepted() for state in wrong])  # fmt: skip
     harmonics = ([1, 2], [1e-4, 0.5e-4], [0.0, np.pi])
     profile = dict(zip(("orders", "amplitudes", "phases"), harmonics, strict=True))
-    surface = bem.Profile.from_harmonics(WAVE.wavelength, *harmonics)
+    surface = bem.Profile.from_harmonics(length, *harmonics)
     dip = surface.max_height - float(surface.height(0.0))
     loading = {"targets": [float(dented.penetration(angle)) + dip for angle in OPENS]}
     states = solved("sinusoid", profile=profile, adhesion=None, loading=loading).targets
-    return Against("exact", "pressure of one patch, which vanishes at the dip at a = pi / 2").count(
+    yield Against("exact", "pressure of one patch, which vanishes at the dip at a = pi / 2").count(
         "patches before and after the dip between two crests opens", [1.0, 2.0], column(states, "n_patches")
     )
 
@@ -226,7 +197,7 @@ def _certified(
     return certify(profile, pressure, 0.5 * (1 + np.log(2)) + deeper, None)
 
 
-def _limits() -> Outcome:
+def _limits() -> Found:
     accepted = {
         "as they are": _certified(),
         "bump short of the other body by half the limit": _certified(DEPTH - LIMIT / 2),
@@ -243,11 +214,9 @@ def _limits() -> Outcome:
     known = Against("exact", "Westergaard's two patches, and a bump as high as the gap is deep")
     named = [any(said.startswith(reason) for said in found.reasons) for reason, found in refused.items()]
     alone = [len(refused[reason].reasons) == 1 for reason in list(refused)[:2]]
-    return Outcome(rows=(
-        known.count(f"accepted (1: yes): {', '.join(accepted)}", [1.0] * 3, [found.ok for found in accepted.values()]),
-        known.count(f"refused with this reason (1: yes): {', '.join(refused)}", [1.0] * len(refused), named),
-        known.count("a bump is the only reason (1: yes)", [1.0, 1.0], alone),
-    ))  # fmt: skip
+    yield known.count(f"accepted (1: yes): {', '.join(accepted)}", [1.0] * 3, [found.ok for found in accepted.values()])
+    yield known.count(f"refused with this reason (1: yes): {', '.join(refused)}", [1.0] * len(refused), named)
+    yield known.count("a bump is the only reason (1: yes)", [1.0, 1.0], alone)
 
 
 CASES = (

@@ -1,4 +1,4 @@
-"""Fields stored with a state: displacement, widths and slopes from its edges and pressure, and the tail of adhesion.
+"""Fields stored with a state: displacement, widths, slopes, spectra and distributions, from its edges and pressure.
 
 A layer of compressible material is pressed on two unequal crests.  With x_j = a_j + r_j (1 - cos theta) on a patch,
 sigma r sin(theta) is smooth in theta, so that the stored pressures are nodes of Gauss-Chebyshev's rule: with the
@@ -9,16 +9,15 @@ modes sigma_m of the pressure and c(q) of the layer and of the half-space (layer
 
 and the gap is u - (h - h_max + Delta).  Widths are differences of edges, slopes Gauss-Legendre's rule over the patches:
 own_m = <h'_m^2>, kept_m = <h'_m h'> over the contact.  Johnson's wave has two edges: P -> A |sigma|^-3,
-A = 4 E* gamma / (pi period).  SI units.
+A = 4 E* gamma / (pi period).  Spectrum and distribution of the pressure are those of Westergaard's contact.  SI units.
 """
 
 import numpy as np
 
 import bem
 from bem.scene.result import State
-from validation.cases.shared.checks import Against, case, posed, solved
+from validation.cases.shared.checks import Against, Found, case, posed, solved
 from validation.harness.arrays import FloatArray
-from validation.harness.case import Outcome
 from validation.references.closed_forms import Sinusoid, layer_compliance
 
 THICKNESS, E, NU = 1e-3, 1e6, 0.3  # m, Pa, of the layer
@@ -45,7 +44,7 @@ def _displacement(fields: dict[str, FloatArray], state: State, at: FloatArray, p
     return np.asarray(found + np.real(np.exp(1j * np.outer(at, wavenumbers)) @ (more * modes)))
 
 
-def _fields() -> Outcome:
+def _fields() -> Found:
     scene = posed("layer_two_crests", layer={"thickness": THICKNESS},
                   loading={"control": "separation", "targets": [APART]},
                   output={"shapes": [APART], "width_distributions": True, "contact_slopes": True})  # fmt: skip
@@ -70,26 +69,63 @@ def _fields() -> Outcome:
                   loading={"targets": [float(WAVE.penetration(1.0))]},
                   output={"pressure_distribution": True})  # fmt: skip
     # rounding of the state: the largest difference between the BLAS kernels of processors; either side is nearer
-    rows = (
-        from_pressure.row("displacement in the middle of gaps on a compressible layer", "m", u,
-                          fields["displacement_0"][middle], 6.4e-15),
-        from_pressure.row("gap there, over the largest", "m",
-                          u - surface.height(x) + surface.max_height - state.penetration, fields["gap_0"][middle],
-                          5.2e-15),
-        of_edges.row("widths of patches and gaps, from the smallest", "m",
-                     [*np.sort(edges[:, 1] - edges[:, 0]), *np.sort(closing - opening)],
-                     [*fields["patch_width_0"], *fields["gap_width_0"]], 5.8e-15),
-        of_edges.row("share of patches, and of gaps, up to each width", "", [0.5, 1.0] * 2,
-                     [*fields["patch_share_0"], *fields["gap_share_0"]], 1e-16, "absolute"),
-        of_edges.row("slope variance over the contact, by harmonic: its own, and what it keeps", "", [*own, *kept],
-                     [*fields["slope_own_0"], *fields["slope_kept_0"]], 1.24e-14),
-        of_edges.row("rms slope over the contact", "", np.sqrt(kept.sum()), float(fields["contact_slope_0"]), 8.5e-15),
-        Against("exact", "Johnson 1995: two edges").row(
-            "tail of the pressure distribution", "Pa^2",
-            4 * WAVE.modulus * WAVE.work_of_adhesion / (np.pi * WAVE.wavelength),
-            float(tail.fields["tail_coefficient_0"]), 3.8e-14),
-    )  # fmt: skip
-    return Outcome(rows=rows)
+    yield from_pressure.row("displacement in the middle of gaps on a compressible layer", "m", u,
+                            fields["displacement_0"][middle], 6.4e-15)  # fmt: skip
+    yield from_pressure.row("gap there, over the largest", "m",
+                            u - surface.height(x) + surface.max_height - state.penetration, fields["gap_0"][middle],
+                            5.2e-15)  # fmt: skip
+    yield of_edges.row("widths of patches and gaps, from the smallest", "m",
+                       [*np.sort(edges[:, 1] - edges[:, 0]), *np.sort(closing - opening)],
+                       [*fields["patch_width_0"], *fields["gap_width_0"]], 5.8e-15)  # fmt: skip
+    yield of_edges.row("share of patches, and of gaps, up to each width", "", [0.5, 1.0] * 2,
+                       [*fields["patch_share_0"], *fields["gap_share_0"]], 1e-16, "absolute")  # fmt: skip
+    yield of_edges.row("slope variance over the contact, by harmonic: its own, and what it keeps", "", [*own, *kept],
+                       [*fields["slope_own_0"], *fields["slope_kept_0"]], 1.24e-14)  # fmt: skip
+    yield of_edges.row("rms slope over the contact", "", np.sqrt(kept.sum()), float(fields["contact_slope_0"]), 8.5e-15)
+    yield Against("exact", "Johnson 1995: two edges").row(
+        "tail of the pressure distribution", "Pa^2",
+        4 * WAVE.modulus * WAVE.work_of_adhesion / (np.pi * WAVE.wavelength), float(tail.fields["tail_coefficient_0"]),
+        3.8e-14)  # fmt: skip
+
+
+def _spectra() -> Found:
+    wave = Sinusoid(1e-4, 0.01, E, 0.5, 0.0)
+    loading = {"control": "penetration", "targets": [float(wave.penetration(np.pi / 4))]}
+    output = {"spectra": True, "pressure_distribution": True}
+    result = solved("sinusoid", adhesion=None, loading=loading, output=output)
+    fields, (state,), star = result.fields, result.targets, wave.full_contact_pressure
+    # half of the period in contact: sigma = 2 p* cos(x/2) sqrt(1/2 - sin^2(x/2)), whose first modes are 3/8 and 1/8 p*
+    exact = np.array([(0.375 * star) ** 2, (0.125 * star) ** 2]) / (2 * np.pi / wave.wavelength)
+    levels = fields["sigma_bounds_0"]
+    shares = fields["P_0"] * np.diff(levels)
+    known = Against("exact", "Westergaard 1939, half of the period in contact")
+    # rounding: the largest over the BLAS kernels of five processors (least: 6e-16 each)
+    yield known.row("two-sided pressure spectrum at the first two orders", "Pa^2 m", exact, fields["C_sigma_0"][:2],
+                    (5e-15, 1.5e-15))  # fmt: skip
+    yield known.row("integral of the pressure distribution = contact fraction", "", 0.5, float(np.sum(shares)),
+                    (2.5e-14, 9.1e-15))  # fmt: skip
+    yield known.row("contact fraction", "", 0.5, state.contact_fraction, (3e-12, 1e-12))
+    yield known.row("share of the period above each pressure of the distribution, up to the highest", "",
+                    _share_above(levels[:-1] / star), np.cumsum(shares[::-1])[::-1], 9.1e-15, "absolute")  # fmt: skip
+    # displacement over pressure, order by order: the compliance of the layer, whatever the contact
+    scene, orders = posed("layer_two_crests", adhesion=None, output={"spectra": True}), np.arange(1, 7)
+    fields, layer, solid = bem.solve(scene).fields, scene.layer, scene.solid
+    assert layer is not None
+    compliance = layer_compliance(2 * np.pi * orders / scene.surface().period, layer.thickness, solid.youngs_modulus,
+                                  solid.poisson_ratio)  # fmt: skip
+    found = np.sqrt(fields["C_u_0"][: orders.size] / fields["C_sigma_0"][: orders.size])
+    yield Against("exact", "Carbone and Mangialardi 2008, c(q)").row(
+        "displacement over pressure on a layer, spectra of orders 1 to 6", "m/Pa", compliance, found, 3e-16
+    )
+
+
+def _share_above(pressure: FloatArray) -> FloatArray:
+    """Share of the period above pressures over p*, half of it in contact.
+
+    With S = cos^2(x/2) the pressure p = 2 p* cos(x/2) sqrt(S - 1/2) gives S^2 - S/2 = (p / 2 p*)^2.
+    """
+    square = 0.25 * (1.0 + np.sqrt(1.0 + 4.0 * pressure**2))
+    return np.asarray(2.0 / np.pi * np.arccos(np.sqrt(np.minimum(square, 1.0))))
 
 
 CASES = (
@@ -99,4 +135,10 @@ CASES = (
          r"$P \to \frac{4 E^\ast \gamma}{\pi \lambda} |\sigma|^{-3}$",
          "carbone2008 johnson1995", "layer adhesion slope_term shapes width_distributions contact_slopes "
          "pressure_distribution", scene="layer_two_crests", problem="two crests on a layer"),
+    case("westergaard-spectrum", "closed forms", _spectra,
+         "Are spectrum and distribution of the pressure those of Westergaard's contact?",
+         r"$\sigma = 2 p^\ast \cos \frac{x}{2} \sqrt{\sin^2 \psi - \sin^2 \frac{x}{2}}$, "
+         r"$C_\sigma(m q_0) = \sigma_m^2 / q_0$",
+         "westergaard1939", "half_space spectra pressure_distribution", scene="sinusoid",
+         problem="wave without adhesion"),
 )  # fmt: skip

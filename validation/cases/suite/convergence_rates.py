@@ -1,15 +1,16 @@
 """Rates of convergence against those that theory predicts, bounded on both sides: too fast is as wrong as too slow."""
 
+from collections.abc import Iterator, Sequence
 from functools import partial
 
 import numpy as np
 
-from validation.cases.shared.checks import Against, case
+from validation.cases.shared.checks import Against, Found, case
 from validation.corpus import convergence_curves as made
 from validation.corpus.convergence_curves import Curve, fem_curve
 from validation.corpus.curves_shown import error_figure, error_table
-from validation.harness.case import Outcome
-from validation.harness.schema import Code, Row, Table
+from validation.harness.figure_data import table
+from validation.harness.schema import Code, Row
 
 # relative distance of the fitted rate from the predicted one
 MEASURED = {
@@ -32,59 +33,53 @@ CODES: dict[str, Code] = {  # of the curves
 MEASURED_FULL = {"fem-p2-graded": 0.05, "fem-p4-graded": 0.023, "fem-p2-uniform": 0.099, "fem-p4-uniform": 0.022}
 
 
-def _rate_row(curve: Curve, measured: float) -> Row:
-    """Fitted against predicted rate."""
-    of = "order" if curve.law == "algebraic" else "factor per node"
-    predicted = Against("predicted order", f"{curve.why}; errors against {curve.reference} ({curve.kind})")
-    return predicted.row(f"{of}: {curve.quantity} of {curve.id}", "", curve.predicted, curve.rate.value, measured,
-                         code=CODES[curve.code])  # fmt: skip
+def _rate_rows(curves: Sequence[Curve], measured: dict[str, float]) -> Iterator[Row]:
+    """Fitted against predicted rates."""
+    for curve in curves:
+        of = "order" if curve.law == "algebraic" else "factor per node"
+        predicted = Against("predicted order", f"{curve.why}; errors against {curve.reference} ({curve.kind})")
+        yield predicted.row(f"{of}: {curve.quantity} of {curve.id}", "", curve.predicted, curve.rate.value,
+                            measured[curve.id], code=CODES[curve.code])  # fmt: skip
 
 
-def _rates() -> Outcome:
+def _rates() -> Found:
     bem = made.bem_curves(0.9, range(4, 49, 4))
     fem = (fem_curve(2, (4, 8, 16), True), fem_curve(4, (8, 16, 32), False))
     others = (
         *made.persson_curves((25, 50, 100, 200, 400), (6, 12, 25, 50, 100)),
         made.paper_method_curve((8, 16, 32, 64)),
     )
-    every = (*bem, *fem, *others)
-    plateau = Against("exact", "Johnson 1995").row(
+    yield from _rate_rows((*bem, *fem, *others), MEASURED)
+    yield Against("exact", "Johnson 1995").row(
         "plateau of K over critical and of the load over p*", "", [0.0, 0.0], [curve.rate.plateau for curve in bem],
         2.3e-14, "absolute", required=1e-12, code="bem")  # fmt: skip
-    return Outcome(
-        rows=(*(_rate_row(curve, MEASURED[curve.id]) for curve in every), plateau),
-        figures=(
-            error_figure("convergence-bem", "Errors of the dense route at Johnson's edges, contact fraction 0.9.", bem),
-            error_figure("convergence-fem", "Load at prescribed edges: meshes graded to the edges, and uniform.", fem),
-            error_figure("convergence-others", "Persson's diffusion and the paper's own method.", others),
-        ),
-        tables=(error_table(every),),
-    )
+    yield error_figure("convergence-bem", "Errors of the dense route at Johnson's edges, contact fraction 0.9.", bem)
+    yield error_figure("convergence-fem", "Load at prescribed edges: meshes graded to the edges, and uniform.", fem)
+    yield error_figure("convergence-others", "Persson's diffusion and the paper's own method.", others)
+    yield error_table((*bem, *fem, *others))
 
 
-def _elements() -> Outcome:
+def _elements() -> Found:
     curves = (
         fem_curve(2, (4, 8, 16, 32), True),
         fem_curve(4, (4, 6, 8, 12), True),
         fem_curve(2, (16, 32, 64), False),
         fem_curve(4, (8, 16, 32), False),
     )
-    figure = error_figure("convergence-elements", "Load at prescribed edges, graded and uniform meshes.", curves)
-    rows = (_rate_row(curve, MEASURED_FULL[curve.id]) for curve in curves)
-    return Outcome(rows=tuple(rows), figures=(figure,), tables=(error_table(curves),))
+    yield error_figure("convergence-elements", "Load at prescribed edges, graded and uniform meshes.", curves)
+    yield from _rate_rows(curves, MEASURED_FULL)
+    yield error_table(curves)
 
 
-def _ensemble(harmonics: int, realisations: int) -> Outcome:
+def _ensemble(harmonics: int, realisations: int) -> Found:
     curve = made.ensemble_curve(harmonics, realisations)
     areas = np.array(curve.samples)
-    means = Table(
-        caption=f"Contact fraction at a separation of 0.8 h_rms, {harmonics} harmonics.",
-        columns=["realisations", "mean", "standard error"],
-        rows=[[realisations, float(areas.mean()), float(areas.std(ddof=1)) / realisations**0.5]],
-    )
-    figure = error_figure("convergence-ensemble", "Spread of the mean contact fraction over its mean.", (curve,))
-    rows = (_rate_row(curve, MEASURED[curve.id]),)
-    return Outcome(rows=rows, figures=(figure,), tables=(error_table((curve,)), means))
+    yield from _rate_rows((curve,), MEASURED)
+    yield error_figure("convergence-ensemble", "Spread of the mean contact fraction over its mean.", (curve,))
+    yield error_table((curve,))
+    error = float(areas.std(ddof=1)) / realisations**0.5
+    yield table(f"Contact fraction at a separation of 0.8 h_rms, {harmonics} harmonics.",
+                {"realisations": [realisations], "mean": [float(areas.mean())], "standard error": [error]})  # fmt: skip
 
 
 CASES = (

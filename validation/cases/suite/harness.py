@@ -9,9 +9,8 @@ import math
 import tempfile
 from pathlib import Path
 
-from validation.cases.shared.checks import Against, case
+from validation.cases.shared.checks import Against, Found, case
 from validation.harness.baseline import Baseline, differences, quantities_of
-from validation.harness.case import Outcome
 from validation.harness.compare import combined_tolerance, error_of, fitted_order, pairwise_orders
 from validation.harness.schema import CaseRecord, Report, Row
 from validation.harness.verdict import Verdict, fails, verdict_of
@@ -47,54 +46,35 @@ def _verdicts() -> list[tuple[Row, Verdict]]:
     ]
 
 
-def _harness() -> Outcome:
+def _harness() -> Found:
     wrong = sum(verdict_of(row) != right for row, right in _verdicts())
     errors = [error_of(_row([1.0, 1.4, 0.4], [1.0, 1.0, 1.0])), error_of(_ratio(4.0))]
     allowed = [combined_tolerance(_row([1.0], [1.0], uncertainty=known)) for known in (0.0, 0.6)]
     sizes = [0.5, 0.25, 0.1, 0.05]
     decay = [3.0 * size**2.5 for size in sizes]
     orders = [fitted_order(sizes, decay), *pairwise_orders(sizes, decay)]
-    with tempfile.TemporaryDirectory() as empty:
-        gone = differences(_record(1.0, 3.0, 100), Path(empty)) != []
+    before, after = _record(1.0, 3.0, 100), _record(1.5, 4.0, 130)  # value, patches and evaluations have moved
+    with tempfile.TemporaryDirectory() as folder:
+        gone = differences(before, Path(folder)) != []
+        pinned = Baseline(case=before.id, reason="made for the purpose", date="2099-01-01", commit="none", versions={},
+                          blas="none", blas_threads=1, scene_sha256=hashlib.sha256(b"").hexdigest(), resolution={},
+                          quantities=quantities_of(before))  # fmt: skip
+        (Path(folder) / f"{before.id}.json").write_text(pinned.model_dump_json(), "utf-8")
+        told = len(differences(after, Path(folder)))
+    reports = [Report(level="quick", command="run", planned=planned, provenance={}, cases=[before])
+               for planned in (1, 2, 0)]  # fmt: skip
     arithmetic = (1e-14, 4e-15)  # orders by logarithms; the others to the last digit
-    rows = (
-        KNOWN.count("wrong verdicts on known rows", 0.0, wrong),
-        KNOWN.row("errors of known rows", "", [0.3, 2.0], errors, arithmetic, "absolute"),
-        KNOWN.row("tolerances of known rows, the second set by the uncertainty", "", [0.1, 0.3], allowed, arithmetic,
-                  "absolute"),
-        KNOWN.row("orders of a sequence of order 5/2, fitted and between neighbours", "", [2.5] * 4, orders,
-                  arithmetic, "absolute"),
-        KNOWN.count("differences told from a known baseline", 3.0, _differences()),
-        KNOWN.count("failing (1: yes): all cases reported, one fewer than planned, one more", [0.0, 1.0, 1.0],
-                    map(_fails, (1, 2, 0))),
-        KNOWN.count("a baseline that is gone is told (1: yes)", 1.0, gone),
-    )  # fmt: skip
-    return Outcome(rows=rows, counts={"rows": len(_verdicts())})
-
-
-def _differences() -> int:
-    """Differences reported of a record whose value, count of evaluations and number of patches moved."""
-    before, after = _record(1.0, 3.0, 100), _record(1.5, 4.0, 130)
-    with tempfile.TemporaryDirectory() as name:
-        pinned = Baseline(
-            case=before.id,
-            reason="made for the purpose",
-            date="2099-01-01",
-            commit="none",
-            versions={},
-            blas="none",
-            blas_threads=1,
-            scene_sha256=hashlib.sha256(b"").hexdigest(),
-            resolution={},
-            quantities=quantities_of(before),
-        )
-        (Path(name) / f"{before.id}.json").write_text(pinned.model_dump_json(), "utf-8")
-        return len(differences(after, Path(name)))
-
-
-def _fails(planned: int) -> bool:
-    """Whether a report of one case fails of which so many were planned."""
-    return fails(Report(level="quick", command="run", planned=planned, provenance={}, cases=[_record(1.0, 3.0, 100)]))
+    yield KNOWN.count("wrong verdicts on known rows", 0.0, wrong)
+    yield KNOWN.row("errors of known rows", "", [0.3, 2.0], errors, arithmetic, "absolute")
+    yield KNOWN.row("tolerances of known rows, the second set by the uncertainty", "", [0.1, 0.3], allowed, arithmetic,
+                    "absolute")  # fmt: skip
+    yield KNOWN.row("orders of a sequence of order 5/2, fitted and between neighbours", "", [2.5] * 4, orders,
+                    arithmetic, "absolute")  # fmt: skip
+    yield KNOWN.count("differences told from a known baseline", 3.0, told)
+    yield KNOWN.count("failing (1: yes): all cases reported, one fewer than planned, one more", [0.0, 1.0, 1.0],
+                      map(fails, reports))  # fmt: skip
+    yield KNOWN.count("a baseline that is gone is told (1: yes)", 1.0, gone)
+    yield {"rows": len(_verdicts())}
 
 
 def _record(load: float, patches: float, evaluations: int) -> CaseRecord:

@@ -10,9 +10,8 @@ standard level the others; the table of the first lists them too, so that the ma
 from collections.abc import Sequence
 from functools import partial
 
-from validation.cases.shared.checks import Against, case
+from validation.cases.shared.checks import Against, Found, case
 from validation.corpus.endings import GOOD, Trial, TrialRow, counts, measured, row_of, table_of, tasks_of
-from validation.harness.case import Outcome
 from validation.harness.schema import Code
 
 EXPECTED = Against("self", "the expectation stated beforehand, and the checks that each case names")
@@ -40,29 +39,27 @@ QUICK: dict[str, tuple[str, ...]] = {
 }
 
 
-def _hard_cases(code: Code) -> Outcome:
+def _hard_cases(code: Code) -> Found:
     """Those of a code that the quick level leaves to this one."""
-    return _outcome([task for task in tasks_of(quick=True) if task.code == code and task.id not in QUICK[code]])
+    return _of([task for task in tasks_of(quick=True) if task.code == code and task.id not in QUICK[code]])
 
 
-def _quick() -> Outcome:
+def _quick() -> Found:
     every = tasks_of(quick=True)
-    return _outcome([task for task in every if task.id in QUICK[task.code]], every)
+    return _of([task for task in every if task.id in QUICK[task.code]], every)
 
 
-def _outcome(planned: list[Trial], every: Sequence[Trial] = ()) -> Outcome:
+def _of(planned: list[Trial], every: Sequence[Trial] = ()) -> Found:
     """Tasks that are run; those of all that are not are left to a higher level."""
     ended = [_ended(task) for task in planned]
     found = counts(ended)
     reached = found["converged"] + found["refused as expected"]
-    total = EXPECTED.count("cases reported, ended as expected, correct", [len(planned)] * 3,
-                           [len(ended), reached, found["correct"]])  # fmt: skip
-    rows = (
-        EXPECTED.count(f"{row.id}: ended as expected, correct", [1.0, 1.0], [row.ending in GOOD, row.correct],
-                       message=row.message, code=None if row.code == "random" else row.code)
-        for row in ended
-    )  # fmt: skip
-    return Outcome(rows=(total, *rows), tables=(table_of(ended, [task for task in every if task not in planned]),))
+    yield EXPECTED.count("cases reported, ended as expected, correct", [len(planned)] * 3,
+                         [len(ended), reached, found["correct"]])  # fmt: skip
+    for row in ended:
+        yield EXPECTED.count(f"{row.id}: ended as expected, correct", [1.0, 1.0], [row.ending in GOOD, row.correct],
+                             message=row.message, code=None if row.code == "random" else row.code)  # fmt: skip
+    yield table_of(ended, [task for task in every if task not in planned])
 
 
 def _ended(task: Trial) -> TrialRow:

@@ -17,8 +17,7 @@ from scipy.special import erf, exp1
 import persson
 from persson.adhesive import ROUTES, Route
 from persson.spectrum import Spectrum
-from validation.cases.shared.checks import Against, case, posed
-from validation.harness.case import Outcome
+from validation.cases.shared.checks import Against, Found, case, column, posed
 from validation.harness.figure_data import drawn, loglog, marks, semilogx, trace
 from validation.harness.schema import Table
 from validation.references import adapters
@@ -33,6 +32,8 @@ CURVE = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2)
 RESOLUTIONS = (0.25, 0.5, 1.0, 2.0)
 REFERENCE_RESOLUTION = 4.0
 ORDERS = (1, 3, 10, 30, 100, 200, 250, 275, 300, 400, 450, 500, 600, 700, 800, 900, 1000)
+CONVERGENCE = ((2.0e-6, 2.1e-6, 1.5e-6), (1.2e-6, 1.2e-6, 1.1e-6), (2.7e-6, 2.7e-6, 2.3e-6))  # measured at LOADS
+AREA, APART = "contact_fraction", "separation"
 ROUTE_NAMES: dict[Route, str] = {"finite_volumes": "finite volumes", "volterra": "integral equation"}
 SCENE = "E = 1 MPa, nu = 0.5, gamma = 0.03 J/m^2\nlines m q0, m = 1..1000, q0 = 2 pi / 10 mm, H = 0.7, h_rms = 50 um"
 SCENES = SCENE + "\nH = 0.5, 300 lines, else the same\npower spectrum of the same h_rms and cut-offs"
@@ -61,7 +62,7 @@ def dry(spectrum: Spectrum, load: float) -> persson.NonadhesiveContact:
                                      poisson_ratio=POISSON_RATIO)  # fmt: skip
 
 
-def _quadrature() -> Outcome:
+def _quadrature() -> Found:
     scene = posed("rough_100", solid={"poisson_ratio": 0.3}, profile={"harmonics": 40})
     surface, modulus, load = scene.surface(), YOUNGS_MODULUS / (1 - 0.3**2), 0.01
     contact = persson.solve_nonadhesive(adapters.persson_spectrum(scene), load * modulus, youngs_modulus=YOUNGS_MODULUS,
@@ -76,86 +77,64 @@ def _quadrature() -> Outcome:
     area = erf(load * np.sqrt(2 / inside))
     gap = np.sqrt(2 / (np.pi * inside)) * exp1(2 * load**2 / inside)
     summed = Against("independent code", "Gauss-Legendre quadrature of the definitions, line by line")
-    rows = (
-        summed.row("contact fraction", "", float(erf(load * np.sqrt(2 / float(ends[-1])))), contact.contact_fraction,
-                   (2e-15, 1.8e-16)),
-        summed.row("elastic energy", "J/m^2", modulus * float(np.sum(np.sum(area * measure, axis=1) / q)) / 4,
-                   contact.elastic_energy, (5e-15, 8.5e-16)),
-        summed.row("separation", "m", float(np.sum(np.sum(gap * measure, axis=1) / q)) / 4, contact.separation,
-                   (5e-15, 1.7e-15)),
-    )  # fmt: skip
-    return Outcome(rows=rows)
+    yield summed.row("contact fraction", "", float(erf(load * np.sqrt(2 / float(ends[-1])))), contact.contact_fraction,
+                     (2e-15, 1.8e-16))  # fmt: skip
+    yield summed.row("elastic energy", "J/m^2", modulus * float(np.sum(np.sum(area * measure, axis=1) / q)) / 4,
+                     contact.elastic_energy, (5e-15, 8.5e-16))  # fmt: skip
+    yield summed.row("separation", "m", float(np.sum(np.sum(gap * measure, axis=1) / q)) / 4, contact.separation,
+                     (5e-15, 1.7e-15))  # fmt: skip
 
 
-def _energies() -> Outcome:
+def _energies() -> Found:
     spectrum = persson.DiscreteSpectrum.self_affine(Q0, 0.7, 50e-6, 30)
     volumes, integral = (adhesive(spectrum, 1e4 / MODULUS, route=route, poisson_ratio=0.3) for route in ROUTES)
     known = Against("self", "the Volterra route of the same theory")
-    rows = (
-        known.row("elastic energy with adhesion by two routes", "J/m^2", integral.elastic_energy,
-                  volumes.elastic_energy, (6e-9, 2.1e-9)),
-        known.row("energy of adhesion by two routes", "J/m^2", integral.adhesion_energy, volumes.adhesion_energy,
-                  (8e-6, 3.3e-6)),
-    )  # fmt: skip
-    return Outcome(rows=rows)
+    yield known.row("elastic energy with adhesion by two routes", "J/m^2", integral.elastic_energy,
+                    volumes.elastic_energy, (6e-9, 2.1e-9))  # fmt: skip
+    yield known.row("energy of adhesion by two routes", "J/m^2", integral.adhesion_energy, volumes.adhesion_energy,
+                    (8e-6, 3.3e-6))  # fmt: skip
 
 
-def _points() -> Outcome:
+def _points() -> Found:
     spectrum, loads = spectra()["paper's lines"], (0.005, 0.02)
     without = [dry(spectrum, load) for load in loads]
     wet = [adhesive(spectrum, load, with_separation=True) for load in loads]
-    apart = [[None if state.separation is None else state.separation / spectrum.h_rms for state in states]
-             for states in (without, wet)]  # fmt: skip
     known = Against("theory", "points of the paper's case: narrow-band rule, factor of a 1D slope")
-    rows = (
-        known.row("A/A0 without adhesion, 0.005 and 0.02 E*", "", [0.0292763, 0.1167122],
-                  [state.contact_fraction for state in without], 2.8e-8, "absolute", required=5e-8),
-        known.row("A/A0 with adhesion, 0.005 and 0.02 E*", "", [0.03397, 0.13527],
-                  [state.contact_fraction for state in wet], 3.9e-6, "absolute", required=5e-6),
-        known.row("separation over h_rms without adhesion", "", [0.85857, 0.15338], apart[0], 2.9e-6, "absolute",
-                  required=5e-6),
-        known.row("separation over h_rms with adhesion", "", [0.8488, 0.1477], apart[1], 4.4e-5, "absolute",
-                  required=5e-5),
-    )  # fmt: skip
-    counts = {
-        "nodes": sum(state.areas.size for state in wet),
-        "iterations": sum(state.fields.iterations for state in wet),
-    }
-    return Outcome(rows=rows, counts=counts)
+    for quantity, states, name, unit, expected, measured, required in (
+        ("A/A0 without adhesion, 0.005 and 0.02 E*", without, AREA, 1.0, (0.0292763, 0.1167122), 2.8e-8, 5e-8),
+        ("A/A0 with adhesion, 0.005 and 0.02 E*", wet, AREA, 1.0, (0.03397, 0.13527), 3.9e-6, 5e-6),
+        ("separation over h_rms without adhesion", without, APART, spectrum.h_rms, (0.85857, 0.15338), 2.9e-6, 5e-6),
+        ("separation over h_rms with adhesion", wet, APART, spectrum.h_rms, (0.8488, 0.1477), 4.4e-5, 5e-5),
+    ):
+        yield known.row(quantity, "", expected, column(states, name, unit), measured, "absolute", required=required)
+    yield {"nodes": sum(state.areas.size for state in wet)}
+    yield {"iterations": sum(state.fields.iterations for state in wet)}
 
 
-def _routes() -> Outcome:
-    rows, solution, errors = [], [], []
+def _routes() -> Found:
+    solution, errors = [], []
     for (name, spectrum), measured in zip(spectra().items(), (4.5e-6, 2.8e-6, 5.6e-6), strict=True):
         volumes, integral = (
             np.array([adhesive(spectrum, load, route=route).contact_fraction for load in CURVE]) for route in ROUTES
         )
-        rows.append(Against("self", "the other route, with its own fixed point").row(
+        yield Against("self", "the other route, with its own fixed point").row(
             f"A/A0 by finite volumes over that by the integral equation, {name}", "", [1.0] * len(CURVE),
-            volumes / integral, measured, scale=1.0, required=1e-5, pinned="unconverged"))  # fmt: skip
+            volumes / integral, measured, scale=1.0, required=1e-5, pinned="unconverged")  # fmt: skip
         solution += [trace(name, CURVE, volumes), marks(f"{name}, integral equation", CURVE, integral)]
         errors.append(marks(name, CURVE, volumes / integral - 1))
-    figure = drawn(
-        "theory-routes",
-        "Contact fraction of the theory with adhesion by two routes: conservative finite volumes on the moving "
-        "domain (lines) and a Volterra integral equation for the flux at the barrier (points).",
-        loglog("load / E*", "A / A0", *(solution[::2] + solution[1::2])),
-        semilogx("load / E*", "ratio of routes - 1", *errors),
-    )
-    return Outcome(rows=tuple(rows), figures=(figure,))
+    yield drawn("theory-routes",
+                "Contact fraction of the theory with adhesion by two routes: conservative finite volumes on the moving "
+                "domain (lines) and a Volterra integral equation for the flux at the barrier (points).",
+                loglog("load / E*", "A / A0", *(solution[::2] + solution[1::2])),
+                semilogx("load / E*", "ratio of routes - 1", *errors))  # fmt: skip
 
 
-# errors measured at LOADS
-CONVERGENCE = ((2.0e-6, 2.1e-6, 1.5e-6), (1.2e-6, 1.2e-6, 1.1e-6), (2.7e-6, 2.7e-6, 2.3e-6))
-
-
-def _convergence() -> Outcome:
+def _convergence() -> Found:
     finer = Against("self", "every discretisation at half the step")
-    rows = []
     for (name, spectrum), known in zip(spectra().items(), CONVERGENCE, strict=True):
         for load, measured in zip(LOADS, known, strict=True):
             default, half = (adhesive(spectrum, load, resolution=factor).contact_fraction for factor in (1.0, 2.0))
-            rows.append(finer.row(f"A/A0 at {load} E*, {name}", "", half, default, measured, required=1e-5))
+            yield finer.row(f"A/A0 at {load} E*, {name}", "", half, default, measured, required=1e-5)
     spectrum = spectra()["paper's lines"]
     series, table = [], []
     for route, words in ROUTE_NAMES.items():
@@ -163,23 +142,18 @@ def _convergence() -> Outcome:
         states = [adhesive(spectrum, 0.02, route=route, resolution=factor) for factor in RESOLUTIONS]
         errors = [abs(state.contact_fraction / reference - 1) for state in states]
         series.append(marks(words, [state.areas.size for state in states], errors))
-        table += [
-            [words, factor, state.areas.size, state.contact_fraction, error]
-            for factor, state, error in zip(RESOLUTIONS, states, errors, strict=True)
-        ]
-    figure = drawn(
-        "theory-self-convergence",
-        f"Error of A/A0 at 0.02 E* of the paper's lines, against the same route at {REFERENCE_RESOLUTION:g} times "
-        "the default resolution.",
-        loglog("nodes in magnification", "relative error of A / A0", *series),
-    )
-    shown = Table(caption="Refinement of both routes, paper's lines, 0.02 E*.",
-                  columns=["route", "resolution", "nodes", "A/A0", "error"], rows=table)  # fmt: skip
-    return Outcome(rows=tuple(rows), figures=(figure,), tables=(shown,))
+        table += [[words, factor, state.areas.size, state.contact_fraction, error]
+                  for factor, state, error in zip(RESOLUTIONS, states, errors, strict=True)]  # fmt: skip
+    yield drawn("theory-self-convergence",
+                "Error of A/A0 at 0.02 E* of the paper's lines, against the same route at "
+                f"{REFERENCE_RESOLUTION:g} times the default resolution.",
+                loglog("nodes in magnification", "relative error of A / A0", *series))  # fmt: skip
+    yield Table(caption="Refinement of both routes, paper's lines, 0.02 E*.",
+                columns=["route", "resolution", "nodes", "A/A0", "error"], rows=table)  # fmt: skip
 
 
-def _balance() -> Outcome:
-    rows, carried, absorbed, errors = [], [], [], []
+def _balance() -> Found:
+    carried, absorbed, errors = [], [], []
     for (name, spectrum), measured in zip(spectra().items(), (6.7e-7, 1.1e-7, 2.3e-7), strict=True):
         state = adhesive(spectrum, 0.02)
         gained_at = PchipInterpolator(state.slope_variances, _absorbed(state) / 0.02)
@@ -191,20 +165,17 @@ def _balance() -> Outcome:
             zeta.append(float(order))
             at.append(float(state.stress_distribution(order * Q0).load[0]) / 0.02)
             due.append(1 + float(gained_at(variance)))
-        rows.append(Against("exact", "1 + int a (-dA/dV) dV / sigma_0").row(
+        yield Against("exact", "1 + int a (-dA/dV) dV / sigma_0").row(
             f"int sigma P / sigma_0 at magnifications up to all roughness, {name}", "", due, at, measured, scale=1.0,
-            required=1e-6))  # fmt: skip
+            required=1e-6)  # fmt: skip
         carried.append(marks(f"{name}: int sigma P", zeta, at))
         absorbed.append(trace(f"{name}: 1 + int a (-dA)", zeta, due))
         errors.append(marks(name, zeta, np.subtract(at, due)))
-    figure = drawn(
-        "theory-load-balance",
-        "Mean stress carried by the contact at each magnification, over sigma_0 = 0.02 E*: it grows once the "
-        "effective work of adhesion is positive, by the tension at which contact is lost.",
-        semilogx("magnification q / q0", "int sigma P / sigma_0", *(carried + absorbed)),
-        semilogx("magnification q / q0", "difference", *errors),
-    )
-    return Outcome(rows=tuple(rows), figures=(figure,))
+    yield drawn("theory-load-balance",
+                "Mean stress carried by the contact at each magnification, over sigma_0 = 0.02 E*: it grows once the "
+                "effective work of adhesion is positive, by the tension at which contact is lost.",
+                semilogx("magnification q / q0", "int sigma P / sigma_0", *(carried + absorbed)),
+                semilogx("magnification q / q0", "difference", *errors))  # fmt: skip
 
 
 def _absorbed(state: persson.AdhesiveContact) -> NDArray[np.float64]:
