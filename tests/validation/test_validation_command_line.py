@@ -16,7 +16,6 @@ from validation import __main__ as command_line
 from validation.__main__ import main
 from validation.command_line import front_door
 from validation.harness import baseline
-from validation.harness.case import Outcome
 from validation.harness.schema import Table
 from validation.report import render
 from validation.studies import cost
@@ -312,12 +311,12 @@ def test_update_from_a_report_of_other_sources_is_refused(stored, capsys):
 @pytest.mark.parametrize(("words", "quick"), [(["--quick"], True), ([], False)])
 @pytest.mark.parametrize(("found", "code"), [([], 0), (["seed 1"], 1)], ids=["holds", "fails"])
 def test_study_is_a_report_of_its_cases(monkeypatch, tmp_path, capsys, words, quick, found, code):
-    outcome = Outcome((none_of("runs that fail", found),), tables=(Table(caption="All.", columns=["n"], rows=[[8]]),))
+    yielded = none_of("runs that fail", found), Table(caption="All.", columns=["n"], rows=[[8]])
     seen = []
 
     def cases(bench):
         seen.append((bench.folder, bench.quick, bench.jobs))
-        return [study_case("cost", lambda: outcome, "What?", "none", "carbone2009")]
+        return [study_case("cost", lambda: iter(yielded), "What?", "none", "carbone2009")]
 
     monkeypatch.setattr(cost, "cases", cases)
     assert main(["study", "cost", "--out", str(tmp_path), *words]) == code

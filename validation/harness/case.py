@@ -1,13 +1,14 @@
 """A case: a question, where its answer is known from, and the function that computes it.
 
-`Case.compute` takes nothing and returns an `Outcome` of rows and figure data; it must be importable by name (a module
-level function or a `functools.partial` of one), since cases run in processes of their own.
+A function yields what it finds, in the order of the report: rows, figures, tables, and counts of work by their names.
+`Case.compute` takes nothing and returns it `gathered`; it must be importable by name (a module level function or a
+`functools.partial` of one), since cases run in processes of their own.
 
 The registry holds all of them.  A case without question, equations, group or sources is refused when it is loaded, as
 is a second case of the same name.  What a case compares is checked when it has run (schema.Row).
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from fnmatch import fnmatch
 from importlib import import_module
@@ -30,6 +31,23 @@ class Outcome:
     # what the answer cost in unknowns, evaluations, factorisations: gated by baselines in a 20 % band
     counts: dict[str, int] = field(default_factory=dict)
     skipped: str = ""  # the reason why the case could not run here, such as an optional package that is absent
+
+
+Found = Iterator[Row | Figure | Table | dict[str, int]]
+
+
+def gathered(find: Callable[[], Found]) -> Outcome:
+    """What a case yields, each kind in its order, the counts together; TypeError for anything else."""
+    found = list(find())
+    for one in found:
+        if not isinstance(one, (Row, Figure, Table, dict)):
+            raise TypeError(f"a case yields rows, figures, tables and counts, not {type(one).__name__}")
+    return Outcome(
+        rows=tuple(one for one in found if isinstance(one, Row)),
+        figures=tuple(one for one in found if isinstance(one, Figure)),
+        tables=tuple(one for one in found if isinstance(one, Table)),
+        counts={name: count for one in found if isinstance(one, dict) for name, count in one.items()},
+    )
 
 
 @dataclass(frozen=True)

@@ -22,9 +22,9 @@ from persson.contact_slope import contact_fractions
 from persson.domain import groups_of, outside
 from persson.spectrum import DiscreteSpectrum
 from validation.harness.arrays import FloatArray
-from validation.harness.case import Case, Outcome
+from validation.harness.case import Case, Found
 from validation.harness.ensemble import Member, results_of
-from validation.harness.schema import Table
+from validation.harness.figure_data import table
 from validation.references.paper_problem import MODULUS, RMS_SLOPE, up_to
 from validation.studies import contact_slope
 from validation.studies.bench import Bench, study_case
@@ -132,14 +132,14 @@ def fitted(part: Mapping[str, Any]) -> dict[str, float]:
 def cases(bench: Bench) -> list[Case]:
     """The case of the study; quick: two realisations of one group in each part, which shows that everything runs."""
     return [
-        study_case("area-from-the-edges", partial(_outcome, bench),
+        study_case("area-from-the-edges", partial(_judged, bench),
                    "Which coefficients give the area with adhesion, and how far off is it on two hold-outs?",
                    r"$\ln (A_{\text{theory}} / A_{\text{ensemble}})$, the area without adhesion from the same "
                    "realisations (ratio) or from the theory (area)", "carbone2009", "half_space adhesion")
     ]  # fmt: skip
 
 
-def _outcome(bench: Bench) -> Outcome:
+def _judged(bench: Bench) -> Found:
     parts = {name: ensembles_of(data()[name], bench, name) for name in PARTS}
     coefficients, packaged = fitted(parts["fit"]), data()["coefficients"]
     errors = {
@@ -149,14 +149,13 @@ def _outcome(bench: Bench) -> Outcome:
     }
     found = {name: {"error": rms(miss), "noise": rms(noise)} for name, (miss, noise) in errors.items()}
     bench.write(FILE, SCHEMA, coefficients=coefficients, **parts, hold_out_rms=found)
-    table = Table(
-        caption="Rms over the hold-outs by the coefficients of the package.",
-        columns=["hold-out", "rms", "noise", "loads"],
-        rows=[[name, *found[name].values(), miss.size] for name, (miss, _) in errors.items()],
-    )
     stored = [data()[part]["rms"]["inside the domain"][name] for part in PARTS[1:] for name in ("ratio", "area")]
-    row = hold_out_row({name: one["error"] for name, one in found.items()}, stored, bench.quick)
-    return Outcome((row,), tables=(coefficient_table(coefficients, packaged), table))
+    yield hold_out_row({name: one["error"] for name, one in found.items()}, stored, bench.quick)
+    yield coefficient_table(coefficients, packaged)
+    numbers = {of: [one[of] for one in found.values()] for of in ("error", "noise")}
+    loads = [miss.size for miss, _ in errors.values()]
+    yield table("Rms over the hold-outs by the coefficients of the package.",
+                {"hold-out": errors, "rms": numbers["error"], "noise": numbers["noise"], "loads": loads})  # fmt: skip
 
 
 def ensembles_of(plan: Mapping[str, Any], bench: Bench, part: str) -> dict[str, Any]:

@@ -9,11 +9,11 @@ study has instead of an answer is a row that fails, never a part that is missing
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
-from validation.harness.case import Case, CaseError, Outcome
+from validation.harness.case import Case, CaseError, Found, gathered
 from validation.harness.execution import Listener
 from validation.harness.executors import Opener, local_processes
 from validation.harness.provenance import provenance
@@ -51,7 +51,7 @@ class Bench:
 
 def study_case(
     name: str,
-    compute: Callable[[], Outcome],
+    find: Callable[[], Found],
     question: str,
     equations: str,
     sources: str,
@@ -59,8 +59,8 @@ def study_case(
     code: Code = "suite",
 ) -> Case:
     """The case of a study; sources and effects are words in a text."""
-    return Case(name, GROUP, "full", question, equations, tuple(sources.split()), compute, tuple(effects.split()),
-                code=code)  # fmt: skip
+    return Case(name, GROUP, "full", question, equations, tuple(sources.split()), partial(gathered, find),
+                tuple(effects.split()), code=code)  # fmt: skip
 
 
 def failed(name: str, why: object) -> Row:

@@ -18,11 +18,11 @@ from scipy.optimize import least_squares
 from persson.contact_slope import contact_fractions, data
 from persson.spectrum import DiscreteSpectrum
 from validation.harness.arrays import FloatArray
-from validation.harness.case import Case, Outcome
+from validation.harness.case import Case, Found
 from validation.harness.ensemble import Member, results_of
-from validation.harness.figure_data import drawn, marks, semilogx
+from validation.harness.figure_data import drawn, marks, semilogx, table
 from validation.harness.rows import Against
-from validation.harness.schema import Cells, Row, Table
+from validation.harness.schema import Row, Table
 from validation.references import paper_problem
 from validation.references.paper_problem import MODULUS, PERIOD, RMS_SLOPE
 from validation.studies.bench import Bench, study_case
@@ -91,14 +91,14 @@ def member(group: Group, loads: FloatArray, root: int, k: int) -> Member:
 def cases(bench: Bench) -> list[Case]:
     """The case of the study; quick: two realisations of the small groups, which shows that everything runs."""
     return [
-        study_case("area-from-the-slope", partial(_outcome, bench),
+        study_case("area-from-the-slope", partial(_judged, bench),
                    "Which coefficients give the area without adhesion, and how far off is it on a hold-out?",
                    r"$\ln (A_{\text{theory}} / A_{\text{ensemble}})$ at contact fractions from 0.02", "persson2001",
                    "half_space")
     ]  # fmt: skip
 
 
-def _outcome(bench: Bench) -> Outcome:
+def _judged(bench: Bench) -> Found:
     found = {part: _areas(bench, part) for part in ("fit", "hold_out")}
     packaged, loads = data()["coefficients"], np.array(data()["hold_out"]["loads_over_E*h'"])
     coefficients = fitted(found["fit"], np.array(data()["fit"]["loads_over_E*h'"]))
@@ -110,11 +110,11 @@ def _outcome(bench: Bench) -> Outcome:
     }
     bench.write(FILE, SCHEMA, coefficients=coefficients, hold_out_rms_of_the_package=by_package,
                 hold_out_rms_of_these=rms(misses(found["hold_out"], loads, coefficients)), hold_out=held)  # fmt: skip
+    yield hold_out_row({"area": by_package}, [data()["hold_out"]["rms"]["all"]["error"]], bench.quick)
     curves = [marks(name, area[area > LEAST], judged[name]) for name, (_, area, _) in found["hold_out"].items()]
-    figure = drawn("landing-hold-out", "Hold-out: the theory with the coefficients of the package over the ensembles.",
-                   semilogx("contact fraction of the ensemble", "ln (theory / ensemble)", *curves))  # fmt: skip
-    row = hold_out_row({"area": by_package}, [data()["hold_out"]["rms"]["all"]["error"]], bench.quick)
-    return Outcome((row,), (figure,), (coefficient_table(coefficients, packaged),))
+    yield drawn("landing-hold-out", "Hold-out: the theory with the coefficients of the package over the ensembles.",
+                semilogx("contact fraction of the ensemble", "ln (theory / ensemble)", *curves))  # fmt: skip
+    yield coefficient_table(coefficients, packaged)
 
 
 def hold_out_row(found: Mapping[str, float], stored: Sequence[float], quick: bool) -> Row:
@@ -128,8 +128,8 @@ def hold_out_row(found: Mapping[str, float], stored: Sequence[float], quick: boo
 
 def coefficient_table(found: Mapping[str, float], packaged: Mapping[str, float]) -> Table:
     """Coefficients beside those of the package."""
-    rows: list[Cells] = [[name, value, packaged[name]] for name, value in found.items()]
-    return Table(caption="Coefficients.", columns=["coefficient", "found", "in the package"], rows=rows)
+    stored = [packaged[name] for name in found]
+    return table("Coefficients.", {"coefficient": found, "found": found.values(), "in the package": stored})
 
 
 def _areas(bench: Bench, part: str) -> Areas:

@@ -24,10 +24,10 @@ from validation.corpus.convergence_curves import (
 )
 from validation.corpus.curves_shown import error_figure, error_table
 from validation.corpus.rates import RateError
-from validation.harness.case import Case, Outcome
-from validation.harness.figure_data import axes, drawn, shaded, trace
+from validation.harness.case import Case, Found
+from validation.harness.figure_data import axes, drawn, shaded, table, trace
 from validation.harness.rows import Against
-from validation.harness.schema import Figure, Row, Table
+from validation.harness.schema import Figure, Row
 from validation.studies.bench import Bench, failed, no_more, study_case
 
 SCHEMA = "linecontact-convergence/2"
@@ -68,34 +68,36 @@ def curves_of(quick: bool) -> Parts:
 def cases(bench: Bench, parts: Parts | None = None, increments: tuple[float, ...] | None = None) -> list[Case]:
     """The case of the study; parts and increments, where they are given, are others than its own."""
     asked = 30 if bench.quick else 100, increments or (INCREMENTS[::2] if bench.quick else INCREMENTS)
-    compute = partial(_outcome, bench, parts or curves_of(bench.quick), asked)
+    find = partial(_rates, bench, parts or curves_of(bench.quick), asked)
     return [
-        study_case("rates", compute, "Does every code converge as its theory says, and the path at once?",
+        study_case("rates", find, "Does every code converge as its theory says, and the path at once?",
                    r"error $= C \rho^{-n}$ or $C h^p$, bounded on both sides; targets whatever the increments",
                    "johnson1995 persson2001 carbone2009", "half_space adhesion slope_term")
     ]  # fmt: skip
 
 
-def _outcome(bench: Bench, parts: Parts, asked: tuple[int, Sequence[float]]) -> Outcome:
-    curves, rows = list[Curve](), list[Row]()
+def _rates(bench: Bench, parts: Parts, asked: tuple[int, Sequence[float]]) -> Found:
+    curves: list[Curve] = []
     for name, compute in parts.items():
         answer = bench.store.alone(list[Curve], _listed, compute, name, bench.quick)
         if isinstance(answer, Exception):
-            rows.append(failed(name, answer))
+            yield failed(name, answer)
         else:
             curves += answer
-            rows += [row for curve in answer for row in rate_rows(curve)]
+            yield from (row for curve in answer for row in rate_rows(curve))
+    yield error_table([curve for curve in curves if _has_rate(curve)])
+    yield from figures_of(curves)
     path = bench.store.alone(PathDrift, path_drift, asked, "path", asked)
-    tables = [error_table([curve for curve in curves if _has_rate(curve)])]
     if isinstance(path, Exception):
-        rows.append(failed("path", path))
+        yield failed("path", path)
     else:
-        rows.append(no_more("change of contact fractions at targets with the increments of the path", "",
-                            max(path.drifts), DRIFT))  # fmt: skip
-        tables.append(_table(path))
+        change = "change of contact fractions at targets with the increments of the path"
+        yield no_more(change, "", max(path.drifts), DRIFT)
+        yield table("The path (self-convergence: no digits).",
+                    {"increment / h_rms": path.increments, "change against the finest": path.drifts,
+                     "evaluations": path.evaluations})  # fmt: skip
     bench.write(FILE, SCHEMA, curves=[asdict(curve) | {"rate": _rate(curve)} for curve in curves],
                 path=None if isinstance(path, Exception) else asdict(path))  # fmt: skip
-    return Outcome(tuple(rows), tuple(figures_of(curves)), tuple(tables))
 
 
 def _listed(compute: Callable[[], Curve | Sequence[Curve]]) -> list[Curve]:
@@ -156,13 +158,6 @@ def _running_mean(areas: Sequence[float]) -> Figure:
     return drawn("convergence-mean-area", "Mean contact fraction of the first realisations, with two standard errors.",
                  axes("realisations", "contact fraction", trace("mean of the first n", count, mean),
                       shaded("two standard errors", count, mean - half, mean + half, 0)))  # fmt: skip
-
-
-def _table(path: PathDrift) -> Table:
-    lines = zip(path.increments, path.drifts, path.evaluations, strict=True)
-    return Table(caption="The path (self-convergence: no digits).",
-                 columns=["increment / h_rms", "change against the finest", "evaluations"],
-                 rows=[list(line) for line in lines])  # fmt: skip
 
 
 def _has_rate(curve: Curve) -> bool:

@@ -21,7 +21,7 @@ import numpy as np
 import bem
 from bem.scene.result import FINAL_STATUSES, Progress, State
 from bem.scene.scene import Scene, parse_scene
-from validation.harness.case import Case, Outcome
+from validation.harness.case import Case, Found
 from validation.harness.compare import fitted_order
 from validation.harness.execution import Note
 from validation.harness.figure_data import drawn, loglog, trace
@@ -129,21 +129,21 @@ def cases(
     apart, importable by name; None leaves the latter out.
     """
     chosen = realisations_of(bench.quick) if realisations is None else list(realisations)
-    compute = partial(_outcome, bench, chosen, measure or measured, dissect)
+    find = partial(_costs, bench, chosen, measure or measured, dissect)
     return [
-        study_case("cost-of-the-paper", compute,
+        study_case("cost-of-the-paper", find,
                    "What does the paper's profile cost against harmonics, and is its path converged?",
                    r"cost $\propto$ harmonics$^p$; states at loads with increments $\Delta$ and $\Delta / 4$",
                    "carbone2009", "half_space adhesion slope_term", "bem")
     ]  # fmt: skip
 
 
-def _outcome(
+def _costs(
     bench: Bench,
     chosen: Sequence[PaperRun],
     measure: Callable[[PaperRun], Cost],
     dissect: Callable[[int], Breakdown] | None,
-) -> Outcome:
+) -> Found:
     found: list[Cost] = []
     for done, one in enumerate(chosen, 1):
         answer = bench.store.alone(Cost, measure, one, one.name, one, measure.__qualname__)
@@ -166,14 +166,13 @@ def _outcome(
         breakdown=[asdict(one) | {"patch_exponents": patch_exponents(one)} for one in apart],
         stage_exponents=stage_exponents(apart),
     )
+    yield from judged(found, drifts)
+    yield from (*_figures(runs), *figures_of(apart))
+    yield _table("Cost of loading the paper's profile to 0.025 E*, one thread.", ON_PATHS, map(vars, runs))
     bare = [vars(one) | {"contact_fraction": _only(one.contact_fractions), "closure": one.worst_closure} for one in dry]
-    tables = (
-        _table("Cost of loading the paper's profile to 0.025 E*, one thread.", ON_PATHS, map(vars, runs)),
-        _table("Cost of single loads on the paper's profile without adhesion, one thread.", BARE, bare),
-        _asked(found, exponents),
-        *breakdown_tables(apart),
-    )
-    return Outcome(tuple(judged(found, drifts)), (*_figures(runs), *figures_of(apart)), tables)
+    yield _table("Cost of single loads on the paper's profile without adhesion, one thread.", BARE, bare)
+    yield _asked(found, exponents)
+    yield from breakdown_tables(apart)
 
 
 def measured(one: PaperRun) -> Cost:

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from functools import partial
 
 from validation.corpus.maps import FULL_AXES, TINY_AXES, Axes, Run, maps_over, member_of, planes, reduced
-from validation.harness.case import Case, Outcome
+from validation.harness.case import Case, Found
 from validation.harness.ensemble import read_member, run_ensemble
 from validation.harness.schema import Cells, Table
 from validation.report.map_figures import Map, write_map
@@ -29,14 +29,14 @@ def cases(bench: Bench, axes: Axes | None = None) -> list[Case]:
     """
     chosen = axes or (TINY_AXES if bench.quick else FULL_AXES)
     return [
-        study_case("maps", partial(_outcome, bench, chosen),
+        study_case("maps", partial(_maps, bench, chosen),
                    "How do area, hysteresis and pull-off depend on the roughness, the adhesion and the layer?",
                    r"loading to $s = h_{\text{rms}} / 2$ and back; the loop by its jumps, and as $\oint p \, d\Delta$",
                    "carbone2009 carbone2008", "half_space adhesion layer", "bem")
     ]  # fmt: skip
 
 
-def _outcome(bench: Bench, axes: Axes) -> Outcome:
+def _maps(bench: Bench, axes: Axes) -> Found:
     members = [member_of(point, k) for plane in planes(axes) for point in plane.points for k in range(axes.seeds)]
     each = {member.name: member for member in members}
     ordered = sorted(each.values(), key=lambda member: -int(member.scene["profile"]["harmonics"]))  # long ones first
@@ -50,13 +50,12 @@ def _outcome(bench: Bench, axes: Axes) -> Outcome:
     for found in maps:
         write_map(found, bench.folder)
     bench.write(FILE, SCHEMA, runs=[vars(one) for one in runs.values()])
-    rows = (
-        none_of("realisations without a result", [f"{name}: {why}" for name, why in outcome.failed.items()]),
-        none_of("realisations with states that are not certified",
-                [f"{one.name}: {one.not_certified} of {one.states}" for one in runs.values() if one.not_certified]),
-        none_of("realisations whose energies do not balance", list(_unbalanced(runs.values()))),
-    )  # fmt: skip
-    return Outcome(rows, tables=tuple(map(_shown, maps)), counts={"realisations": len(runs)})
+    yield none_of("realisations without a result", [f"{name}: {why}" for name, why in outcome.failed.items()])
+    refused = [f"{one.name}: {one.not_certified} of {one.states}" for one in runs.values() if one.not_certified]
+    yield none_of("realisations with states that are not certified", refused)
+    yield none_of("realisations whose energies do not balance", list(_unbalanced(runs.values())))
+    yield from map(_shown, maps)
+    yield {"realisations": len(runs)}
 
 
 def _unbalanced(runs: Iterable[Run]) -> Iterator[str]:

@@ -29,7 +29,7 @@ from validation.corpus.endings import (
 )
 from validation.corpus.hard.hard_case_run import TrialOutcome
 from validation.corpus.random import random_trial
-from validation.harness.case import Case, Outcome
+from validation.harness.case import Case, Found
 from validation.harness.execution import Note
 from validation.harness.executors import fresh_processes, local_processes
 from validation.harness.schema import Cells, Row, Table
@@ -57,13 +57,13 @@ def cases(
     """
     planned = tasks_of(bench.quick) if tasks is None else list(tasks)
     return [
-        study_case("hard-cases", partial(_outcome, bench, planned, measure or measured, file),
+        study_case("hard-cases", partial(_ended, bench, planned, measure or measured, file),
                    "Do the hard cases stay stable: does each end as expected, and is it correct?",
                    "statuses expected beforehand; certificates, closed forms and second routes", "carbone2009")
     ]  # fmt: skip
 
 
-def _outcome(bench: Bench, planned: Sequence[Trial], measure: Measure, file: str) -> Outcome:
+def _ended(bench: Bench, planned: Sequence[Trial], measure: Measure, file: str) -> Found:
     """RuntimeError for fewer rows than planned: a fault of this module."""
     rows, begun = list[TrialRow](), time.monotonic()
     for row in _rows(measure, planned, bench):
@@ -79,7 +79,10 @@ def _outcome(bench: Bench, planned: Sequence[Trial], measure: Measure, file: str
     for row in rows:
         if row.code == "random" and not row.stands:
             random_trial.case_of(row.id).write(bench.folder / RANDOM_FOLDER)
-    return Outcome(tuple(judged(rows)), tables=(summary(rows), table_of(rows)), counts={"cases": len(rows)})
+    yield from judged(rows)
+    yield summary(rows)
+    yield table_of(rows)
+    yield {"cases": len(rows)}
 
 
 def judged(rows: Sequence[TrialRow]) -> list[Row]:

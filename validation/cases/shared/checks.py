@@ -1,7 +1,4 @@
-"""A case in words, scenes solved, and numbers of their states; rows against one reference are those of `Against`.
-
-A case yields what it finds, in the order of the report: rows, figures, tables, and counts of work by their names.
-"""
+"""A case in words, scenes solved, and numbers of their states; rows against one reference are those of `Against`."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Sized
 from functools import partial
@@ -13,28 +10,14 @@ import bem
 from bem.scene.result import Result, State
 from bem.scene.scene import Scene
 from validation.harness.arrays import FloatArray
-from validation.harness.case import Case, Outcome
+from validation.harness.case import Case
+from validation.harness.case import Found as Found
+from validation.harness.case import gathered as gathered
 from validation.harness.rows import Against as Against
-from validation.harness.schema import Code, Figure, Level, Norm, Row, Table
+from validation.harness.schema import Code, Level, Norm
 from validation.references import adapters
 
-Found = Iterator[Row | Figure | Table | dict[str, int]]  # by a case, counts as of `work`
-
 OVER_STATES: Norm = "maximum over states"
-
-
-def gathered(find: Callable[[], Found]) -> Outcome:
-    """What a case yields, each kind in its order, the counts together; TypeError for anything else."""
-    found = list(find())
-    for one in found:
-        if not isinstance(one, (Row, Figure, Table, dict)):
-            raise TypeError(f"a case yields rows, figures, tables and counts, not {type(one).__name__}")
-    return Outcome(
-        rows=tuple(one for one in found if isinstance(one, Row)),
-        figures=tuple(one for one in found if isinstance(one, Figure)),
-        tables=tuple(one for one in found if isinstance(one, Table)),
-        counts={name: count for one in found if isinstance(one, dict) for name, count in one.items()},
-    )
 
 
 def case(

@@ -22,7 +22,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from validation.harness import baseline
-from validation.harness.case import Case, Outcome, registry
+from validation.harness.case import Case, Found, registry
 from validation.harness.execution import Note
 from validation.harness.store import Store
 from validation.harness.verdict import case_verdicts
@@ -83,13 +83,13 @@ def cases(bench: Bench, studied: Studied | None = None) -> list[Case]:
     studied = studied or Studied(faults_in())
     studied.functions()
     return [
-        study_case("faults", partial(_outcome, bench, studied),
+        study_case("faults", partial(_noticed, bench, studied),
                    "Would the suite notice: is every fault put into the code seen by the case that must see it?",
                    "error over what is allowed, with the fault", "demillo1978")
     ]  # fmt: skip
 
 
-def _outcome(bench: Bench, studied: Studied) -> Outcome:
+def _noticed(bench: Bench, studied: Studied) -> Found:
     faults = [fault for fault in studied.faults if fault.quick or not bench.quick]
     runs = Runs(studied, bench.store, os.cpu_count() or 1)
     control = control_run(runs, faults, bench.quick)
@@ -101,15 +101,12 @@ def _outcome(bench: Bench, studied: Studied) -> Outcome:
     if findings:
         lines = [FaultLine(one.fault.id, one.excesses, {*one.failed, *one.apart}, one.asked) for one in findings]
         write_matrix(bench.folder / FIGURE, [record.id for record in control.records], lines)
-    rows = (
-        none_of("verdicts of the control run that are not green: faults on a red base prove nothing", red),
-        none_of(f"of {len(faults)} faults, not noticed by the case that must notice them", failures_of(findings)),
-        HELD.count("faults examined", len(faults), len(findings)),
-    )
-    caught = sum(finding.caught for finding in findings)
-    counts = {"caught by a verdict": caught, "noticed by name": sum(one.noticed for one in findings) - caught,
-              "cases": len(control.records)}  # fmt: skip
-    return Outcome(rows, tables=(table_of(findings),), counts=counts)
+    yield none_of("verdicts of the control run that are not green: faults on a red base prove nothing", red)
+    yield none_of(f"of {len(faults)} faults, not noticed by the case that must notice them", failures_of(findings))
+    yield HELD.count("faults examined", len(faults), len(findings))
+    yield table_of(findings)
+    caught, noticed = (sum(getattr(one, name) for one in findings) for name in ("caught", "noticed"))
+    yield {"caught by a verdict": caught, "noticed by name": noticed - caught, "cases": len(control.records)}
 
 
 def control_run(runs: Runs, faults: Iterable[Fault], quick: bool) -> Examined:

@@ -19,7 +19,7 @@ from typing import Any
 from validation.corpus.accuracy_costs import FILE as STORED
 from validation.corpus.accuracy_costs import AccuracyCosts, CostPoint
 from validation.corpus.effects import loaded_for_nothing
-from validation.harness.case import Case, CaseError, Outcome
+from validation.harness.case import Case, CaseError, Found
 from validation.harness.figure_data import drawn, loglog, shaded, trace
 from validation.harness.schema import Cells, Figure, Row, Series, Table
 from validation.harness.store import Store, plain, write_json
@@ -87,18 +87,16 @@ class Results:
         said += peer_sentences(self.points)
         return said + price_sentences(self.prices, self.loaded) if self.prices else said
 
-    @property
-    def outcome(self) -> Outcome:
-        """Rows, figures and tables; one row for every method and scene."""
+    def found(self) -> Found:
+        """What the report has of it."""
         answered = {(point.scene, point.method): False for point in self.points}
         answered |= {(point.scene, point.method): True for point in self.points if not math.isnan(point.error)}
         without = [f"{scene}, {method}" for (scene, method), known in answered.items() if not known]
-        rows = (
-            none_of("methods without an answer at any setting of a scene", without),
-            none_of("modules of absent effects that the bare scene loads", self.loaded),
-            *self.failures,
-        )
-        return Outcome(rows, tuple(figures_of(self.points, self.posed)), tuple(self._tables()))
+        yield none_of("methods without an answer at any setting of a scene", without)
+        yield none_of("modules of absent effects that the bare scene loads", self.loaded)
+        yield from self.failures
+        yield from figures_of(self.points, self.posed)
+        yield from self._tables()
 
     def _tables(self) -> Iterator[Table]:
         yield Table(caption="What to choose.", columns=["conclusion"], rows=[[line] for line in self.conclusion])
@@ -159,14 +157,14 @@ def cases(
     }
     results = Results(bench.quick, methods, chosen)
     return [
-        study_case("work-precision", partial(_outcome, bench, results, sources, with_prices and not peers),
+        study_case("work-precision", partial(_measured, bench, results, sources, with_prices and not peers),
                    "Which error does each method reach in which time, and what does each effect of a scene cost?",
                    "error of contact fraction and mean pressure, the larger, over their scales; CPU seconds of one "
                    "thread", "johnson1995 carbone2009", "half_space layer adhesion")
     ]  # fmt: skip
 
 
-def _outcome(bench: Bench, results: Results, sources: dict[str, tuple[Source, ...]], with_prices: bool) -> Outcome:
+def _measured(bench: Bench, results: Results, sources: dict[str, tuple[Source, ...]], with_prices: bool) -> Found:
     for posed in results.posed.values():
         taking_part = [method for method in results.methods if posed.id in method.scenes]
         references = _references(posed, taking_part, sources, bench.store, results.failures)
@@ -177,7 +175,7 @@ def _outcome(bench: Bench, results: Results, sources: dict[str, tuple[Source, ..
     if with_prices:
         _price(results, bench.store)
     results.write(bench)
-    return results.outcome
+    yield from results.found()
 
 
 def _swept(posed: Posed, method: Method, quick: bool, store: Store) -> list[Timed]:
