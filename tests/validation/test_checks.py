@@ -4,7 +4,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from validation.cases.shared.checks import Against, as_many, case, column, gathered, posed, work
+from validation.cases.shared.checks import Against, as_many, case, column, posed, work
+from validation.harness.case import gathered
 from validation.harness.figure_data import axes, digits, drawn, marks, table
 from validation.harness.verdict import verdict_of
 

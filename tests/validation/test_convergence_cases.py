@@ -7,9 +7,9 @@ import pytest
 
 from validation.cases.rough_profiles import paper_method_audit
 from validation.cases.rough_profiles.paper_method_audit import Limit
-from validation.cases.shared.checks import gathered
 from validation.cases.suite import convergence_rates
 from validation.corpus.convergence_curves import paper_method_curve
+from validation.harness.case import gathered
 from validation.harness.verdict import verdict_of
 
 

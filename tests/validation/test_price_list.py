@@ -10,11 +10,11 @@ import bem
 import bem.adhesive.equilibrium
 import bem.elastic.collocation
 import bem.elastic.hierarchical
-from validation.cases.shared.checks import gathered
 from validation.cases.suite import costs as priced
 from validation.corpus import effects
 from validation.corpus.accuracy_costs import CostPoint, stored
 from validation.corpus.effects import EFFECTS, Cost, Times, costs_of, loaded_alone, rough
+from validation.harness.case import gathered
 from validation.studies.stages import REST, timed_stages
 from validation.studies.work_precision.price_list import DIGITS, Price, digits_of, sentences
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import bem
-from validation.cases.exact.one_patch import LOADING, MOST, UNLOADING, WAVE
+from validation.cases.exact.one_patch import LOADING, UNLOADING
 from validation.references import adapters
+from validation.references.rippled_wave import MOST, WAVE
 
 
 def pressure(angle):

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from validation.cases.exact.one_patch import WAVE
 from validation.harness.arrays import FloatArray
 from validation.references.closed_forms import Sinusoid
 from validation.references.one_patch import OnePatch
+from validation.references.rippled_wave import WAVE
 
 Given = dict[str, Any]
 Answers = dict[str, FloatArray]

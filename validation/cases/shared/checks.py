@@ -10,9 +10,8 @@ import bem
 from bem.scene.result import Result, State
 from bem.scene.scene import Scene
 from validation.harness.arrays import FloatArray
-from validation.harness.case import Case
+from validation.harness.case import Case, gathered
 from validation.harness.case import Found as Found
-from validation.harness.case import gathered as gathered
 from validation.harness.rows import Against as Against
 from validation.harness.schema import Code, Level, Norm
 from validation.references import adapters
