@@ -8,6 +8,7 @@ from scipy.optimize import brentq
 
 from fem_reference import InvalidProblemError, Resolution, refine
 from fem_reference.refine import default_ladder, observed_order
+from fem_reference.result import spread
 
 NU, DEPTH = 0.3, 2.0
 BASE = {
@@ -67,6 +68,36 @@ def test_uncertainty_covers_the_error_of_full_contact(compliance, ladder, nu):
     estimate = found.estimates["strain_energy"]
     for level, value in enumerate(estimate.levels):
         assert abs(value - exact) <= estimate.level_uncertainties[level], level
+
+
+WAVY = {  # at 10 cells about 3 for each of the shortest waves: the meshes are not yet asymptotic
+    "youngs_modulus": 1.0,
+    "poisson_ratio": 0.0865,
+    "thickness": 1.673,
+    "period": 1.0,
+    "harmonics": ([1, 7, 8, 10, 12], [-0.0274, 0.000246, 0.000313, 0.00113, -0.000758],
+                  [5.641, -4.46, 4.868, 6.997, -7.209]),
+}  # fmt: skip
+WAVY_PRESSURE = 0.0175138426388  # boundary elements; P4/P3 of 10 cells within 1e-12
+
+
+def test_values_that_turn_are_as_uncertain_as_their_range():
+    ladder = [Resolution(2, 6, 7), Resolution(2, 8, 9), Resolution(2, 10, 10)]
+    found = refine(**WAVY, control="penetration", value=0.01436, edges=[[0.4662, 0.7284]], resolutions=ladder)
+    estimate = found.estimates["mean_pressure"]
+    first, second, last = np.array(estimate.levels) - WAVY_PRESSURE
+    assert second < last < first  # 5.3e-7, 2.8e-7, 3.0e-7
+    assert abs(last) <= estimate.uncertainty  # 0.80 of it; 1.57 where the range is shrunk by an assumed order
+
+
+@pytest.mark.parametrize(
+    ("values", "stated"),
+    [((1.0, 0.0, 0.1), 1.5), ((1.0, 0.0, -0.1), 1.5 * 0.8**3), ((0.0, 0.1, 1.1), 1.5), ((0.0, 1.0), 1.5)],
+    ids=["turning", "monotone", "diverging", "two meshes"],
+)
+def test_the_difference_before_the_last_shrinks_only_where_values_do_not_turn(values, stated):
+    ladder = [Resolution(2, 6, 6), Resolution(2, 8, 8), Resolution(2, 10, 10)][: len(values)]
+    assert spread([np.array(v) for v in values], ladder) == pytest.approx(stated, rel=1e-9)
 
 
 def test_uncertainty_shrinks_at_the_observed_order():

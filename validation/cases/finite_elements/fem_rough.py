@@ -5,9 +5,9 @@ A self-affine profile without adhesion, several contacts, at one load on a layer
 and are compared as everywhere (fem_comparison.py). The theory has no realisation: it sees the spectrum, and its numbers
 are means over all phases. So it is compared with the mean over realisations of the boundary elements, whose ratio to
 the theory is a known discrepancy. One realisation scatters too much to tell the theory from anything: that of the
-finite elements stands in the figure and in the table beside it, and in no row. The quick form has 12 cells: with the
-10 of other cases the differences of its meshes happen to cancel, and two values are off by 1.3 and 1.6 times what is
-stated of them. SI units.
+finite elements stands in the figure and in the table beside it, and in no row. The quick form has 12 cells: of the 10
+of other cases two values are off by 1.2 and 1.6 times what is stated of them, since the mesh of 10 cells is no better
+here than that of 6 (fem_reference/README.md). SI units.
 """
 
 from collections.abc import Sequence
