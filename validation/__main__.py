@@ -131,7 +131,7 @@ def _run(options: argparse.Namespace) -> int:
     made = Report(
         schema_=SCHEMA,
         level=level,
-        command=f"python -m validation run --level {options.level}{asked} --out {options.out.name}",
+        command=f"python -m validation run --level {options.level}{asked} --out {options.out.resolve().name}",
         planned=len(cases),
         provenance=facts
         | {"seconds": round(time.monotonic() - begun, 1), "jobs": options.jobs}
@@ -161,7 +161,7 @@ def _replicate(options: argparse.Namespace) -> int:
     members = import_module("validation.replicate.members")
     size = members.QUICK if options.quick else members.PAPER
     form = " --quick" if options.quick else ""
-    command = f"python -m validation replicate{form} --out {options.out.name}"
+    command = f"python -m validation replicate{form} --out {options.out.resolve().name}"
     bench = Bench(options.out, options.quick, say, options.jobs, opener_of(options.executor))
     return _stored(import_module("validation.replicate").replicate(bench, size, command), options.out, options)
 
@@ -263,14 +263,17 @@ def _study(options: argparse.Namespace) -> int:
         return int(module.run(options.scene, options.out, plan, say))
     if options.seed and options.random is None:
         raise CaseError(f"--seed {options.seed}: has no meaning without --random")
-    jobs = options.jobs or (os.cpu_count() or 1 if "executor" in study.takes else 1)
+    if options.quick and options.random is not None:
+        raise CaseError("--quick: has no meaning with --random, whose scenes have one form")
+    alone = options.name == "stability" or "jobs" not in study.takes  # cases are timed there
+    jobs = options.jobs or (1 if alone else os.cpu_count() or 1)
     bench = Bench(options.out, options.quick, say, jobs, opener_of(options.executor))
     asked: dict[str, Any] = {"peers": True} if options.peers else {}
     words = " --quick" * options.quick + " --peers" * options.peers
     if options.random is not None:
         asked |= {"tasks": module.random_tasks(options.random, options.seed), "file": module.RANDOM_FILE}
         words += f" --random {options.random} --seed {options.seed}"
-    command = f"python -m validation study {options.name}{words} --out {options.out.name}"
+    command = f"python -m validation study {options.name}{words} --out {options.out.resolve().name}"
     made = carried_out(options.name, module.cases(bench, **asked), bench, command)
     if not options.json:
         for table in (table for case in made.cases for table in case.tables):

@@ -199,6 +199,9 @@ def test_breakdown_is_told_and_stored(here, tmp_path):
 def test_breakdown_that_fails_is_told(here, tmp_path):
     report = study(tmp_path, examples.converge, PAIR, examples.never_apart)
     assert "status ZeroDivisionError: no stages None" in lines(report)
+    assert failing(report) == [
+        "paths that could not be taken apart: deviates, 100 harmonics: ZeroDivisionError: no stages"
+    ]
 
 
 def test_exponents_of_stages_and_patches():

@@ -177,9 +177,11 @@ def test_short_form_judges_nothing(content, made, few_spectra):
 @pytest.mark.slow
 def test_quick_study_runs_and_goes_on_where_it_ended(tmp_path):
     assert failing(carried(theory_correction, tmp_path, opener=here)) == []
-    content = json.loads((tmp_path / "calibration.json").read_text("utf-8"))
+    content = json.loads((tmp_path / "theory-correction.json").read_text("utf-8"))["calibration"]
+    assert not (tmp_path / "calibration.json").exists()
     assert set(content["coefficients"]) == set(NAMES)
     again = []
     assert failing(carried(theory_correction, tmp_path, say=again.append, opener=here)) == []
     assert "are there already" in again[0].text
-    assert json.loads((tmp_path / "calibration.json").read_text("utf-8"))["coefficients"] == content["coefficients"]
+    repeated = json.loads((tmp_path / "theory-correction.json").read_text("utf-8"))["calibration"]
+    assert repeated["coefficients"] == content["coefficients"]

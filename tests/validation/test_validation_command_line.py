@@ -188,6 +188,7 @@ def exit_code(words):
         (["work-precision", "--peers"], "not installed: pip install"),
         (["work-precision", "--executor", "dask://host:1"], "runs on this machine only"),
         (["cost", "--jobs", "2"], "study cost runs in one process"),
+        (["stability", "--random", "2", "--quick"], "--quick: has no meaning with --random"),
         (["scene", "one-wave.toml", "--json"], "--json: study scene does not take it"),
         (["other"], "invalid choice"),
     ],

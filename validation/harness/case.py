@@ -37,11 +37,17 @@ Found = Iterator[Row | Figure | Table | dict[str, int]]
 
 
 def gathered(find: Callable[[], Found]) -> Outcome:
-    """What a case yields, each kind in its order, the counts together; TypeError for anything else."""
+    """What a case yields, each kind in its order, the counts together.
+
+    TypeError for anything else, ValueError for a count of a name that another has.
+    """
     found = list(find())
     for one in found:
         if not isinstance(one, (Row, Figure, Table, dict)):
             raise TypeError(f"a case yields rows, figures, tables and counts, not {type(one).__name__}")
+    names = [name for one in found if isinstance(one, dict) for name in one]
+    if len(set(names)) != len(names):
+        raise ValueError(f"counts of one name: {', '.join(sorted({n for n in names if names.count(n) > 1}))}")
     return Outcome(
         rows=tuple(one for one in found if isinstance(one, Row)),
         figures=tuple(one for one in found if isinstance(one, Figure)),

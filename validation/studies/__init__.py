@@ -30,7 +30,7 @@ STUDIES = {
         "the hard cases of all codes: converged, correct and refused counted apart, over a fixed denominator"),
     "maps": Study("maps", JOBS,
         "slope of the area and hysteresis loop against Hurst exponent, bandwidth, adhesion and layer thickness"),
-    "faults": Study("faults.faults", frozenset(),
+    "faults": Study("faults.faults", frozenset({"jobs"}),
         "would the suite notice: faults put into the running code, what catches them, how small they may be"),
     "adhesive-edges": Study("adhesive_edges", JOBS,
         "area with adhesion from the edges of the contact: pairs of ensembles, coefficients, hold-out"),

@@ -7,6 +7,7 @@ study has instead of an answer is a row that fails, never a part that is missing
 """
 
 import time
+import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -15,7 +16,7 @@ from typing import Any
 
 from validation.harness.case import Case, CaseError, Found, gathered
 from validation.harness.execution import Listener
-from validation.harness.executors import Opener, local_processes
+from validation.harness.executors import ExecutorError, Opener, local_processes
 from validation.harness.provenance import provenance
 from validation.harness.rows import Against
 from validation.harness.runner import failed_record, record_of
@@ -70,10 +71,9 @@ def failed(name: str, why: object) -> Row:
     return row.model_copy(update={"status": "error", "message": told})
 
 
-def no_more(quantity: str, unit: str, found: float | None, most: float, message: str = "") -> Row:
+def no_more(quantity: str, unit: str, found: float | None, most: float) -> Row:
     """A row for what is asked to be at most so large, a number or (nan) none."""
-    row = HELD.row(quantity, unit, 0.0, found, None, "absolute", required=most, pinned="unconverged")
-    return row.model_copy(update={"message": message})
+    return HELD.row(quantity, unit, 0.0, found, None, "absolute", required=most, pinned="unconverged")
 
 
 def none_of(quantity: str, found: Sequence[str]) -> Row:
@@ -98,14 +98,18 @@ def carried_out(study: str, cases: Sequence[Case], bench: Bench, command: str) -
 def reported(case: Case, folder: Path) -> CaseRecord:
     """The record of a case, its figures written in the folder of the report; one that crashes says why.
 
-    CaseError and OSError are the caller's: bad input, and a folder that cannot be written.
+    CaseError and ExecutorError are the caller's, and so is what the disk refuses; a traceback goes to ID.log.
     """
     begun = time.perf_counter()
     try:
         outcome = case.compute()
-    except (CaseError, OSError):
+    except (CaseError, ExecutorError):
         raise
     except Exception as error:
+        if isinstance(error, OSError) and not isinstance(error, (TimeoutError, ConnectionError)):
+            raise
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / f"{case.id}.log").write_text(traceback.format_exc(), "utf-8", "backslashreplace")
         return failed_record(case, f"{type(error).__name__}: {error}", time.perf_counter() - begun)
     for figure in outcome.figures:
         write_figure(figure, folder / FIGURES)

@@ -92,7 +92,7 @@ def _rates(bench: Bench, parts: Parts, asked: tuple[int, Sequence[float]]) -> Fo
         yield failed("path", path)
     else:
         change = "change of contact fractions at targets with the increments of the path"
-        yield no_more(change, "", max(path.drifts), DRIFT)
+        yield no_more(change, "", float(np.max(path.drifts)), DRIFT)
         yield table("The path (self-convergence: no digits).",
                     {"increment / h_rms": path.increments, "change against the finest": path.drifts,
                      "evaluations": path.evaluations})  # fmt: skip
@@ -111,6 +111,10 @@ def path_drift(asked: tuple[int, Sequence[float]]) -> PathDrift:
     harmonics, increments = asked
     paths = [path_targets(harmonics, increment) for increment in increments]
     finest = np.array(paths[-1][0])
+    if any(len(targets) != finest.size for targets, _ in paths):
+        raise ArithmeticError(
+            f"path: {[len(targets) for targets, _ in paths]} targets met with increments {increments}"
+        )
     drifts = tuple(float(np.max(np.abs(np.array(targets) - finest))) for targets, _ in paths)
     return PathDrift(tuple(increments), drifts, tuple(count for _, count in paths))
 

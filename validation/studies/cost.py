@@ -167,6 +167,8 @@ def _costs(
         stage_exponents=stage_exponents(apart),
     )
     yield from judged(found, drifts)
+    lost = [f"{one.harmonics} harmonics: {one.status}" for one in apart if one.status != "converged"]
+    yield none_of("paths that could not be taken apart", lost)
     yield from (*_figures(runs), *figures_of(apart))
     yield _table("Cost of loading the paper's profile to 0.025 E*, one thread.", ON_PATHS, map(vars, runs))
     bare = [vars(one) | {"contact_fraction": _only(one.contact_fractions), "closure": one.worst_closure} for one in dry]
@@ -205,7 +207,7 @@ def measured(one: PaperRun) -> Cost:
         states=len(result.states),
         failed_states=sum(state.status not in FINAL_STATUSES for state in result.states),
         certificates_not_ok=sum(not state.certificate.ok for state in result.states),
-        worst_closure=max((state.certificate.closure or 0.0 for state in result.states), default=math.nan),
+        worst_closure=_worst(c for state in result.states if (c := state.certificate.closure) is not None),
         contact_fractions=tuple(state.contact_fraction for state in targets),
         separations=tuple(state.separation for state in targets),
         loads_asked_for=asked,
@@ -286,7 +288,8 @@ def judged(found: Sequence[Cost], drifts: Sequence[Drift]) -> list[Row]:
     ]  # fmt: skip
     if dry:
         rows.append(none_of("loads without adhesion that are not certified",
-                            [f"{one.name}: {one.status}" for one in dry if one.status != "converged"]))  # fmt: skip
+                            [f"{one.name}: {one.status}" for one in dry
+                             if one.status != "converged" or one.certificates_not_ok]))  # fmt: skip
     return rows
 
 

@@ -62,7 +62,7 @@ def _unbalanced(runs: Iterable[Run]) -> Iterator[str]:
     for one in runs:
         if one.loop is not None and one.work_of_adhesion:
             difference = abs(one.loop - one.integral)
-            if difference > BALANCE * max(abs(one.loop), abs(one.integral)) + COARSE * one.work:
+            if not difference <= BALANCE * max(abs(one.loop), abs(one.integral)) + COARSE * one.work:
                 yield f"{one.name}: {one.loop:.4g} J/m^2 released at instabilities, loop {one.integral:.4g} J/m^2"
 
 

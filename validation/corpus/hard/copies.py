@@ -255,13 +255,15 @@ def _other_events(ways: Sequence[Copy], units: Units, ours: Sequence[Event], the
         released = near.released * abs(first[0].energy_released or 0.0) + near.noise * units.energy
         depth = _beyond("penetration", first[:1], second[:1], made.length) / max(units.height, units.highest)
         load = _beyond("mean_pressure", first[:1], second[:1], made.modulus) / pressure
+        if math.isnan(first[0].mean_pressure):
+            load = 0.0
         times = {
             "position": min(_moved(way, units.period, first, second) for way in ways) / near.position,
             "penetration": depth / near.place,
             "mean pressure": load / near.place,
             "energy released": _beyond("energy_released", first, second, made.length * made.modulus) / released,
         }
-        worst = {name: max(worst.get(name, 0.0), value) for name, value in times.items()}
+        worst = {name: float(np.maximum(worst.get(name, 0.0), value)) for name, value in times.items()}
     for name, value in worst.items():
         if not value <= 1:
             yield f"{name} {value:.2g} times what is allowed"
@@ -287,8 +289,8 @@ def _moved(made: Copy, period: float, ours: Sequence[Event], theirs: Sequence[Ev
         if x.size != y.size:
             return np.inf
         if x.size:
-            farthest = max(farthest, _farthest(x / period, made.placed(y, period)))
-    return farthest
+            farthest = np.maximum(farthest, _farthest(x / period, made.placed(y, period)))
+    return float(farthest)
 
 
 def _changes(avalanche: Sequence[Event]) -> list[str]:

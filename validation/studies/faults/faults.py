@@ -14,7 +14,6 @@ saw it best.  A red control, or a fault that its case does not notice, fails the
 sources is refused before anything runs.
 """
 
-import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -77,8 +76,8 @@ class Runs:
 def cases(bench: Bench, studied: Studied | None = None) -> list[Case]:
     """The case of the study; quick: the faults that are `quick` only, with cases below a second, without smaller sizes.
 
-    `studied` is by default the tables of this folder; FaultError where a fault does not fit the sources, or names a
-    case that is not there.
+    `studied` is by default the tables of this folder; FaultError where a fault does not fit the sources, and, once the
+    study runs, where one names a case that is not there.
     """
     studied = studied or Studied(faults_in())
     studied.functions()
@@ -91,7 +90,7 @@ def cases(bench: Bench, studied: Studied | None = None) -> list[Case]:
 
 def _noticed(bench: Bench, studied: Studied) -> Found:
     faults = [fault for fault in studied.faults if fault.quick or not bench.quick]
-    runs = Runs(studied, bench.store, os.cpu_count() or 1)
+    runs = Runs(studied, bench.store, bench.jobs)
     control = control_run(runs, faults, bench.quick)
     red = [f"{record.id}: {verdict}" for record in control.records for verdict in case_verdicts(record) if bad(verdict)]
     findings = [] if red else examine_faults(runs, faults, control)

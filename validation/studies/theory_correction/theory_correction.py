@@ -80,7 +80,8 @@ def concluded(bench: Bench, ensembles: Sequence[Observed]) -> Outcome:
     noise = relative_errors(held)
     judged = [one for group in held for one in judge(group, noise[group.group.name], correction, bench.say)]
     content = calibration_content(found, fit, judged, bench.facts)
-    write_json(bench.folder / CALIBRATION, content)
+    if not bench.quick:  # which calibrates nothing of use
+        write_json(bench.folder / CALIBRATION, content)
     bench.write(FILE, SCHEMA, calibration=content, judged=[asdict(one) for one in judged])
     made = outcome(content, judged, sum(len(one.group.loads) for one in held), bench.quick)
     wrong = [f"{one.group.name}: {one.not_certified}" for one in ensembles if one.not_certified]

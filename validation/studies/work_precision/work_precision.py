@@ -78,14 +78,14 @@ class Results:
     points: list[MethodPoint] = field(default_factory=list)
     failures: list[Row] = field(default_factory=list)
     prices: list[Price] = field(default_factory=list)
-    loaded: list[str] = field(default_factory=list)  # modules that the bare scene has for nothing
+    loaded: list[str] | None = None  # modules that the bare scene has for nothing; None: nobody looked
 
     @property
     def conclusion(self) -> list[str]:
         """What points and prices say, in words, scene by scene."""
         said = [line for scene in self.posed for line in sentences(scene, curves_of(self.points, scene))]
         said += peer_sentences(self.points)
-        return said + price_sentences(self.prices, self.loaded) if self.prices else said
+        return said + price_sentences(self.prices, self.loaded or []) if self.prices else said
 
     def found(self) -> Found:
         """What the report has of it."""
@@ -93,7 +93,8 @@ class Results:
         answered |= {(point.scene, point.method): True for point in self.points if not math.isnan(point.error)}
         without = [f"{scene}, {method}" for (scene, method), known in answered.items() if not known]
         yield none_of("methods without an answer at any setting of a scene", without)
-        yield none_of("modules of absent effects that the bare scene loads", self.loaded)
+        if self.loaded is not None:
+            yield none_of("modules of absent effects that the bare scene loads", self.loaded)
         yield from self.failures
         yield from figures_of(self.points, self.posed)
         yield from self._tables()
@@ -129,7 +130,8 @@ class Results:
         bench.write(FILE, SCHEMA, threads=1, scenes={name: asdict(posed) for name, posed in self.posed.items()},
                     methods=methods, points=points, conclusion=self.conclusion,
                     prices=[asdict(price) | {"digits": price.digits} for price in self.prices])  # fmt: skip
-        write_json(bench.folder / STORED, asdict(kept_costs(self.points, bench.facts)))
+        if not bench.quick:
+            write_json(bench.folder / STORED, asdict(kept_costs(self.points, bench.facts)))
 
 
 def cases(
@@ -277,10 +279,14 @@ def _price(results: Results, store: Store) -> None:
     harmonics, runs = QUICK_PRICES if results.quick else PRICES
     answer = store.alone(list[Price], priced, (harmonics, runs), f"price list, {harmonics} harmonics", runs)
     loaded = store.alone(list[str], loaded_for_nothing, harmonics, "the bare scene, alone", harmonics)
-    if isinstance(answer, list) and isinstance(loaded, list):
-        results.prices, results.loaded = answer, loaded
+    if isinstance(answer, list):
+        results.prices = answer
     else:
-        results.failures.append(failed("price list", answer if isinstance(answer, Exception) else loaded))
+        results.failures.append(failed("price list", answer))
+    if isinstance(loaded, list):
+        results.loaded = loaded
+    else:
+        results.failures.append(failed("modules of the bare scene", loaded))
 
 
 def _references(
