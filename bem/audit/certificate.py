@@ -27,7 +27,6 @@ from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 
-ROUNDINGS_OF_K = 8.0  # what is within them is no closure; measured 3.1 at a contact fraction of 0.987, 1000 harmonics
 SMALLEST_VARIATION = 1e-5  # rms heights; rounding of u (5e-14, measured with 155 patches) over 1e-8, margin 2
 SMALLEST_CHARGE = 3e-6  # per coefficient of a patch: rounding of charges of order 1 (1e-14) over 1e-8, margin 3
 RESOLVED = 1e-12  # derived: rms heights; last Chebyshev coefficients of the displacement in a gap, charges of order 1
@@ -288,13 +287,13 @@ def _closures(
 
 
 def _attainable(pressure: PatchPressure, rounding: FloatArray | None, work: FloatArray | None) -> FloatArray:
-    """The closure that `ROUNDINGS_OF_K` allow, with adhesion or (None) without, (2 L,)."""
+    """The closure that three times what rounding leaves of K allows, with adhesion or (None) without, (2 L,)."""
     if rounding is None:
         return np.zeros(2 * pressure.left.size)
     if work is not None:
-        return np.asarray(ROUNDINGS_OF_K * rounding / np.sqrt(work))
+        return np.asarray(3 * rounding / np.sqrt(work))
     regular = rounding * np.tile(np.sqrt((pressure.right - pressure.left) / (2 * np.pi)), 2)
-    return np.asarray(ROUNDINGS_OF_K * regular / np.tile(_least_charges(pressure), 2))
+    return np.asarray(3 * regular / np.tile(_least_charges(pressure), 2))
 
 
 def _least_charges(pressure: PatchPressure) -> FloatArray:
