@@ -12,7 +12,7 @@
 #define DIRECT 200000.0   /* logarithmic_potential.DIRECT */
 #define PER_BOX 18.0      /* logarithmic_potential.PER_BOX */
 #define ROUNDING 1e-14          /* collocation.ROUNDING */
-#define ROUNDINGS 8.0           /* collocation.ROUNDINGS */
+#define ROUNDINGS 3.0           /* collocation.ROUNDINGS */
 #define POSITION_ROUNDING 2e-15 /* collocation.POSITION_ROUNDING */
 
 static double turned(double x) /* into [0, 2 pi) */

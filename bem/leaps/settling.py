@@ -209,7 +209,7 @@ class Settling:
         return np.asarray(2 - state.stress_intensity / np.sqrt(self._work(state.patches)))
 
     def _at_rest(self, state: Evaluation, root: FloatArray, residual: float) -> bool:
-        """Whether G = w at all edges, to a residual or to `ROUNDINGS` of K."""
+        """Whether G = w at all edges, to a residual or to three roundings of K."""
         missing = np.abs((state.stress_intensity / (2 * root)) ** 2 - 1)
         return bool(np.all((missing <= residual) | (missing <= ROUNDINGS * state.rounding(1.0) / root)))
 
