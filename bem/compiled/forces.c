@@ -295,6 +295,7 @@ Status gap_at(Setting *setting, const State *state, Size n, const double *x, con
 int is_equilibrium(const Setting *setting, const State *state, double residual)
 {
     Size n = state->n, i, j;
+    double displaced = fmax(1.0, fabs(state->load) / (2 * PI));
     for (i = 0; i < 2 * n; i++) {
         double missing = fabs(state->gradient[i] / state->work[i]), largest = 1.0, rounding;
         const Table *table = &state->coupled[i % n];
@@ -305,7 +306,7 @@ int is_equilibrium(const Setting *setting, const State *state, double residual)
             largest = charge > largest ? charge : largest;
         }
         rounding = (double)state->nodes[i % n] * (ROUNDING * largest + POSITION_ROUNDING * setting->rms_slope);
-        rounding = rounding * sqrt(PI / state->half_width[i % n]) + ROUNDING * fabs(state->rate[i]);
+        rounding = rounding * sqrt(PI / state->half_width[i % n]) + ROUNDING * displaced * fabs(state->rate[i]);
         if (!(missing <= ROUNDINGS * rounding / sqrt(state->work[i])))
             return 0;
     }

@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 
 VARIABLE = "LINECONTACT_KERNELS"
 EXTENSION = "linecontact_kernels"
-INTERFACE = "9"  # the number that the extension names too: raised when arguments change
+INTERFACE = "10"  # the number that the extension names too: raised when arguments or formulas change
 REFERENCES: dict[str, Callable[..., Any]] = {}
 F = TypeVar("F", bound=Callable[..., Any])
 

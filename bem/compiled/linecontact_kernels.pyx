@@ -19,7 +19,7 @@ include "descents.pxi"
 
 np.import_array()
 
-INTERFACE = "9"  # kernels.INTERFACE
+INTERFACE = "10"  # kernels.INTERFACE
 
 cdef void *function(str module, str name, str arguments) except NULL:
     """A function of SciPy, if its arguments are these: c of characters, i of integers, d of numbers."""

@@ -161,12 +161,15 @@ class Evaluation:
         """Absolute accuracy of K at the edges in double precision, (2 L,): that of charges, positions and heights.
 
         An error of all heights acts like one of Delta, of which a control lets `penetration_rate` pass: 1 at
-        fixed penetration, 0 at fixed load.  What positions leave uncertain differs from node to node.
+        fixed penetration, 0 at fixed load.  Displacements are sums over all charges, and lack what these do: near
+        complete contact, where the load is large, a shift common to all edges.  What positions leave uncertain differs
+        from node to node.
         """
         starts = np.concatenate([[0], np.cumsum(self.resolution.modes)[:-1]])
         largest = np.maximum.reduceat(np.abs(self.skeleton), starts) * self.resolution.modes / np.pi
         charge = self.resolution.nodes * (ROUNDING * np.maximum(largest, 1.0) + POSITION_ROUNDING * self.rms_slope)
-        from_heights = ROUNDING * penetration_rate * np.abs(self.stress_intensity_rate)
+        displaced = max(1.0, abs(self.load) / (2 * np.pi))
+        from_heights = ROUNDING * displaced * penetration_rate * np.abs(self.stress_intensity_rate)
         return np.asarray(np.tile(charge * np.sqrt(np.pi / self.patches.half_width), 2) + from_heights)
 
     def shifted(self, change: float) -> Evaluation:

@@ -41,7 +41,7 @@ EDGES = [  # m, of 19 patches, at a contact fraction of 0.987
 
 
 def test_state_whose_newton_steps_end_in_rounding_is_settled():
-    """With three roundings a path from 30 um to 5e-13 m ended here."""
+    """With a rounding that forgot the load a path from 30 um to 5e-13 m ended here."""
     posed = parse_scene(SCENE)
     problem = pose(posed, posed.surface())
     system, scales = System(problem.elastic, problem.law, problem.control), problem.scales
@@ -51,4 +51,4 @@ def test_state_whose_newton_steps_end_in_rounding_is_settled():
     assert not isinstance(found, Refused)
     here, _ = found
     missing = np.max(np.abs(here.gradient / here.work) * np.sqrt(here.work) / here.rounding)
-    assert missing < ROUNDINGS / 2  # 3.1 measured
+    assert missing < ROUNDINGS  # 0.1 to 1.1 measured, by kernel; 3.1 with heights known to the same whatever the load
