@@ -181,7 +181,8 @@ def locate(
 def settle(system: System, start: Start, on: Condition, accuracy: Accuracy) -> tuple[Balance, float] | Refused:
     """The state next to edges that meets a condition, evaluated in itself, and its value of the control.
 
-    It is no farther than LONGEST away, and at the end of a Newton step: what that leaves is below the residual.
+    It is no farther than LONGEST away, and at the end of a Newton step: what that leaves is below the residual, or
+    rounding that no step makes smaller.
     Short steps keep the resolution: where adhesion is weak K of one number of modes and K of the next differ by more
     than the residual allows.
     """
@@ -193,13 +194,14 @@ def settle(system: System, start: Start, on: Condition, accuracy: Accuracy) -> t
         if np.max(np.abs(outward_motion(start.patches, place.patches)) / unit_of(system, here)) > LONGEST:
             return Refused.FAR
         row = on.row(here, place.value)
-        if place is not start and here.is_equilibrium(accuracy.residual) and abs(row.value) <= on.accuracy:
+        met = place is not start and abs(row.value) <= on.accuracy
+        if met and here.residual <= accuracy.residual:
             return here, place.value
         step = newton_step(system, here, row)
         if isinstance(step, Refused):
             return step
-        if step.size >= last:
-            return Refused.DIVERGED
+        if step.size >= last:  # rounding is left, or nothing is near
+            return (here, place.value) if met and here.is_equilibrium(accuracy.residual) else Refused.DIVERGED
         last, kept = step.size, here.state.resolution if step.size < SHORT else None
         place = step.end(here, place.value)
     return Refused.DIVERGED
