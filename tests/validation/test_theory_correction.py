@@ -13,6 +13,7 @@ from in_this_process import here
 import persson
 from persson.corrected_variance import LITERATURE
 from validation.harness.provenance import provenance
+from validation.harness.verdict import verdict_of
 from validation.references.paper_problem import MODULUS
 from validation.report.render import render
 from validation.studies.theory_correction import page as correction_page
@@ -185,3 +186,8 @@ def test_quick_study_runs_and_goes_on_where_it_ended(tmp_path):
     assert "are there already" in again[0].text
     repeated = json.loads((tmp_path / "theory-correction.json").read_text("utf-8"))["calibration"]
     assert repeated["coefficients"] == content["coefficients"]
+
+
+def test_a_kind_that_was_not_judged_is_an_error(content, few_spectra):
+    rows = correction_page.outcome(content, [], 6, False).rows
+    assert [verdict_of(row) for row in rows] == ["error"] * 6

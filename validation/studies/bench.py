@@ -2,8 +2,9 @@
 
 A study hands back cases as the suite has them (harness/case.py), whose functions work at a `Bench`: what was finished
 there is kept, so that the same command continues after an interruption.  Their rows, tables and figures go to
-report.json, the figures also to files beside it, and verdicts follow from the rows as everywhere.  What a part of a
-study has instead of an answer is a row that fails, never a part that is missing.
+report.json, the figures also to files beside it (maps and the faults are drawn as files alone), and verdicts follow
+from the rows as everywhere.  What a part of a study has instead of an answer is a row that fails, never a part that is
+missing.
 """
 
 import time
