@@ -48,7 +48,7 @@ FEW_WAVES = 0.3  # speed: of the unknowns: more of a layer are added to the matr
 FAR_SHARE = 1e-5  # accuracy of the kernel between clusters over the tolerance
 FINEST_FAR = 1e-14  # derived: the same, at least: rounding
 
-ROUNDING = 1e-14  # absolute, of heights, and of charges of order 1 per node; measured up to 4e-15, at 500 harmonics
+ROUNDING = 1e-14  # of heights, times a mean pressure above 1, and of charges of order 1 per node; measured up to 4e-15
 ROUNDINGS = 3.0  # of K: what is within them is no residual, as the certificate allows; measured 1.8 at one edge of 3000
 POSITION_ROUNDING = 2e-15  # absolute, of positions up to 2 pi; slope times it is what heights lack; measured 1.1e-15
 
