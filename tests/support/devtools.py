@@ -128,10 +128,10 @@ class Tab:
         return found["result"].get("value")
 
     def heard(self, *roles):
-        """Role and name of what a screen reader meets, of these roles."""
+        """Return role and name, white space joined, of what a screen reader meets, of these roles."""
         nodes = self.ask("Accessibility.getFullAXTree")["nodes"]
         kept = [node for node in nodes if not node["ignored"] and node["role"]["value"] in roles]
-        return [(node["role"]["value"], node.get("name", {}).get("value", "")) for node in kept]
+        return [(node["role"]["value"], " ".join(node.get("name", {}).get("value", "").split())) for node in kept]
 
     def _hear(self, method, facts):
         if method == "Page.loadEventFired":

@@ -36,8 +36,10 @@ document.querySelectorAll("table:not(.still)").forEach((table) => {
   const box = document.createElement("input"), count = document.createElement("output");
   line.className = "filter";
   box.type = "search";
-  label.append("Filter rows ", box);
-  line.append(label, " ", count);
+  box.id = `${table.id || "rows"}-filter`;
+  label.htmlFor = box.id;
+  label.textContent = "Filter rows";
+  line.append(label, " ", box, " ", count);
   box.addEventListener("input", () => {
     const words = box.value.toLowerCase().split(/\s+/).filter(Boolean);
     const rows = [...body.rows];
