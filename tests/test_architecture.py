@@ -75,7 +75,6 @@ ORDER = (
     "validation/studies/work_precision",
     "validation/studies/own_scene",
     "validation/studies/faults",
-    "validation/studies/theory_correction",
     "validation/replicate",
     "validation/challenge",
     "validation",
