@@ -13,7 +13,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from bem.scene.atomic_file import write_atomically
-from validation.harness.schema import Figure, Panel, Series
+from validation.harness.schema import Figure
 from validation.report.figures import svg_of
 
 
@@ -57,13 +57,8 @@ def page(content: Mapping[str, Any]) -> str:
 
 
 def drawing(figure: Mapping[str, Any], prefix: str) -> Markup:
-    """Return curves as SVG."""
-    scale = {axis: "log" if axis in figure["log"] else "linear" for axis in "xy"}
-    styles = ("line", "points", "dashed")
-    series = [Series(label=label, x=x, y=y, style="line" if number == 0 else styles[number % 3])
-              for number, (label, (x, y)) in enumerate(figure["curves"].items())]  # fmt: skip
-    panel = Panel(xlabel=figure["x"], ylabel=figure["y"], xscale=scale["x"], yscale=scale["y"], series=series)
-    return svg_of(Figure(id="figure", caption=figure["title"] or "figure", solution=panel), prefix)
+    """Return a figure as SVG."""
+    return svg_of(Figure.model_validate(figure), prefix)
 
 
 def _number(value: float | int | str | None) -> str:
