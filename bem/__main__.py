@@ -13,7 +13,6 @@ import json
 import os
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
@@ -41,7 +40,6 @@ from bem.command_line.console import (
 )
 from bem.command_line.folder_lock import FolderError, locked
 from bem.compiled.kernels import IN_USE
-from bem.cut_sensitivity import cut_sensitivity, in_words
 from bem.path_for import check_path
 from bem.scene.effects import effects_of
 from bem.scene.memory_estimate import memory_estimate, refuse_beyond_memory
@@ -187,8 +185,6 @@ def _run_alone(scene: Scene, options: argparse.Namespace, new: bool) -> int:
             old.unlink(missing_ok=True)
     if options.plot:
         _draw(result, options.out)
-    if result.cut_sensitivity and not options.quiet:
-        print(f"cut: {in_words(result.cut_sensitivity)}", file=sys.stderr)
     facts = summary(result, str(options.out), len(scene.loading.targets))
     if options.table:
         print(table_text(result))
@@ -213,8 +209,6 @@ def _solved(scene: Scene, stored: Result | None, options: argparse.Namespace) ->
     report = reporter(sys.stderr, options.quiet, scene.loading.targets)
     try:
         result = solve(scene, progress=report, on_state=checkpoint.keep, resume=stored, jobs=options.jobs)
-        if scene.scan is not None:
-            result = replace(result, cut_sensitivity=cut_sensitivity(scene, result))
         with uninterrupted():
             checkpoint.finish(result)
     finally:
