@@ -32,12 +32,12 @@ UNPHYSICAL = NotFiniteError, EnergyGainedError
 
 @dataclass(frozen=True)
 class Effect:
-    """An effect of the vocabulary, whether a scene calls for it, why, and its predicted cost in s."""
+    """Effect of the vocabulary: whether it is active in a scene, and why; `seconds` is null, as no run measures it."""
 
     name: str
     active: bool
     reason: str
-    seconds: float
+    seconds: float | None = None
 
 
 @dataclass(frozen=True)
