@@ -76,6 +76,7 @@ ORDER = (
     "validation/studies/work_precision",
     "validation/studies/own_scene",
     "validation/studies/faults",
+    "validation/fits",
     "validation/replicate",
     "validation/challenge",
     "validation",

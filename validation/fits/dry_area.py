@@ -18,7 +18,6 @@ from scipy.optimize import least_squares
 from persson.contact_slope import COEFFICIENTS, contact_fractions
 from persson.fitted_area import DRY_DOMAIN, DRY_FORBIDDEN, numbers_of, reasons_outside
 from validation.fits.ensembles import (
-    FloatArray,
     Group,
     Plan,
     print_coefficients,
@@ -28,6 +27,7 @@ from validation.fits.ensembles import (
     solve_groups,
     write_areas,
 )
+from validation.harness.arrays import FloatArray
 from validation.references.paper_problem import RMS_SLOPE
 
 LEAST, FLOOR = 0.02, 0.015

@@ -21,13 +21,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import bem
 from persson import DiscreteSpectrum
+from validation.harness.arrays import FloatArray
 from validation.references.paper_problem import MODULUS, PERIOD, RMS_SLOPE, lines, scene, up_to
-
-FloatArray = NDArray[np.float64]
 
 SHORT = {"self-affine": "sa", "roll-off": "ro", "band": "nb", "gaussian": "ga", "lines": "li"}
 SAME_LOAD = 1e-7  # of E*

@@ -23,7 +23,6 @@ from persson.adhesive_edges import COEFFICIENTS, EdgeLaw
 from persson.contact_slope import contact_fractions
 from persson.fitted_area import WET_DOMAIN, numbers_of, reasons_outside
 from validation.fits.ensembles import (
-    FloatArray,
     Group,
     Plan,
     print_coefficients,
@@ -33,6 +32,7 @@ from validation.fits.ensembles import (
     solve_groups,
     write_areas,
 )
+from validation.harness.arrays import FloatArray
 from validation.references.paper_problem import RMS_SLOPE
 
 FLOOR = 0.02
