@@ -54,12 +54,12 @@ UNPHYSICAL = NotFiniteError, EnergyGainedError
 
 @dataclass(frozen=True)
 class Effect:
-    """An effect of the vocabulary, whether a scene calls for it, why, and its predicted cost in s."""
+    """Effect of the vocabulary: whether it is active in a scene, and why; `seconds` is null, as no run measures it."""
 
     name: str
     active: bool
     reason: str
-    seconds: float
+    seconds: float | None = None
 
 
 @dataclass(frozen=True)
@@ -295,8 +295,6 @@ class Result(Views):
     warnings : tuple of Caution
     profile_preparation : tuple of dict
         Steps by which the samples of a scan were prepared (scan_preparation.py).
-    cut_sensitivity : tuple of dict
-        What half and twice the cut of a scan change of the contact fraction at the first target (cut_sensitivity.py).
     largest_tension : LargestTension, optional
         None where nothing is unloaded, where there is no tension, or where contact stays complete for want of a flaw.
     """
@@ -312,7 +310,6 @@ class Result(Views):
     groups: dict[str, Number] = field(default_factory=dict)
     warnings: tuple[Caution, ...] = ()
     profile_preparation: tuple[dict[str, Any], ...] = ()
-    cut_sensitivity: tuple[dict[str, Any], ...] = ()
     largest_tension: LargestTension | None = None
 
     def with_entries(self, entries: Iterable[Entry]) -> Result:

@@ -137,7 +137,7 @@ def test_keys_of_the_file(tmp_path):
     write_result(RESULT, tmp_path)
     content = json.loads((tmp_path / "result.json").read_text())
     known = {"schema", "scene", "effects", "provenance", "states", "events", "status", "failure", "checksum"}
-    known |= {"groups", "warnings", "profile_preparation", "cut_sensitivity", "largest_tension"}
+    known |= {"groups", "warnings", "profile_preparation", "largest_tension"}
     assert set(content) == known
 
 
