@@ -16,7 +16,8 @@ from validation.harness.schema import (
 )
 from validation.replicate import TOPICS
 from validation.report.figures import svg_of
-from validation.report.render import ReportError, number, render
+from validation.report.pages import ReportError, number
+from validation.report.render import render
 from validation.report.verification.allowances import budget_of
 from validation.report.verification.first_screen import first_sentence, scatter
 from validation.report.verification.typesetting import typeset, unset
