@@ -107,7 +107,13 @@ def test_spectrum_and_distribution_of_westergaards_contact(rows):
     above = 2 / np.pi * np.arccos(np.sqrt(np.minimum(square, 1.0)))
     exact = rows.between(Code.BEM, Code.EXACT, "Westergaard 1939, half of the period in contact")
     for name, value, reference, unit, scale in (
-        ("two-sided pressure spectrum at the first two orders", fields["C_sigma_0"][:2], spectrum, "Pa^2 m", spectrum[0]),
+        (
+            "two-sided pressure spectrum at the first two orders",
+            fields["C_sigma_0"][:2],
+            spectrum,
+            "Pa^2 m",
+            spectrum[0],
+        ),
         ("share of the period above each pressure", np.cumsum(shares[::-1])[::-1], above, "", 1.0),
         ("integral of the pressure distribution", float(np.sum(shares)), 0.5, "", 1.0),
     ):

@@ -40,7 +40,10 @@ def test_energy_release_rate(rows):
     x = np.linspace(0, profile.period, 4001)
     above = profile.height(x) > np.quantile(profile.height(x), 0.75)  # contact on the highest quarter
     starts, ends = np.flatnonzero(above & ~np.roll(above, 1)), np.flatnonzero(above & ~np.roll(above, -1))
-    edges, depth = np.stack([x[starts], x[ends]], axis=1), profile.max_height - float(np.quantile(profile.height(x), 0.75))
+    edges, depth = (
+        np.stack([x[starts], x[ends]], axis=1),
+        profile.max_height - float(np.quantile(profile.height(x), 0.75)),
+    )
     assert starts[0] < ends[0] and starts.size == ends.size == 2
 
     def state(moved, penetration):

@@ -34,11 +34,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     """Add the options of a run."""
     group = parser.getgroup("validation")
     group.addoption("--level", choices=LEVELS, default="quick", help="run the cases of this level and those below it")
+    group.addoption("--only", metavar="TEXT", help="run the cases, of any level, whose file or name contains this text")
     group.addoption("--report", type=Path, metavar="DIR", help="write report.html, report.json and rows.jsonl")
     group.addoption("--resume", action="store_true", help="keep what passed in --report DIR with these sources")
     group.addoption("--store", choices=("anew", "worst"), nargs="?", const="anew", help="rewrite the stored errors of "
                     "the cases that run; with 'worst', keep the larger of old and new")  # fmt: skip
     group.addoption("--reason", metavar="TEXT", default="", help="of --store: why the numbers change")
+    group.addoption("--unstored", action="store_true", help="judge without stored errors, while a case is written")
     group.addoption("--grace", type=float, default=15.0, metavar="SECONDS", help="after its time limit, until a case "
                     "that does not return to Python loses its worker")  # fmt: skip
     group.addoption("--command", metavar="TEXT", default="", help="shown in the report")
@@ -74,11 +76,13 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Deselect cases above the level, unless they are named, and cases that are kept from an earlier run."""
     _refuse_orphans(config, items)
-    highest = LEVELS.index(config.option.level)
+    highest, only = LEVELS.index(config.option.level), (config.option.only or "").lower()
     named = any("::" in str(argument) for argument in config.args) or bool(config.option.keyword)
     chosen, others = list[pytest.Item](), list[pytest.Item]()
     for item in items:
         runs = named or LEVELS.index(level_of(item)) <= highest
+        if only:
+            runs = only in item.nodeid.lower()
         (chosen if runs and item.nodeid not in config.stash[FINISHED] else others).append(item)
     if others:
         config.hook.pytest_deselected(items=others)
