@@ -1,8 +1,9 @@
 """Statements that hold for any profile: energy release rate, mean gap, invariance where the period begins.
 
-G = K^2 / (2 E*), w = gamma sqrt(1 + h'^2): dU/d(edge) = G - w outwards, dU/dDelta = load, and the mean gap is the highest
-crest less the penetration.  Rough profiles of 40 to 100 harmonics, Hurst exponent 0.7, h_rms = 50 um, period 10 mm;
-E = 1 MPa, nu = 0.5, gamma = 0.03 J/m^2.  All rows hold by construction: both sides come from the boundary elements.
+G = K^2 / (2 E*), w = gamma sqrt(1 + h'^2): dU/d(edge) = G - w outwards, dU/dDelta = load, and the mean gap is the
+highest crest less the penetration.  Rough profiles of 40 to 100 harmonics, Hurst exponent 0.7, h_rms = 50 um, period
+10 mm; E = 1 MPa, nu = 0.5, gamma = 0.03 J/m^2.  All rows hold by construction: both sides come from the boundary
+elements.
 """
 
 from dataclasses import replace
@@ -40,7 +41,10 @@ def test_energy_release_rate(rows):
     x = np.linspace(0, profile.period, 4001)
     above = profile.height(x) > np.quantile(profile.height(x), 0.75)  # contact on the highest quarter
     starts, ends = np.flatnonzero(above & ~np.roll(above, 1)), np.flatnonzero(above & ~np.roll(above, -1))
-    edges, depth = np.stack([x[starts], x[ends]], axis=1), profile.max_height - float(np.quantile(profile.height(x), 0.75))
+    edges, depth = (
+        np.stack([x[starts], x[ends]], axis=1),
+        profile.max_height - float(np.quantile(profile.height(x), 0.75)),
+    )
     assert starts[0] < ends[0] and starts.size == ends.size == 2
 
     def state(moved, penetration):

@@ -1,6 +1,7 @@
 """Paths: independent of the increment, the first of several states at a load, patches that stand beside a detachment.
 
-Rough profile of 100 harmonics (Hurst exponent 0.7, h_rms = 50 um, period 10 mm, E = 1 MPa, nu = 0.5), loaded and unloaded.
+Rough profile of 100 harmonics (Hurst exponent 0.7, h_rms = 50 um, period 10 mm, E = 1 MPa, nu = 0.5), loaded and
+unloaded.
 
 A wave with a ripple whose crests come in pairs of nearly equal height: when one of a pair detaches, the other patch
 shrinks before it comes to rest.  Seven equal crests lose their symmetry on unloading; which patches detach follows from
@@ -42,8 +43,9 @@ def test_increment(rows):
     ):  # fmt: skip
         for name, (quantity, unit) in names.items():
             value, reference = (np.nan_to_num(values(each, name)) for each in (states, others))
-            finer.compare(f"{name.replace('_', ' ').replace('n patches', 'patches')} of every {place}", value, reference,
-                          quantity=quantity, unit=unit, required=1e-9 * np.max(np.abs(reference)),
+            words = name.replace("n_patches", "patches").replace("_", " ")
+            finer.compare(f"{words} of every {place}", value, reference, quantity=quantity, unit=unit,
+                          required=1e-9 * np.max(np.abs(reference)),
                           because="nine digits: events are located, not stepped over")  # fmt: skip
     rows.count("evaluations", sum(state.evaluations for state in coarse.states), of=Code.BEM)
     rows.curves("Contact fraction at targets for two increments", "separation / um", "contact fraction",
@@ -102,8 +104,8 @@ class Ripples:
     def state(self, edges, penetration):
         """Return the state of given patches, (n, 2) in m, at a penetration in m."""
         profile = bem.Profile.from_harmonics(0.01, self.orders, self.amplitudes, self.phases)
-        return bem.ContactState(profile, bem.Solid(1e6, 0.5), edges, penetration, adhesion=bem.Adhesion(self.work, False),
-                                tolerance=1e-8)  # fmt: skip
+        solid, adhesion = bem.Solid(1e6, 0.5), bem.Adhesion(self.work, False)
+        return bem.ContactState(profile, solid, edges, penetration, adhesion=adhesion, tolerance=1e-8)
 
     def relaxed(self, edges, penetration):
         """Return edges at rest, (n, 2) in m, by the overdamped motion from given ones."""

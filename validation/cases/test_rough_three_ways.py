@@ -1,10 +1,10 @@
 """One rough profile where all three codes answer: boundary elements, finite elements, and Persson's theory.
 
-A self-affine profile (H = 0.7, h_rms = 50 um, period 10 mm) of 8 or 20 harmonics without adhesion at 0.01 E* on a layer of
-two periods, which is a half-space to 1e-8; E = 1 MPa, nu = 0.5.  Both solvers answer for one realisation and are compared
-as in bem_beside_fem.py.  The theory knows the spectrum, not the realisation: it is compared with means over twelve
-realisations by boundary elements, whose ratio is a known deviation.  With 8 harmonics the mesh has 12 cells: with 10,
-two values are off by 1.2 and 1.6 of the uncertainty stated (fem_reference/README.md).
+A self-affine profile (H = 0.7, h_rms = 50 um, period 10 mm) of 8 or 20 harmonics without adhesion at 0.01 E* on a
+layer of two periods, which is a half-space to 1e-8; E = 1 MPa, nu = 0.5.  Both solvers answer for one realisation and
+are compared as in bem_beside_fem.py.  The theory knows the spectrum, not the realisation: it is compared with means
+over twelve realisations by boundary elements, whose ratio is a known deviation.  With 8 harmonics the mesh has 12
+cells: with 10, two values are off by 1.2 and 1.6 of the uncertainty stated (fem_reference/README.md).
 """
 
 import numpy as np
