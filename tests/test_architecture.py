@@ -83,7 +83,7 @@ ORDER = (
     "validation/studies/work_precision",
     "validation/studies/own_scene",
     "validation/studies/faults",
-    "validation/studies/theory_correction",
+    "validation/fits",
     "validation/replicate",
     "validation/challenge",
     "validation",

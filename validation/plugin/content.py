@@ -75,10 +75,11 @@ def _stated(case: Mapping[str, Any], row: Row) -> dict[str, Any]:
 
 def _bare(case: str, verdict: str, reason: str) -> dict[str, Any]:
     """Return the row of a case that has no numbers."""
-    empty = dict.fromkeys(("value", "value_uncertainty", "reference", "reference_uncertainty", "allowed", "share"))
-    return {"case": case, "name": "", "quantity": "", "unit": "", "kind": "accuracy", "routes": [], "reason": reason,
-            "verdict": verdict, "failed": verdict not in PASSING, "seconds": 0.0, "source": "", "place": "", "stored": None, "values": [],
-            "references": [], "described": reason} | empty  # fmt: skip
+    texts = dict.fromkeys(("name", "quantity", "unit", "source", "place"), "")
+    numbers = ("value", "value_uncertainty", "reference", "reference_uncertainty", "allowed", "share", "stored")
+    lists: dict[str, list[Any]] = {"routes": [], "values": [], "references": []}
+    facts = {"case": case, "kind": "accuracy", "verdict": verdict, "failed": verdict not in PASSING, "seconds": 0.0}
+    return texts | dict.fromkeys(numbers) | lists | facts | {"reason": reason, "described": reason}
 
 
 def headline(rows: Iterable[Mapping[str, Any]], ran: int, failed: int, not_run: int) -> str:

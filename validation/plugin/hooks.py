@@ -1,7 +1,7 @@
 """Hooks of pytest: options, levels, the fixture `rows`, judgement at the end of a case, who runs what.
 
-A case is a test in test_*.py, or a scene with expected numbers (case_*.toml).  Marks `quick`, `standard` and `full` name
-the lowest level at which it runs; without a mark it runs at every level.
+A case is a test in test_*.py, or a scene with expected numbers (case_*.toml).  Its mark `quick`, `standard` or `full`
+names the lowest level at which it runs; without a mark it runs at every level.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Cases without code: case_*.toml, a scene with a table [expected] of numbers of its last target.
 
-    [expected.contact_fraction]
-    value = 0.137            # a list gives one number for every target
-    uncertainty = 0.001      # U (k = 2), in SI units
-    source = "my measurement"
+[expected.contact_fraction]
+value = 0.137            # a list gives one number for every target
+uncertainty = 0.001      # U (k = 2), in SI units
+source = "my measurement"
 """
 
 from __future__ import annotations

@@ -4,9 +4,9 @@ A row compares values with reference values.  It passes where
 
     |value - reference| <= allowed   and   max |value - reference| <= 5 stored error + 1e-13 max |reference|.
 
-`allowed` is the combined uncertainty of both sides, sqrt(u_value^2 + u_reference^2) with k = 2, or a requirement that is
-declared with its reason.  The stored error is that of the row's last release, in stored.csv.  A known deviation has a
-band for the ratio value / reference instead, and fails outside the band on either side.
+`allowed` is the combined uncertainty of both sides, sqrt(u_value^2 + u_reference^2) with k = 2, or a requirement that
+is declared with its reason.  The stored error is in stored.csv.  A known deviation has a band for the ratio
+value / reference instead, and fails outside the band on either side.
 """
 
 from __future__ import annotations
@@ -78,8 +78,9 @@ Curve = tuple[ArrayLike, ArrayLike] | tuple[ArrayLike, ArrayLike, Any]  # x, y, 
 class Row:
     """One comparison: lists hold one number per value, all in `unit`.
 
-    `reason` states where `allowed` comes from.  With a `cause`, values are ratios, references the middle of the band and
-    `allowed` half the band.  `stored` is the stored error, or the stored value of a count; None where none is stored.
+    `reason` states where `allowed` comes from.  With a `cause`, values are ratios, references the middle of the band,
+    and `allowed` is half the band.  `stored` is the stored error, or the stored value of a count; None where there is
+    none.
     """
 
     name: str
@@ -242,8 +243,8 @@ class Rows:
         Parameters
         ----------
         uncertainty
-            U (k = 2) of value and reference, in `unit`, as a pair; a single U only where the reference is exact.  Needed
-            by rows of accuracy.
+            U (k = 2) of value and reference, in `unit`, as a pair; a single U only where the reference is exact.
+            Rows of accuracy need it.
         required
             Largest difference allowed, decided before the run and `because` of a reason; by default the combined U.
         kind
@@ -383,7 +384,9 @@ class Rows:
         failed = [row for row in self.rows if row.verdict not in PASSING]
         lines = [row.described() for row in failed]
         if gone:
-            lines.insert(0, f"stored rows are gone: {', '.join(gone)}; run with --store --reason TEXT if they should be")
+            lines.insert(
+                0, f"stored rows are gone: {', '.join(gone)}; run with --store --reason TEXT if they should be"
+            )
         if failed:
             names = ", ".join(f"{row.name} ({row.of}, {row.by}) {row.verdict}" for row in failed[:3])
             lines.insert(0, f"{len(failed)} of {len(self.rows)} rows: {names}{', ...' if len(failed) > 3 else ''}")
@@ -412,11 +415,15 @@ class Rows:
             return self._add(row)
         u_value, u_reference = (np.abs(np.ravel(np.asarray(side, float))) for side in sides)
         allowed = np.hypot(u_value, u_reference) if required is None else np.abs(np.ravel(np.asarray(required, float)))
-        lists = [np.broadcast_to(of, values.shape).tolist() for of in (values, references, u_value, u_reference, allowed)]
+        lists = [
+            np.broadcast_to(of, values.shape).tolist() for of in (values, references, u_value, u_reference, allowed)
+        ]
         row = Row(name, **texts, values=lists[0], references=lists[1], value_uncertainties=lists[2],
                   reference_uncertainties=lists[3], allowed=lists[4], place=place, **fields)  # fmt: skip
         known = None if self.stored is None else self.stored.get(row.key)
-        return self._add(Row(**vars(row) | {"stored": known, "must_be_stored": self.stored is not None and not row.cause}))
+        return self._add(
+            Row(**vars(row) | {"stored": known, "must_be_stored": self.stored is not None and not row.cause})
+        )
 
     def _add(self, row: Row) -> Row:
         __tracebackhide__ = True

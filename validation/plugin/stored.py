@@ -1,9 +1,9 @@
 """Stored errors of rows: one line per row in stored.csv, beside the cases.
 
-Columns: case, row, value (the number of a count, else the deciding value), error (largest |value - reference|; empty for
-a count), unit, reason (why the line was last written).  The line "(seconds)" of a case holds its seconds, for the time
-that is left.  The stored error is the worst over the OpenBLAS kernels that CI runs: `--store worst` keeps the larger of
-old and new error.
+Columns: case, row, value (the number of a count, else the deciding value), error (largest |value - reference|; empty
+for a count), unit, reason (why the line was last written).  The line "(seconds)" of a case holds its seconds, for the
+time that is left.  The stored error is the worst over the OpenBLAS kernels that CI runs: `--store worst` keeps the
+larger of old and new error.
 """
 
 from __future__ import annotations

@@ -50,7 +50,16 @@ def run(options: argparse.Namespace) -> int:
     words = ["-c", str(PLUGIN / "pytest.ini"), "--rootdir", str(folder), "-p", "no:terminal", "-p", "no:cacheprovider"]
     words += ["-p", "validation.plugin.hooks", "-p", "xdist.plugin"]
     words += ["-n", str(options.jobs), "--max-worker-restart", "1000", "--continue-on-collection-errors"]
-    words += ["--report", str(options.out), "--level", options.level, "--grace", str(options.grace), "--command", _command(options)]
+    words += [
+        "--report",
+        str(options.out),
+        "--level",
+        options.level,
+        "--grace",
+        str(options.grace),
+        "--command",
+        _command(options),
+    ]
     words += ["-k", options.only] if options.only else []
     words += ["--resume"] * options.resume
     words += ["--store", options.store, "--reason", options.reason] if options.store else []
