@@ -57,7 +57,7 @@ from bem.scene.stored_start import StoredState, other_problem, stored_start
 from bem.scene.targets import expanded, found, merged, origin
 
 if TYPE_CHECKING:
-    from bem.scans.scan_preparation import Scan, Step
+    from bem.scans.prepared_scan import Scan, Step
 
 __all__ = ["LoadingTable", "Mistake", "Scene", "SceneError", "StoredStart", "load_scene", "parse_scene"]
 
@@ -265,8 +265,8 @@ def _scan(profile: Mapping[str, Any], given: set[str], base_dir: Path) -> tuple[
     wrong = [key for key in given.intersection((*SCAN_KEYS, *DEFAULTS, *CUTOFFS)) if key not in profile]
     if profile.get("kind") != "samples" or "file" not in profile or wrong:
         return None, []
-    from bem.scans.scan_file import read_scan
-    from bem.scans.scan_preparation import prepare
+    from bem.scans.prepare_scan import prepare
+    from bem.scans.read_scan import read_scan
     from bem.scans.scan_refusal import ScanFileError
 
     name = profile["file"]
