@@ -32,12 +32,12 @@ UNPHYSICAL = NotFiniteError, EnergyGainedError
 
 @dataclass(frozen=True)
 class Effect:
-    """An effect of the vocabulary, whether a scene calls for it, why, and its predicted cost in s."""
+    """Effect of the vocabulary: whether it is active in a scene, and why; `seconds` is null, as no run measures it."""
 
     name: str
     active: bool
     reason: str
-    seconds: float
+    seconds: float | None = None
 
 
 @dataclass(frozen=True)
@@ -217,8 +217,6 @@ class Result(Views):
     warnings : tuple of Caution
     profile_preparation : tuple of dict
         What was done to the samples of a scan, step by step (scan_preparation.py).
-    cut_sensitivity : tuple of dict
-        What half and twice the cut of a scan change of the contact fraction at the first target (cut_sensitivity.py).
     """
 
     scene: dict[str, Any]
@@ -232,7 +230,6 @@ class Result(Views):
     groups: dict[str, float] = field(default_factory=dict)
     warnings: tuple[Caution, ...] = ()
     profile_preparation: tuple[dict[str, Any], ...] = ()
-    cut_sensitivity: tuple[dict[str, Any], ...] = ()
 
     def with_entries(self, entries: Iterable[Entry]) -> Result:
         """The same with these states, their events and their fields beside its own."""

@@ -238,7 +238,6 @@ def _content(result: Result, fields_sha256: str | None) -> dict[str, Any]:
         "warnings": plain(result.warnings),
         "groups": plain(result.groups),
         "profile_preparation": plain(result.profile_preparation),
-        "cut_sensitivity": plain(result.cut_sensitivity),
         "provenance": plain(result.provenance) | {"fields_sha256": fields_sha256},
         "states": plain(result.states),
         "events": plain(result.events),

@@ -29,6 +29,7 @@ from bem.scene.result import State
 from bem.scene.scene_rules import (
     QUESTIONS,
     RANGE,
+    REMOVED,
     SAMPLED_HARMONICS,
     SceneError,
     loading_mistakes,
@@ -248,7 +249,10 @@ def _split(
     for key, wrong in items.items():
         path = f"{name}.{key}"
         if key not in model.model_fields:
-            mistakes.append(Mistake(path, f"= {shown(raw[key])} is unknown", unknown_key(key, model.model_fields)))
+            gone = REMOVED.get(path)
+            said = "unknown" if gone is None else "no longer a key"
+            known = gone or unknown_key(key, model.model_fields)
+            mistakes.append(Mistake(path, f"= {shown(raw[key])} is {said}", known))
             continue
         allowed = str(said_of(model, key)["allowed"])
         if key not in raw:
@@ -346,9 +350,6 @@ def _output_mistakes(scene: Scene, shapes: tuple[float, ...], missed: tuple[floa
         if shape in missed:
             value = scene.output.shapes[k]
             yield Mistake(f"output.shapes[{k}]", f"= {value:g} is never met", "a value the loading path passes")
-    if scene.output.cut_sensitivity and (scene.scan is None or scene.start_state is not None):
-        allowed = "false; true needs a scan in [profile] and a path that does not begin at a stored state"
-        yield Mistake("output.cut_sensitivity", "= true", allowed)
     for name in OUTPUTS[1:]:
         asked = getattr(scene.output, name)
         for k, value in enumerate(() if isinstance(asked, bool) else asked):

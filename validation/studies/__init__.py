@@ -24,8 +24,6 @@ STUDIES = {
         "error against time of every method, the price of each effect, and what to choose, in words"),
     "convergence": Study("convergence", frozenset(),
         "rates of every code against those predicted: geometric, algebraic, with and without graded meshes"),
-    "cost": Study("cost", frozenset(),
-        "seconds, memory and counts of the paper's profile against harmonics; path convergence"),
     "stability": Study("stability", frozenset({"jobs", "random", "seed"}),
         "the hard cases of all codes: converged, correct and refused counted apart, over a fixed denominator"),
     "maps": Study("maps", JOBS,

@@ -121,7 +121,7 @@ def test_keys_of_the_file(tmp_path):
     write_result(RESULT, tmp_path)
     content = json.loads((tmp_path / "result.json").read_text())
     known = {"schema", "scene", "effects", "provenance", "states", "events", "status", "failure", "checksum"}
-    assert set(content) == known | {"groups", "warnings", "profile_preparation", "cut_sensitivity"}
+    assert set(content) == known | {"groups", "warnings", "profile_preparation"}
 
 
 def test_changed_number_is_corruption(tmp_path):

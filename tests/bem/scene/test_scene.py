@@ -214,6 +214,11 @@ def test_unknown_key_suggests_the_closest(path, suggested):
     assert mistake.allowed == f'did you mean "{suggested}"?'
 
 
+def test_a_removed_key_says_what_to_do_instead():
+    (mistake,) = mistakes_of(scene_with("output.cut_sensitivity", True))
+    assert str(mistake).startswith("output.cut_sensitivity = true is no longer a key; allowed: leave it out")
+
+
 def test_defaults():
     scene = parse_scene(BASE)
     assert (scene.profile.seed, scene.adhesion.slope_term, scene.loading.initial) == (0, False, "separated")

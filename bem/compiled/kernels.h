@@ -1,7 +1,7 @@
-/* What the parts of a descent share: collocation.c, gap.c, logarithmic_potential.c, forces.c, trust_region.c, walk.c. */
+/* Declarations of collocation.c, gap.c, logarithmic_potential.c and profile.c. */
 
-#ifndef LINECONTACT_DESCENT_H
-#define LINECONTACT_DESCENT_H
+#ifndef LINECONTACT_KERNELS_H
+#define LINECONTACT_KERNELS_H
 
 #include "hierarchical.h"
 
@@ -71,54 +71,5 @@ typedef struct {
 } Length;
 
 double length_up_to(const Length *length, double x);
-
-#define MOST_DOUBLINGS 32
-
-/* What all states of a descent have in common. */
-typedef struct {
-    Call *call;
-    Surface surface;
-    double max_height, max_order, rms_slope, tolerance, penetration;
-    Sizes lists[2]; /* of modes, of nodes */
-    /* far_field.FarField, where cells > 0 */
-    Size cells;
-    double beta, delta, margins[2], low, high, far_penetration;
-    const double *far_charge, *far_table;
-    /* logarithmic_potential.LogarithmicPotential of fixed charges, where there are some */
-    PyObject *potential;
-    Size charges, calls;
-    const double *position, *sources, *charge, *series[MOST_DOUBLINGS];
-    /* adhesion.UniformLaw, or SlopeLaw, which has a length */
-    double work, slope_scale;
-    Length length;
-} Setting;
-
-/* Patches with the forces on their edges: collocation.Evaluation and equilibrium.Balance at fixed penetration. */
-typedef struct {
-    Size n, unknowns, terms, columns;
-    double *left, *right, *center, *half_width, *memory, *matrices; /* allocated: the first, the last two, `sampling` */
-    int64_t *nodes, *modes;
-    Table *sampling, *coupled;
-    double *series, *x, *sides, *tail;                                  /* right_hand_sides */
-    double *compliance, *gram, *charges, *at_edges, *slopes;            /* solved_system */
-    double *intensity, *rate, *edge_slope, *edge_slope_rate;            /* (2 n,) each */
-    double *skeleton, *skeleton_rate, load, load_rate, elastic_energy;
-    double *work, *work_gradient, *gradient, *jacobian, potential;
-} State;
-
-/* collocation.resolve, at least `floor`, where there is one; 0 where patches overlap. */
-int resolved(const Setting *setting, Size n, const double *left, const double *right, const State *floor,
-             int64_t *nodes, int64_t *modes);
-/* equilibrium.balance of some patches; `state` is to be released even where that fails. */
-Status balanced(Setting *setting, Size n, const double *left, const double *right, const int64_t *nodes,
-                const int64_t *modes, State *state);
-void release_state(State *state);
-/* gap.GapField at points in gaps, (n,). */
-Status gap_at(Setting *setting, const State *state, Size n, const double *x, const int64_t *gap, double *values);
-/* Balance.is_equilibrium */
-int is_equilibrium(const Setting *setting, const State *state, double residual);
-
-/* trust_region.trust_region_step: minimiser of a quadratic model in a ball; 0 with an exception. */
-int trust_region_step(Size n, const double *gradient, const double *hessian, double radius, double *step);
 
 #endif
