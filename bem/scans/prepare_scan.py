@@ -79,7 +79,10 @@ def prepare(raw: RawScan, values: Mapping[str, Any]) -> Scan:
     refusals = list(gaussian.refusals(scan.spacing, spectrum.h.size * scan.spacing))
     if refusals:
         raise ScanFileError(refusals)
-    return scan.filtered(gaussian) if gaussian.cuts else scan
+    if not gaussian.cuts:
+        return scan
+    x, h = record("filter", "gaussian", ((scan.x, gaussian.applied(scan.h, scan.spacing)), gaussian.cuts))
+    return Scan(x, h, raw.sha256, scan.measured, tuple(steps), spectrum, gaussian)
 
 
 def _detrended(line: Line, method: str) -> tuple[Line, Step]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -39,7 +39,6 @@ class Scan:
     steps: tuple[Step, ...]  # of the preparation
     spectrum: Spectrum  # of the line detrended, neither continued nor filtered
     gaussian: GaussianFilter = field(default_factory=GaussianFilter)  # which the heights have passed
-    unfiltered: Scan | None = None  # before these filters
 
     @property
     def spacing(self) -> float:
@@ -84,12 +83,6 @@ class Scan:
     def noise_share(self, harmonics: int) -> float:
         """Return the share of noise in the mean square slope of the orders up to `harmonics`, as filtered."""
         return self.spectrum.noise_share(harmonics, self.period, self.gaussian)
-
-    def filtered(self, gaussian: GaussianFilter) -> Scan:
-        """Return the scan, which is not filtered, with filters."""
-        h = gaussian.applied(self.h, self.spacing)
-        step = {"step": "filter", "method": "gaussian"} | gaussian.cuts | compared((self.x, self.h), (self.x, h))
-        return replace(self, h=h, steps=(*self.steps, step), gaussian=gaussian, unfiltered=self)
 
     def preparation(self, harmonics: int) -> tuple[Step, ...]:
         """Return all steps, with the cut at `harmonics` and the height parameters of what it leaves."""

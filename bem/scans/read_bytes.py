@@ -10,6 +10,7 @@ import codecs
 import stat
 from pathlib import Path
 
+from bem.scans.scan_keys import BACKSLASHES
 from bem.scans.scan_refusal import refused
 
 MARKS = (
@@ -30,6 +31,8 @@ def content_of(path: Path) -> bytes:
         content = path.read_bytes() if stat.S_ISREG(mode) else b""
     except OSError as error:
         reason = f"cannot be read: {error.strerror or error}"
+        if not str(path).isprintable():  # TOML reads the backslash and the t of C:\temp as a tab
+            raise refused("file", f"{reason}; its name holds a tab or the like", f"names with {BACKSLASHES}") from error
         raise refused("file", reason, TEXT_OR_INSTRUMENT) from error
     except ValueError as error:  # a zero byte in the name
         raise refused("file", f"is no name of a file: {error}", TEXT_OR_INSTRUMENT) from error

@@ -16,3 +16,4 @@ DEFAULTS = {  # how it is prepared
     "unequal_spacing": "refuse",
 }
 CUTOFFS = ("cutoff_short", "cutoff_long")  # of Gaussian filters, m; without them nothing is filtered
+BACKSLASHES = "backslashes in single quotes, 'C:\\Users\\me\\scan.csv', or with / instead"  # in names of files

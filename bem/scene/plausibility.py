@@ -275,16 +275,10 @@ def _sample_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
     if "printed_to" in steps["spacing"]:
         told = f"positions are printed to {steps['spacing']['printed_to']:.3g} m; within that they are at equal steps"
         yield "profile.unequal_spacing", f"{told} of {scan.spacing:.6g} m: could a line be missing?"
-    if "unlike_positions" in steps["read"]:
-        yield "profile.file", f"{steps['read']['unlike_positions']} does not agree with the positions: unit_x?"
     dropped = steps["dropouts"]
     if dropped["count"] and dropped["method"] == "keep":
         told = f"{dropped['count']} samples may be dropouts, {dropped['values']} in {dropped['places']}"
         yield "profile.dropouts", f'{told}: dropouts = "missing" takes them for missing heights'
-    if "apart" in dropped:
-        few = dropped["apart"]
-        told = f"{few['count']} samples, {few['places']}, are {few['distance']:.3g} m apart from all others"
-        yield "profile.dropouts", f"{told}, which span {few['span']:.3g} m: where nothing was seen, write NaN there"
     spikes, gaps, count = steps["outliers"], steps["missing"], steps["read"]["samples"]
     if spikes["count"] and spikes["method"] == "keep":
         told = f"{spikes['count']} of {count} samples are spikes, the first at {spikes['first']}"

@@ -216,7 +216,7 @@ class Result(Views):
         The dimensionless groups that decide, and the scales they are made with (plausibility.py).
     warnings : tuple of Caution
     profile_preparation : tuple of dict
-        What was done to the samples of a scan, step by step (scan_preparation.py).
+        What was done to the samples of a scan, step by step (bem/scans/prepare_scan.py).
     """
 
     scene: dict[str, Any]

@@ -24,7 +24,7 @@ from pydantic import ValidationError
 
 from bem.geometry.profile import Profile
 from bem.geometry.ranges import LEAPING, MOST_HARMONICS, Mistake, shown
-from bem.scans.scan_keys import CUTOFFS, DEFAULTS, SCAN_KEYS
+from bem.scans.scan_keys import BACKSLASHES, CUTOFFS, DEFAULTS, SCAN_KEYS
 from bem.scene.result import State
 from bem.scene.scene_rules import (
     QUESTIONS,
@@ -165,7 +165,9 @@ def load_scene(path: Path | str) -> Scene:
     except OSError as error:
         raise SceneError([Mistake(str(path), f"cannot be read ({error.strerror})", "a TOML file")]) from error
     except (ValueError, RecursionError) as error:
-        raise SceneError([Mistake(str(path), f"is not TOML ({error})", "a TOML file in UTF-8")]) from error
+        escaped = str(error).startswith(("Invalid hex value", "Unescaped '\\'"))  # a name of a file under Windows
+        allowed = f"names with {BACKSLASHES}" if escaped else "a TOML file in UTF-8"
+        raise SceneError([Mistake(str(path), f"is not TOML ({error})", allowed)]) from error
     return parse_scene(data, path.parent)
 
 

@@ -111,10 +111,10 @@ class ProfileTable(Table):
         ),
     ] = None
     unit_x: Annotated[
-        Unit | None, _about("Unit of the positions.", f"one of {UNITS}", "mm", absent="what the heading states")
+        Unit | None, _about("Unit of the positions.", f"one of {UNITS}", "mm", absent="what the file states")
     ] = None
     unit_h: Annotated[
-        Unit | None, _about("Unit of the heights.", f"one of {UNITS}", "um", absent="what the heading states")
+        Unit | None, _about("Unit of the heights.", f"one of {UNITS}", "um", absent="what the file states")
     ] = None
     decimal: Annotated[
         Literal[".", ","] | None,

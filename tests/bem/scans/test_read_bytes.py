@@ -10,7 +10,7 @@ from scene_tables import tables
 
 from bem.scans.read_scan import read_scan
 from bem.scans.scan_refusal import ScanFileError
-from bem.scene.scene import SceneError, parse_scene
+from bem.scene.scene import SceneError, load_scene, parse_scene
 
 UNITS = {"unit_x": "mm", "unit_h": "um"}
 ROWS = "".join(f"{k * 0.25},{k * 7 % 5 - 2}\n" for k in range(20))
@@ -61,6 +61,15 @@ def test_path_that_is_no_file_is_refused(name, reason, tmp_path):
         parse_scene(scene, tmp_path)
     (mistake,) = caught.value.mistakes
     assert (mistake.path, reason in mistake.found) == ("profile.file", True)
+
+
+@pytest.mark.parametrize("name", ["C:\\Users\\me\\scan.csv", "C:\\data.csv", "C:\\temp\\new.csv"])
+def test_backslashes_in_a_name_are_told(name, tmp_path):
+    text = '[solid]\nyoungs_modulus = 1e9\npoisson_ratio = 0.3\n[loading]\ncontrol = "mean_pressure"\ntargets = [1e5]\n'
+    text += f'[profile]\nkind = "samples"\nunit_x = "mm"\nunit_h = "um"\nfile = "{name}"\n'
+    (tmp_path / "scene.toml").write_text(text)
+    with pytest.raises(SceneError, match=r"in single quotes, 'C:\\Users"):
+        load_scene(tmp_path / "scene.toml")
 
 
 LONG = {

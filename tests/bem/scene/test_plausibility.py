@@ -232,14 +232,6 @@ def test_rounded_positions_are_told(tmp_path):
     assert "positions are printed to 0.0001 m; within that they are at equal steps of 0.000165 m" in message
 
 
-def test_heights_far_from_all_others_are_named(tmp_path):
-    h = ROUGH.height(X)
-    h[30:35] = -99.0 + 0.01 * np.arange(5)
-    np.savetxt(tmp_path / "scan.csv", np.column_stack([X, h]), delimiter=",", fmt="%.12g")
-    told = said(scan_scene(tmp_path))["profile.dropouts"]
-    assert told.startswith("5 samples, lines 31 to 35, are 0.09") and told.endswith("write NaN there")
-
-
 def test_dropouts_that_are_kept_are_named(tmp_path):
     h = ROUGH.height(X)
     h[30:35] = -99.0
@@ -249,11 +241,6 @@ def test_dropouts_that_are_kept_are_named(tmp_path):
         in said(scan_scene(tmp_path, dropouts="keep"))["profile.dropouts"]
     )
     assert "profile.dropouts" not in said(scan_scene(tmp_path, missing="interpolate"))
-
-
-def test_length_that_the_positions_have_not_is_named(tmp_path):
-    np.savetxt(tmp_path / "scan.csv", np.column_stack([X, ROUGH.height(X)]), delimiter=",", header="Scan length: 12 mm")
-    assert "'Scan length: 12 mm') does not agree with the positions" in said(scan_scene(tmp_path))["profile.file"]
 
 
 def test_spikes_that_are_kept_are_named(tmp_path):
