@@ -47,7 +47,7 @@ from bem.geometry.patches import Patches
 from bem.loading.assessment import Assessment
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.increments import MAXIMUM_ITERATIONS, Effort, Increments
-from bem.loading.path_events import path_events
+from bem.loading.path_events import PathTension, path_events
 from bem.loading.points_without_edges import Complete, Failed, Separated
 
 PER_INCREMENT = 3.0  # units per rms height of `accuracy.max_increment`: a step, if that is less than the longest
@@ -79,6 +79,7 @@ class Path:
     flaw: Flaw | None = None
     asked_loads: tuple[float, ...] = ()
     has_history: ClassVar[bool] = True
+    largest_tension: ClassVar[PathTension | None] = None  # not located yet
 
     @property
     def effort(self) -> Effort:

@@ -31,6 +31,7 @@ from bem.leaps.spread import Spread, Spreading
 from bem.loading.assessment import Assessment, Quantities
 from bem.loading.crew import Crew
 from bem.loading.increments import Accuracy, Effort, Increments
+from bem.loading.path_events import PathTension
 from bem.loading.points_without_edges import Complete, Failed, Separated
 
 # rms heights at a tolerance of 1e-3, and the power of the tolerance with which it grows from there
@@ -66,6 +67,7 @@ class LeapingPath:
     tolerance: float
     crew: Crew
     has_history: ClassVar[bool] = True
+    largest_tension: ClassVar[PathTension | None] = None  # not located yet
 
     @cached_property
     def bracket(self) -> float:

@@ -74,4 +74,4 @@ def _legs(scene: Scene) -> list[bool]:
 
 def _outputs(scene: Scene, name: str) -> int:
     """Number of targets at which an output is asked for."""
-    return sum(scene.wants(name, target) for target in scene.loading.targets)
+    return sum(scene.wants(name, index) for index in range(len(scene.loading.targets)))

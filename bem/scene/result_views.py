@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, is_dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Literal, get_type_hints
+from typing import TYPE_CHECKING, Any, Literal, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -201,8 +201,8 @@ def _columns(kind: type, records: Sequence[Any], prefix: str = "") -> dict[str, 
         values = [getattr(record, name) for record in records]
         if is_dataclass(hint):
             found |= _columns(hint, values, f"{prefix}{name}_")  # type: ignore[arg-type]
-        elif hint in (str, int, bool):
-            found[prefix + name] = np.array(values, dtype=hint)
+        elif hint in (str, int, bool) or get_origin(hint) is Literal:
+            found[prefix + name] = np.array(values, dtype=hint if isinstance(hint, type) else str)
         elif hint in (float, float | None, int | None, bool | None):
             found[prefix + name] = np.array([np.nan if value is None else value for value in values], dtype=np.float64)
     return found

@@ -123,10 +123,12 @@ class Scene:
         tables = {name: getattr(self, name) for name in TABLES if name not in QUESTIONS}
         return {name: table for name, table in tables.items() if table is not None}
 
-    def wants(self, output: str, target: float) -> bool:
-        """Whether `output` ("shapes", "spectra", ...) is asked for at this target."""
+    def wants(self, output: str, index: int) -> bool:
+        """Return whether `output` ("shapes", "spectra", ...) is asked for at the target with an index."""
         asked = self.shape_targets if output == "shapes" else getattr(self.output, output)
-        return asked if isinstance(asked, bool) else found(target, asked) is not None
+        if isinstance(asked, bool):
+            return asked
+        return index < len(self.loading.targets) and found(self.loading.targets[index], asked) is not None
 
     @property
     def leaps(self) -> bool:

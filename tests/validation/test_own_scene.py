@@ -16,7 +16,7 @@ from validation.harness import store
 from validation.harness.execution import Ended
 from validation.references.closed_forms import Sinusoid
 from validation.references.one_patch import OnePatch
-from validation.report.render import ReportError
+from validation.report.pages import ReportError
 from validation.report.study_page import render_study
 from validation.studies.own_scene import own_scene
 from validation.studies.own_scene.findings import findings_of, finest_of, node_rate, offs

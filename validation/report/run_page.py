@@ -18,7 +18,7 @@ from bem.scene.plausibility import MEANINGS
 from bem.scene.result import FINAL_STATUSES, Result, State
 from bem.scene.result_file import read_result
 from validation.report.figures import svg_of
-from validation.report.render import PAGE, ReportError, filled, judgement, number
+from validation.report.pages import PAGE, ReportError, filled, judgement, number
 from validation.report.run_figures import MOST_SHAPES, figures_of, shape_states
 from validation.report.run_words import outcome, scene_in_words, succeeded
 from validation.report.study_page import DOUBTFUL

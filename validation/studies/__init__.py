@@ -30,12 +30,6 @@ STUDIES = {
         "slope of the area and hysteresis loop against Hurst exponent, bandwidth, adhesion and layer thickness"),
     "faults": Study("faults.faults", frozenset({"jobs"}),
         "would the suite notice: faults put into the running code, what catches them, how small they may be"),
-    "adhesive-edges": Study("adhesive_edges", JOBS,
-        "area with adhesion from the edges of the contact: pairs of ensembles, coefficients, hold-out"),
-    "contact-slope": Study("contact_slope", JOBS,
-        "area without adhesion from the slope over the contact: ensembles, coefficients, hold-out"),
-    "theory-correction": Study("theory_correction.theory_correction", JOBS,
-        "the correction of Persson's area calibrated, judged on a hold-out, and put on a page"),
 }  # fmt: skip
 OF_A_SCENE = "scene"  # the study of one scene
 SCENE = Study("own_scene.own_scene", frozenset({"scene", "seeds", "budget", "overwrite", "jobs"}),

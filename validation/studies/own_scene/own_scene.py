@@ -22,7 +22,7 @@ from validation.harness.execution import Listener, Note
 from validation.harness.executors import local_processes
 from validation.harness.provenance import provenance
 from validation.harness.store import Store, store_in, write_json
-from validation.report.render import ReportError
+from validation.report.pages import ReportError
 from validation.report.study_page import FILE, PAGE, write_study_page
 from validation.studies.own_scene import BUDGET, SEEDS
 from validation.studies.own_scene.findings import findings_of
