@@ -68,6 +68,8 @@ def read_instrument(path: Path, content: bytes, channel: int | None) -> Instrume
         warnings.simplefilter("ignore")
         try:
             reader = opened.enter_context(closing(library.open_topography(str(path))))
+            if hasattr(reader, "mpi_file"):  # the reader of .npy does not close it
+                opened.callback(reader.mpi_file.close)
             if no_text and reader.format() in TEXT_FORMATS:
                 raise refused("file", no_text, "text, without the zero byte")
             chosen = _chosen([each for each in reader.channels if each.is_height_channel is not False], channel)
