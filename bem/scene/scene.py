@@ -24,7 +24,7 @@ from pydantic import ValidationError
 
 from bem.geometry.profile import Profile
 from bem.geometry.ranges import LEAPING, MOST_HARMONICS, Mistake, shown
-from bem.scans.scan_keys import CUTOFFS, DEFAULTS, SCAN_KEYS
+from bem.scans.scan_keys import BACKSLASHES, CUTOFFS, DEFAULTS, SCAN_KEYS
 from bem.scene.result import State
 from bem.scene.scene_rules import (
     QUESTIONS,
@@ -58,7 +58,7 @@ from bem.scene.stored_start import StoredState, other_problem, stored_start
 from bem.scene.targets import expanded, found, origin
 
 if TYPE_CHECKING:
-    from bem.scans.scan_preparation import Scan, Step
+    from bem.scans.prepared_scan import Scan, Step
 
 LISTED = 12  # format: targets listed in an error
 
@@ -166,7 +166,9 @@ def load_scene(path: Path | str) -> Scene:
     except OSError as error:
         raise SceneError([Mistake(str(path), f"cannot be read ({error.strerror})", "a TOML file")]) from error
     except (ValueError, RecursionError) as error:
-        raise SceneError([Mistake(str(path), f"is not TOML ({error})", "a TOML file in UTF-8")]) from error
+        escaped = str(error).startswith(("Invalid hex value", "Unescaped '\\'"))  # a name of a file under Windows
+        allowed = f"names with {BACKSLASHES}" if escaped else "a TOML file in UTF-8"
+        raise SceneError([Mistake(str(path), f"is not TOML ({error})", allowed)]) from error
     return parse_scene(data, path.parent)
 
 
@@ -269,8 +271,8 @@ def _scan(profile: Mapping[str, Any], given: set[str], base_dir: Path) -> tuple[
     wrong = [key for key in given.intersection((*SCAN_KEYS, *DEFAULTS, *CUTOFFS)) if key not in profile]
     if profile.get("kind") != "samples" or "file" not in profile or wrong:
         return None, []
-    from bem.scans.scan_file import read_scan
-    from bem.scans.scan_preparation import prepare
+    from bem.scans.prepare_scan import prepare
+    from bem.scans.read_scan import read_scan
     from bem.scans.scan_refusal import ScanFileError
 
     name = profile["file"]

@@ -19,7 +19,7 @@ from bem.geometry.ranges import shown as shown
 from bem.scans.scan_keys import CUTOFFS, DEFAULTS, SCAN_KEYS
 
 if TYPE_CHECKING:
-    from bem.scans.scan_preparation import Scan
+    from bem.scans.prepared_scan import Scan
 
 SAMPLED_HARMONICS = 1000  # format: default cut of a scan that is not filtered
 REQUIRED = {

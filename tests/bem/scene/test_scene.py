@@ -273,7 +273,7 @@ def test_surface_of_a_self_affine_scene_has_the_stated_rms_height():
 
 
 def write_scan(folder, x, h):
-    np.savetxt(folder / "scan.csv", np.column_stack([x, h]), delimiter=",", header="x,h")
+    np.savetxt(folder / "scan.csv", np.column_stack([x, h]), delimiter=",")
 
 
 def test_scan_next_to_the_scene_is_found(tmp_path):
