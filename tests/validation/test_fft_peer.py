@@ -1,11 +1,10 @@
-"""The FFT solver as a peer: extrapolation, stored grids, and, where it is installed, Westergaard's contact."""
+"""The FFT solver as a peer: extrapolation of its grids, and, where it is installed, Westergaard's contact."""
 
 from importlib.util import find_spec
 
 import numpy as np
 import pytest
 
-from validation.cases import test_fft_grids as case
 from validation.references.fft_solver import GridContact, extrapolated, grid_contact
 from validation.routes.scenes import posed, problem_of
 
@@ -21,23 +20,6 @@ def test_extrapolation_removes_the_error_of_the_grid():
 def test_extrapolation_states_what_it_does_not_remove():
     limit = extrapolated([GridContact(n, 2.0, 0.3 + 1.5 / n + 40 / n**2, 1) for n in (64, 128, 256)])
     assert abs(limit.contact_fraction - 0.3) <= limit.contact_fraction_error
-
-
-def test_stored_grids_are_those_of_the_problem():
-    grids, origin = case.stored(100)
-    assert [len(sequence) for sequence in grids] == [3, 3, 3]
-    assert "ContactMechanics 1.8" in origin
-    with pytest.raises(KeyError):
-        case.stored(77)
-
-
-@needs_peers
-def test_stored_grids_are_those_of_the_peer():
-    (*_, sequence), _ = case.stored(100)
-    problem = problem_of(posed("paper_profile", **case.tables(100)), "the solver on a grid")
-    grid = grid_contact(problem, case.SHARES[-1] * MODULUS, sequence[0].points)
-    assert grid.contact_fraction == pytest.approx(sequence[0].contact_fraction, abs=2 / sequence[0].points)
-    assert grid.separation == pytest.approx(sequence[0].separation, rel=1e-9)
 
 
 @needs_peers

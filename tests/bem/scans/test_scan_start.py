@@ -1,4 +1,4 @@
-"""A scan that does not begin at x = 0: its surface passes through the samples, and contact begins at the highest point."""
+"""A scan that does not begin at x = 0: its surface passes the samples, and contact begins at the highest point."""
 
 import numpy as np
 import pytest
