@@ -78,9 +78,9 @@ def ways(scene):
     assert again.status == "converged"
     assert [event.kind for event in again.events] == [event.kind for event in result.events]
     found = []
-    for first, last in pairwise(ends):
-        states = again.targets[first : last + 1]
-        work = sum(w * conjugate(scene, s)[1] for w, s in zip(weights[first : last + 1], states, strict=True))
+    for start, end in pairwise(ends):
+        states = again.targets[start : end + 1]
+        work = sum(w * conjugate(scene, s)[1] for w, s in zip(weights[start : end + 1], states, strict=True))
         growth = conjugate(scene, states[-1])[2] - conjugate(scene, states[0])[2]
         events = again.events[states[0].events : states[-1].events]
         found.append(Way(float(work), growth, sum(event.energy_released or 0.0 for event in events), len(events)))

@@ -121,6 +121,6 @@ def test_where_the_period_begins(rows):
                         [values(result.targets, name) for result in others],
                         np.tile(values(first.targets, name), len(others)), quantity=quantity, unit=unit,
                         required=required, because=because)  # fmt: skip
-    met = [[[event.kind for event in result.events].count(kind) for kind in EVENTS] for result in results]
+    met = [[sum(event.kind == kind for event in result.events) for kind in EVENTS] for result in results]
     shifted.compare("events of each kind", met[1:], met[0] * len(others), quantity=Quantity.COUNT, required=0.5,
                     because="a count")  # fmt: skip

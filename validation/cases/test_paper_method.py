@@ -30,7 +30,7 @@ def surface_of(name, tables):
     """Return the surface as the paper's method takes it: raw numbers."""
     problem = problem_of(posed(name, **tables), "the paper's method", "layer", "adhesion")
     return Surface(problem.youngs_modulus, problem.poisson_ratio, problem.period, problem.orders, problem.amplitudes,
-                   problem.phases, problem.work_of_adhesion, problem.slope_term, problem.thickness)  # fmt: skip
+                   problem.phases, problem.work_of_adhesion or 0.0, problem.slope_term, problem.thickness)  # fmt: skip
 
 
 def limit(coarse, middle, fine):

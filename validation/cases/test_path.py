@@ -60,12 +60,12 @@ def test_first_state_at_a_load(rows):
     adhesion = {"work_of_adhesion": 0.05}
     twice = {1381.208: 61.8e-6, 3558.97: 48.3e-6}  # Pa, and a separation between the two states of that load
     stops, spacing = (70e-6, 56e-6, 42e-6), 0.05e-6
+    loads = sorted([*twice, 2000.0, 2002.0])  # the last two within one increment
     loading = {"start": stops[0], "stop": stops[2], "count": 3, "then_back_to": stops[0], "targets": None,
-               "at_mean_pressures": [*twice, 2000.0, 2002.0]}  # fmt: skip
+               "at_mean_pressures": loads}  # fmt: skip
     states = solved("rough_100", adhesion=adhesion, loading=loading).targets
-    asked = [[abs(state.mean_pressure / load - 1) < 1e-6 for load in loading["at_mean_pressures"]] for state in states]
+    asked = [[abs(state.mean_pressure / load - 1) < 1e-6 for load in loads] for state in states]
     at_load = np.any(asked, axis=1)
-    loads = sorted(loading["at_mean_pressures"])
     scene = rows.between(Code.BEM, Code.IDENTITY, "the scene", "construction")
     scene.compare("mean pressures asked for, in order", values(states, "mean_pressure")[at_load],
                   [*loads, *loads[::-1]], quantity=Quantity.PRESSURE, unit="Pa", required=1e-8,
@@ -74,13 +74,15 @@ def test_first_state_at_a_load(rows):
                   [*stops, *stops[-2::-1]], quantity=Quantity.LENGTH, unit="m", required=1e-15,
                   because="rounding")  # fmt: skip
     first, bracketed = [], []
-    for index, (load, middle) in enumerate(twice.items()):
+    for load, middle in twice.items():
         near = (middle + spacing * np.arange(8, -9, -1)).tolist()
         path = solved("rough_100", adhesion=adhesion, loading={"targets": [stops[0], *near]}).targets
         before, after = next(pair for pair in pairwise(path) if pair[0].mean_pressure < load <= pair[1].mean_pressure)
         share = (load - before.mean_pressure) / (after.mean_pressure - before.mean_pressure)
         bracketed.append(before.contact_fraction + share * (after.contact_fraction - before.contact_fraction))
-        first.append(next(state.contact_fraction for state, of in zip(states, asked, strict=True) if of[index]))
+        first.append(
+            next(state.contact_fraction for state, of in zip(states, asked, strict=True) if of[loads.index(load)])
+        )
     scene.compare("contact fraction at loads that occur twice", first, bracketed, quantity=Quantity.AREA,
                   required=1e-3 * np.array(bracketed), because="linear between states 0.05 um apart, next to a fold",
                   source="states between which the load is first passed")  # fmt: skip

@@ -9,6 +9,7 @@ cells: with 10, two values are off by 1.2 and 1.6 of the uncertainty stated (fem
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 
 from validation.cases.bem_beside_fem import compare_equilibria, figure
 from validation.plugin.rows import Code, Quantity
@@ -42,7 +43,7 @@ def test_rough_profile(rows, harmonics, elements, bands):
     ensemble = [solved("rough_100", **tables(harmonics, seed, LOADS)).targets for seed in range(REALISATIONS)]
     alone = posed("rough_100", **tables(harmonics, SEED, LOADS, layer=False))
     theory = [persson_contact(alone, load * MODULUS) for load in LOADS]
-    ratios = {}
+    ratios: dict[str, tuple[ArrayLike, ArrayLike]] = {}
     for name, quantity in QUANTITIES.items():
         answers, expected = np.array([values(states, name) for states in ensemble]), values(theory, name)
         spread = 2 * answers.std(axis=0, ddof=1) / np.sqrt(REALISATIONS)

@@ -21,7 +21,7 @@ from validation.plugin.rows import Code, Quantity
 E, NU, Q0 = 1e6, 0.5, 2 * np.pi / 0.01
 MODULUS = E / (1 - NU**2)
 FIVE_DIGITS = "five digits: a mean-field theory is off by tens of per cent"
-SPECTRA = {  # one rms height of 50 um
+SPECTRA: dict[str, persson.DiscreteSpectrum | persson.ContinuousSpectrum] = {  # one rms height of 50 um
     "1000 lines, H = 0.7": persson.DiscreteSpectrum.self_affine(Q0, 0.7, 50e-6, 1000),
     "300 lines, H = 0.5": persson.DiscreteSpectrum.self_affine(Q0, 0.5, 50e-6, 300),
     "power spectrum, H = 0.7": persson.ContinuousSpectrum.self_affine(Q0, 1000 * Q0, 0.7, 50e-6),

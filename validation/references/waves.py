@@ -50,7 +50,7 @@ class Waves:
         """Return the waves of anything that has a period, orders, amplitudes and phases."""
         if isinstance(profile, Waves):
             return profile
-        return cls(profile.period, *(np.asarray(each) for each in (profile.orders, profile.amplitudes, profile.phases)))
+        return cls(profile.period, profile.orders, profile.amplitudes, profile.phases)
 
     def height(self, x: ArrayLike, derivative: int = 0) -> FloatArray:
         """Return h, or a derivative of it, at positions of any shape."""
