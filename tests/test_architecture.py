@@ -23,10 +23,8 @@ SOURCES = dict.fromkeys(sorted(p.relative_to(ROOT) for package in PACKAGES for p
 FOLDERS = sorted({path.parent for path in SOURCES})
 ONLY_IN = {
     "pydantic": (
-        "bem/scene/scene.py",
-        "bem/scene/scene_tables.py",
-        "bem/scene/result.py",
-        "bem/scene/result_file.py",
+        "bem/geometry/table.py",
+        "bem/scene/",
         "bem/command_line/keys.py",
         "validation/",
     ),
