@@ -92,7 +92,7 @@ ORDER = (
 APART = {  # besides the order: folders that these do not import from either
     "bem/observables": ("bem/adhesive", "bem/continuation", "bem/nonadhesive", "bem/elastic"),
     "bem/nonadhesive": ("bem/adhesive", "bem/continuation"),
-    "bem/scene": ("bem/adhesive", "bem/continuation", "bem/nonadhesive"),
+    "bem/scene": ("bem/continuation", "bem/nonadhesive"),
     "validation/studies": ("validation/cases",),
     "validation/replicate": ("validation/cases",),
 }

@@ -3,10 +3,10 @@
 A scene is TOML with the tables [solid], [profile], [layer], [adhesion], [loading], [accuracy], [output], or the objects
 of these names.  `parse_scene` makes every table (scene_tables.py), which checks types and ranges, then checks what
 depends on more than one key (scene_rules.py), and lists every mistake at once.  The `Scene` is frozen and resolved:
-defaults filled in, start/stop/count expanded, shapes merged into the targets, the scan read and prepared.
+defaults filled in, start/stop/count expanded, the scan read and prepared.
 
-Values of the targets, of `output.shapes` and of the lists in [output] are those of the controlled quantity
-(m, or Pa for mean_pressure); with penetration control shapes are separations.  A path start/stop/count visits
+Values of the targets and of the lists in [output] are those of the controlled quantity (m, or Pa for mean_pressure).
+An output is asked for at targets alone, so that no output changes the path.  A path start/stop/count visits
 linspace(start, stop, count); `then_back_to` appends the way back with the same count, the turning point once.
 A separation of exactly 0 asks for complete contact.
 """
@@ -25,7 +25,7 @@ from bem.geometry.profile import Profile
 from bem.geometry.ranges import LEAPING, MOST_HARMONICS, Mistake, shown, unknown_key
 from bem.geometry.scaling import Solid
 from bem.geometry.table import TableError, plain
-from bem.scans.scan_keys import CUTOFFS, DEFAULTS, SCAN_KEYS
+from bem.scans.scan_keys import BACKSLASHES, CUTOFFS, DEFAULTS, SCAN_KEYS
 from bem.scene.result import State
 from bem.scene.scene_rules import (
     QUESTIONS,
@@ -51,12 +51,14 @@ from bem.scene.scene_tables import (
     required_keys,
 )
 from bem.scene.stored_start import StoredState, other_problem, stored_start
-from bem.scene.targets import expanded, found, merged, origin
+from bem.scene.targets import expanded, found, origin
 
 if TYPE_CHECKING:
     from bem.adhesive.adhesion import Adhesion
     from bem.elastic.layer import Layer
-    from bem.scans.scan_preparation import Scan, Step
+    from bem.scans.prepared_scan import Scan, Step
+
+LISTED = 12  # format: targets listed in an error
 
 __all__ = ["Loading", "Mistake", "Scene", "SceneError", "StoredStart", "load_scene", "parse_scene", "scene_of"]
 
@@ -84,11 +86,9 @@ class Scene:
     ----------
     title : str
     solid, profile, layer, adhesion, loading, accuracy, output
-        Tables, SI units; `loading.targets` holds all targets, with the targets of the shapes.
+        Tables, SI units; `loading.targets` holds all targets.
     origin : float
         Value of the controlled quantity where the path begins, possibly infinite.
-    shape_targets : tuple of float
-        Targets at which shapes are stored.
     scan : Scan, optional
         Samples of profile.file.
     cut_by_default : bool
@@ -106,7 +106,6 @@ class Scene:
     accuracy: Accuracy
     output: Output
     origin: float
-    shape_targets: tuple[float, ...] = ()
     scan: Scan | None = field(default=None, compare=False)
     cut_by_default: bool = False
     start_state: State | None = None
@@ -136,10 +135,12 @@ class Scene:
         tables = {name: getattr(self, name) for name in TABLES if name not in QUESTIONS}
         return {name: table for name, table in tables.items() if table is not None}
 
-    def wants(self, output: str, target: float) -> bool:
-        """Return whether `output` ("shapes", "spectra", ...) is asked for at this target."""
-        asked = self.shape_targets if output == "shapes" else getattr(self.output, output)
-        return asked if isinstance(asked, bool) else found(target, asked) is not None
+    def wants(self, output: str, index: int) -> bool:
+        """Return whether `output` ("shapes", "spectra", ...) is asked for at the target with an index."""
+        asked = getattr(self.output, output)
+        if isinstance(asked, bool):
+            return asked
+        return index < len(self.loading.targets) and found(self.loading.targets[index], asked) is not None
 
     @property
     def leaps(self) -> bool:
@@ -184,7 +185,9 @@ def read_tables(path: Path | str) -> dict[str, Any]:
     except SceneError:
         raise
     except (ValueError, RecursionError) as error:
-        raise SceneError([Mistake(str(path), f"is not TOML ({error})", "a TOML file in UTF-8")]) from error
+        escaped = str(error).startswith(("Invalid hex value", "Unescaped '\\'"))  # a name of a file under Windows
+        allowed = f"names with {BACKSLASHES}" if escaped else "a TOML file in UTF-8"
+        raise SceneError([Mistake(str(path), f"is not TOML ({error})", allowed)]) from error
 
 
 def scene_of(scene: Scene | Path | str | Table | None, tables: Mapping[str, Any]) -> Scene:
@@ -266,8 +269,7 @@ def parse_scene(data: Mapping[str, Any], base_dir: Path | str = ".") -> Scene:
         mistakes += profile_mistakes(profile, given["profile"])
     if "loading" in data:
         tables = [name for name in TABLES if data.get(name) is not None]
-        shapes = values["output"].get("shapes", ())
-        mistakes += loading_mistakes(loading, given["loading"], tables, shapes, profile.get("period"))
+        mistakes += loading_mistakes(loading, given["loading"], tables, profile.get("period"))
     scan, wrong = _scan(profile, given["profile"], base_dir)
     mistakes += wrong
     start, wrong = stored_start(loading.get("initial"), loading.get("control"), base_dir)
@@ -303,8 +305,8 @@ def _scan(profile: Mapping[str, Any], given: set[str], base_dir: Path) -> tuple[
     wrong = [key for key in given.intersection((*SCAN_KEYS, *DEFAULTS, *CUTOFFS)) if key not in profile]
     if profile.get("kind") != "samples" or "file" not in profile or wrong:
         return None, []
-    from bem.scans.scan_file import read_scan
-    from bem.scans.scan_preparation import prepare
+    from bem.scans.prepare_scan import prepare
+    from bem.scans.read_scan import read_scan
     from bem.scans.scan_refusal import ScanFileError
 
     name = profile["file"]
@@ -320,36 +322,29 @@ def _scan(profile: Mapping[str, Any], given: set[str], base_dir: Path) -> tuple[
 
 
 def _resolved(title: str, tables: dict[str, Any], scan: Scan | None, start: StoredState | None) -> Scene:
-    """Return the scene of tables without mistakes: defaults, targets, shapes; SceneError for mistakes of the whole."""
+    """Return the scene of tables without mistakes: defaults, targets; SceneError for mistakes of the whole."""
     loading: Loading = tables["loading"]
-    output: Output = tables["output"]
     cut_by_default = scan is not None and tables["profile"].harmonics is None
     profile = _profile(tables["profile"], scan)
     targets = loading.targets
     if loading.start is not None and loading.stop is not None and loading.count is not None:
         targets = expanded(loading.start, loading.stop, loading.count, loading.then_back_to)
-    shapes = output.shapes
-    if shapes and loading.control == "penetration":
-        highest = surface_of(plain(profile), scan).max_height
-        shapes = tuple(highest - separation for separation in shapes)
     if isinstance(loading.initial, StoredStart) and start is not None:
         begin = float(getattr(start.state, loading.control))
     else:
         begin = origin(loading.control, str(loading.initial), targets[0])
-    path, missed = merged(targets, shapes, begin)
     tables["profile"] = profile
-    tables["loading"] = replace(loading, targets=path, start=None, stop=None, count=None, then_back_to=None)
+    tables["loading"] = replace(loading, targets=targets, start=None, stop=None, count=None, then_back_to=None)
     scene = Scene(
         title=title,
         **tables,
         origin=begin,
-        shape_targets=tuple(dict.fromkeys(hit for shape in shapes if (hit := found(shape, path)) is not None)),
         scan=scan,
         cut_by_default=cut_by_default,
         start_state=None if start is None else start.state,
     )
     resolved = scene.resolved()
-    mistakes = [*_output_mistakes(scene, shapes, missed), *other_problem(resolved, start)]
+    mistakes = [*_output_mistakes(scene), *other_problem(resolved, start)]
     mistakes += magnitude_mistakes(resolved, scene.surface())
     if mistakes:
         raise SceneError(mistakes)
@@ -372,14 +367,13 @@ def _profile(profile: ProfileTable, scan: Scan | None) -> ProfileTable:
     return replace(profile, **update)
 
 
-def _output_mistakes(scene: Scene, shapes: tuple[float, ...], missed: tuple[float, ...]) -> Iterator[Mistake]:
-    """Yield shapes that the path never meets, and outputs at other values than targets."""
-    for k, shape in enumerate(shapes):
-        if shape in missed:
-            value = scene.output.shapes[k]
-            yield Mistake(f"output.shapes[{k}]", f"= {value:g} is never met", "a value the loading path passes")
-    for name in OUTPUTS[1:]:
+def _output_mistakes(scene: Scene) -> Iterator[Mistake]:
+    """Yield outputs asked for at other values than targets."""
+    targets = scene.loading.targets
+    listed = ", ".join(f"{target:g}" for target in dict.fromkeys(targets[:LISTED])) + ", ..." * (len(targets) > LISTED)
+    allowed = f"true, false or a list of targets ({listed}); add it to loading.targets to have a state there"
+    for name in OUTPUTS:
         asked = getattr(scene.output, name)
         for k, value in enumerate(() if isinstance(asked, bool) else asked):
-            if found(value, scene.loading.targets) is None:
-                yield Mistake(f"output.{name}[{k}]", f"= {value:g} is not a target", "true, false or a list of targets")
+            if found(value, targets) is None:
+                yield Mistake(f"output.{name}[{k}]", f"= {value:g} is not a target", allowed)

@@ -21,6 +21,7 @@ from bem.geometry.table import CONFIG, limits, table
 Number = Annotated[float, Field(ge=-MOST, le=MOST)]
 Numbers = Annotated[tuple[Number, ...], Field(strict=False)]
 Targets = Annotated[tuple[Number, ...], Field(strict=False, min_length=1)]
+Natural = Annotated[int, Field(ge=0)]
 Order = Annotated[int, Field(ge=1, le=MOST_HARMONICS)]
 Orders = Annotated[tuple[Order, ...], Field(strict=False, min_length=1)]
 Length = Annotated[float, Field(ge=LEAST, le=MOST)]
@@ -46,9 +47,12 @@ class ProfileTable:
     unit_h: Unit | None = None
     decimal: Literal[".", ","] | None = None
     columns: Columns | None = None
+    skip_lines: Natural | None = None
+    missing_value: Number | None = None
+    valid_column: Natural | None = None
     spacing: Length | None = None
-    row: Annotated[int, Field(ge=0)] | Literal["mean"] | None = None
-    channel: Annotated[int | None, Field(ge=0)] = None
+    row: Natural | Literal["mean"] | None = None
+    channel: Natural | None = None
     dropouts: Literal["missing", "keep"] | None = None
     missing: Literal["refuse", "interpolate"] | None = None
     outliers: Literal["keep", "replace"] | None = None
@@ -64,7 +68,7 @@ class StoredStart:
     """State `state` (counted from 0) of the result in the folder `result`."""
 
     result: Annotated[str, Field(pattern=r"^[^\x00]+$")]
-    state: Annotated[int, Field(ge=0)]
+    state: Natural
 
 
 def _stored(value: Any) -> Any:
@@ -100,7 +104,7 @@ class Accuracy:
 class Output:
     """Fields and distributions that are stored beside the numbers of each state."""
 
-    shapes: Numbers = ()
+    shapes: bool | Numbers = False
     spectra: bool | Numbers = False
     pressure_distribution: bool | Numbers = False
     width_distributions: bool | Numbers = False

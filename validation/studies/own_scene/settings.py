@@ -16,7 +16,7 @@ from typing import Any, Literal
 import numpy as np
 
 from bem.geometry.table import plain
-from bem.scans.scan_file import RawScan, read_scan
+from bem.scans.read_scan import RawScan, read_scan
 from bem.scans.scan_keys import SCAN_KEYS
 from bem.scene.atomic_file import write_atomically
 from bem.scene.scene import Scene, parse_scene
