@@ -85,7 +85,7 @@ def _columns(width: int, points: ScanLines | None, values: Mapping[str, Any]) ->
     if points is not None and (len(used) != 2 or used[0] != expected[0] or used[1] < 3):
         raise refused("columns", f"= {used} of points x y h", f"columns = {expected}: along the lines, and heights")
     if len(used) == 2 and "spacing" in values:
-        heights = f"; columns = [{used[1]}] for heights without" if points is None else ""
+        heights = f"; columns = [{used[0]}] or [{used[1]}] for heights alone" if points is None else ""
         allowed = f"leave it out where the file has positions{heights}"
         raise refused("spacing", f"= {values['spacing']:g} beside positions", allowed)
     return (None, used[0] - 1) if len(used) == 1 else (used[0] - 1, used[1] - 1)
@@ -107,8 +107,8 @@ def _flagged(heights: FloatArray, flags: FloatArray, column: int) -> FloatArray:
 def _refuse_flags(table: TextTable, unread: tuple[int, ...]) -> None:
     """Raise ScanFileError for a column that is not read and may say which heights are valid."""
     for column in unread:
-        kinds = np.unique(table.values[:, column - 1])
-        if 2 <= kinds.size <= MOST_FLAGS and (kinds == np.round(kinds)).all():
+        kinds = np.unique(table.values[:, column - 1])  # NaN, the last, where there is no number
+        if 2 <= kinds.size <= MOST_FLAGS and (np.isnan(kinds) | (kinds == np.round(kinds))).all():
             found = f"is needed: column {column} holds {_listed(kinds)} and may say which heights are valid"
             allowed = f"valid_column = {column}: heights flagged 0 are missing; valid_column = 0 if no column says so"
             raise refused("valid_column", found, allowed)
