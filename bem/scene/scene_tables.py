@@ -351,15 +351,9 @@ class AccuracyTable(Table):
 class OutputTable(Table):
     """[output]: what is stored beside the numbers of each state."""
 
-    shapes: Annotated[
-        Numbers,
-        _about(
-            "Targets at which displacement, gap and pressure are stored.",
-            "a list of finite numbers (separations in m, or Pa)",
-            [1e5],
-            "m or Pa",
-        ),
-    ] = ()
+    shapes: Annotated[bool | Numbers, _about("Displacement, gap and pressure along the period.", TARGETS_OF, [1e5])] = (
+        False
+    )
     spectra: Annotated[
         bool | Numbers, _about("Power spectra of heights, displacement and pressure.", TARGETS_OF, True)
     ] = False
