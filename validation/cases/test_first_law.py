@@ -74,7 +74,7 @@ def ways(scene):
         targets.append(target)
         weights.append(0.0)
         ends.append(len(targets) - 1)
-    again = bem.solve(replace(scene, loading=scene.loading.model_copy(update={"targets": tuple(targets)})))
+    again = bem.solve(replace(scene, loading=replace(scene.loading, targets=tuple(targets))))
     assert again.status == "converged"
     assert [event.kind for event in again.events] == [event.kind for event in result.events]
     found = []
