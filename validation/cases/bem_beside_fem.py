@@ -1,13 +1,13 @@
 """One scene by boundary elements and by finite elements: the numbers compared, with the uncertainty of each code.
 
-For every quantity |BEM - FEM| <= sqrt(u_BEM^2 + u_FEM^2).  u_FEM comes from the three meshes of the reference, u_BEM from
-the error estimates of a state: of the contact fraction for the edges, of the mean pressure for the load.  A quantity
-without an estimate has the tolerance of the scene times its scale: rms height for heights, largest pressure in the middle
-of a patch for stresses, that times sqrt(period) for stress intensities.
+For every quantity |BEM - FEM| <= sqrt(u_BEM^2 + u_FEM^2).  u_FEM comes from the three meshes of the reference, u_BEM
+from the error estimates of a state: of the contact fraction for the edges, of the mean pressure for the load.  A
+quantity without an estimate has the tolerance of the scene times its scale: rms height for heights, largest pressure
+in the middle of a patch for stresses, that times sqrt(period) for stress intensities.
 
 Stress intensities are compared at given edges alone, because both codes impose them at an equilibrium.  Displacements
-behave as a square root at edges and pressures diverge: displacements are compared no nearer to an edge than a tenth of the
-patch or gap beside it, pressures under a smooth weight on the inner 0.8 of each patch.
+behave as a square root at edges and pressures diverge: displacements are compared no nearer to an edge than a tenth of
+the patch or gap beside it, pressures under a smooth weight on the inner 0.8 of each patch.
 """
 
 from collections.abc import Iterator

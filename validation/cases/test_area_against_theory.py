@@ -1,9 +1,9 @@
 """Contact area of rough profiles against Persson's theory: one profile, the paper's profile, many Hurst exponents.
 
 The theory is a mean-field one.  Boundary elements exceed its area, most for roughness in one direction and for small
-contact, because the theory neglects correlations between neighbouring contacts: a known deviation, with a band for every
-load that fails on both sides.  The paper (Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65) states about half
-the area in the theory at any load, with adhesion, H = 0.7.
+contact, because the theory neglects correlations between neighbouring contacts: a known deviation, with a band for
+every load that fails on both sides.  The paper (Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65) states
+about half the area in the theory at any load, with adhesion, H = 0.7.
 
 Period 10 mm, h_rms = 50 um, E = 1 MPa, nu = 0.5, gamma = 0.03 J/m^2 with the slope term; 50 to 1000 harmonics.  Without
 adhesion the theory knows roughness by its rms slope alone, A/A0 = erf(sqrt 2 sigma_0 / (E* h'_rms)).
@@ -38,14 +38,16 @@ def test_one_profile(rows):
     states = solved("rough_100", profile=fewer, adhesion=None, loading=loading).targets
     without, adhesive = posed("rough_100", profile=fewer, adhesion=None), posed("rough_100", profile=fewer)
     areas, expected = values(states, "contact_fraction"), theory(without, loads * MODULUS)
-    rows.known("contact fraction without adhesion over the theory, 0.002 to 0.02 E*", areas, expected, band=(1.25, 1.85),
-               of=Code.BEM, by=Code.THEORY, quantity=Quantity.AREA, cause=CAUSE, source="Persson 2001",
+    rows.known("contact fraction without adhesion over the theory, 0.002 to 0.02 E*", areas, expected,
+               band=(1.25, 1.85), of=Code.BEM, by=Code.THEORY, quantity=Quantity.AREA, cause=CAUSE,
+               source="Persson 2001",
                uncertainty=(estimates(states, "contact_fraction"), NUMERICS * expected))  # fmt: skip
     path = solved("rough_100", profile=fewer, loading={"targets": [30e-6]})
     wet = [state for state in path.states if state.mean_pressure > 0]
     along = np.geomspace(0.001, 0.03, 7)
     rows.curves("Contact area of one rough profile", "mean pressure / E*", "contact fraction",
-                {"boundary elements, adhesion": (values(wet, "mean_pressure") / MODULUS, values(wet, "contact_fraction")),
+                {"boundary elements, adhesion": (values(wet, "mean_pressure") / MODULUS,
+                                                 values(wet, "contact_fraction")),
                  "theory, adhesion": (along, theory(adhesive, along * MODULUS)),
                  "boundary elements, no adhesion": (loads, areas),
                  "theory, no adhesion": (along, theory(without, along * MODULUS))})  # fmt: skip
@@ -53,7 +55,7 @@ def test_one_profile(rows):
 
 @pytest.mark.standard
 def test_paper_profile(rows):
-    """What is the contact area of the paper's profile of 1000 harmonics, and how far off is the theory with adhesion?"""
+    """How large is the contact area of the paper's profile of 1000 harmonics, and how far off is the theory?"""
     loads, scene, result = np.arange(1, 9) * 0.0025, posed("paper_profile"), solved("paper_profile")
     assert all(state.certificate.ok for state in result.states)
     assert max(state.certificate.closure or 0.0 for state in result.states) < 1e-8
@@ -74,8 +76,9 @@ def test_paper_profile(rows):
                 {"boundary elements": (values(pressed, "mean_pressure") / MODULUS, values(pressed, "contact_fraction")),
                  "theory with adhesion": (loads, expected)})  # fmt: skip
     rows.curves("Separation of the mean planes", "separation / h_rms", "mean pressure / E*",
-                {"boundary elements": (values(pressed, "separation") / height, values(pressed, "mean_pressure") / MODULUS),
-                 "theory with adhesion": (values(contacts, "separation") / height, loads)}, "y")  # fmt: skip
+                {"boundary elements": (values(pressed, "separation") / height,
+                                       values(pressed, "mean_pressure") / MODULUS),
+                 "theory with adhesion": (values(contacts, "separation") / height, loads)}, log="y")  # fmt: skip
 
 
 def realisation(hurst, seed, adhesive):
@@ -119,4 +122,4 @@ def test_hurst_exponents(rows, adhesive, seeds, bands):
     rows.curves("Contact fraction over load and Hurst exponent", "mean pressure / (E* h'_rms)", "contact fraction",
                 {f"boundary elements, H = {hurst:g}": (LOADS, mean) for hurst, mean in zip(HURST, means, strict=True)}
                 | {f"theory, H = {hurst:g}": (LOADS, line) for hurst, line in zip(HURST, expected, strict=True)},
-                "xy")  # fmt: skip
+                log="xy")  # fmt: skip

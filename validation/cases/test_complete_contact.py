@@ -1,12 +1,13 @@
 """Complete contact and the last gaps before it, against closed forms that share no code with the solvers.
 
-Pressed flat, every wave h_m of the profile carries the pressure h_m / c(q_m); on a half-space c = 2 / (E* q), on a bonded
-layer c(q) of Carbone and Mangialardi (J. Mech. Phys. Solids 56 (2008) 684).  Energy per area: sum h_m^2 / (4 c(q_m)).
+Pressed flat, every wave h_m of the profile carries the pressure h_m / c(q_m); on a half-space c = 2 / (E* q), on a
+bonded layer c(q) of Carbone and Mangialardi (J. Mech. Phys. Solids 56 (2008) 684).  Energy per area: sum h_m^2 / (4
+c(q_m)).
 
-Without adhesion the last gap of one wave is Westergaard's at any load: with S = p / p* it is (2/pi) asin(sqrt(1 - S)) of
-the period wide, and the separation is D (1 - S + S ln S).  Elsewhere gaps close at the lowest pressures -Q of complete
-contact, curvature k, as isolated cracks: T = Q - p = k c^2 / 4 for the half width c, s = 2 pi T^2 / (period E* k)
-(references/isolated_crack.py).  This limit leaves out terms of the order of the missing load T / Q.
+Without adhesion the last gap of one wave is Westergaard's at any load: with S = p / p* it is (2/pi) asin(sqrt(1 - S))
+of the period wide, and the separation is D (1 - S + S ln S).  Elsewhere gaps close at the lowest pressures -Q of
+complete contact, curvature k, as isolated cracks: T = Q - p = k c^2 / 4 for the half width c, s = 2 pi T^2 / (period
+E* k) (references/isolated_crack.py).  This limit leaves out terms of the order of the missing load T / Q.
 
 E = 1 MPa, period 10 mm, heights 100 um or 50 um (rms).
 """
@@ -19,7 +20,7 @@ from validation.plugin.rows import Code, Quantity
 from validation.references.closed_forms import Sinusoid, full_contact_amplitudes, layer_compliance
 from validation.references.isolated_crack import closing, valleys
 from validation.references.waves import Waves
-from validation.routes.scenes import NOT_SELF_AFFINE, estimates, posed, solved, values
+from validation.routes.scenes import NOT_SELF_AFFINE, posed, solved, values
 
 E, PERIOD, DEPTH = 1e6, 0.01, 1e-4
 TEN_DIGITS = "ten digits, which the README promises"
@@ -94,7 +95,8 @@ def test_compressible_layer(rows):
     carbone = rows.between(Code.BEM, Code.EXACT, "Carbone and Mangialardi 2008, wave by wave")
     energy = float(np.sum(np.square(amplitudes) / compliance)) / 4
     carbone.compare("elastic energy", state.elastic_energy, energy, quantity=Quantity.ENERGY, unit="J/m^2",
-                    uncertainty=state.error_estimate.elastic_energy, required=1e-10 * energy, because=TEN_DIGITS)  # fmt: skip
+                    uncertainty=state.error_estimate.elastic_energy, required=1e-10 * energy,
+                    because=TEN_DIGITS)  # fmt: skip
     uniform = thickness * (1 - 2 * nu) * (1 + nu) / (E * (1 - nu))
     carbone.compare("displacement of the plate", state.total_displacement, highest + uniform * pressure, unit="m",
                     quantity=Quantity.LENGTH, uncertainty=1e-12 * highest, required=1e-10 * highest,

@@ -1,9 +1,10 @@
 """Error estimates of states: do they bound the true errors closely, and is the tolerance met?
 
 True errors: waves on a half-space (D = 100 um, period 10 mm, E = 1 MPa, nu = 0.5) by the formulas of Johnson and
-Westergaard at the prescribed control; a layer of a tenth of the period (nu = 0.3) and a rough profile of 40 harmonics by
-dense algebra next to the state (references/dense_equilibrium.py).  An estimate is good where it is at least the true
-error and at most a hundred times that.  The references resolve 1e-14 of the largest value of a quantity in a scene.
+Westergaard at the prescribed control; a layer of a tenth of the period (nu = 0.3) and a rough profile of 40 harmonics
+by dense algebra next to the state (references/dense_equilibrium.py).  An estimate is good where it is at least the
+true error and at most a hundred times that.  The references resolve 1e-14 of the largest value of a quantity in a
+scene.
 """
 
 from dataclasses import asdict, dataclass
@@ -133,7 +134,7 @@ def test_estimates_bound_true_errors(rows, solved):
     rows.curves("Estimated against true errors, over the largest value", "true error (1e-14: or less)",
                 "estimated error",
                 {name.replace("_", " "): ([max(n.true, RESOLUTION) for n in several], [n.estimate for n in several])
-                 for name, several in of.items()}, "xy")  # fmt: skip
+                 for name, several in of.items()}, log="xy")  # fmt: skip
     ratios = {name: [number.ratio for number in several] for name, several in of.items()}
     rows.table("Estimated over true errors", ["quantity", "numbers", "bounded", "median", "largest"],
                [[name, len(several), sum(n.bounded for n in several), float(np.median(ratios[name])),

@@ -1,10 +1,11 @@
 """Contact without adhesion against an FFT solver: separations, and areas extrapolated from its grids.
 
-The paper's profile (H = 0.7, h_rms = 50 um, period 10 mm, E = 1 MPa, nu = 0.5, seed 2009) with 100 or 1000 harmonics at
-0.005, 0.01 and 0.02 E*.  ContactMechanics (Polonsky and Keer, Wear 231 (1999) 206) counts contact to whole points, so that
-its area is too large by about a point a patch: compared is 2 A(2n) - A(n) of the two finest grids.  An edge lies anywhere
-between two points, so that 2 P edges leave U = 2 sqrt(8) sqrt(2 P / 12) / n (k = 2).  Where the extra `peers` is not installed, grids stored in corpus/fft_grids.json are taken, which
-`python -m validation.cases.test_fft_grids` wrote with the solver's version.
+The paper's profile (H = 0.7, h_rms = 50 um, period 10 mm, E = 1 MPa, nu = 0.5, seed 2009) with 100 or 1000 harmonics
+at 0.005, 0.01 and 0.02 E*.  ContactMechanics (Polonsky and Keer, Wear 231 (1999) 206) counts contact to whole points,
+so that its area is too large by about a point a patch: compared is 2 A(2n) - A(n) of the two finest grids.  An edge
+lies anywhere between two points, so that 2 P edges leave U = 2 sqrt(8) sqrt(2 P / 12) / n (k = 2).  Where the extra
+`peers` is not installed, grids stored in corpus/fft_grids.json are taken, which `python -m
+validation.cases.test_fft_grids` wrote with the solver's version.
 """
 
 import json

@@ -5,10 +5,11 @@ With F conjugate to the controlled v and Phi the energy that an equilibrium mini
     penetration, separation: v = Delta, F = p, Phi = U;      mean pressure: v = p, F = -Delta, Phi = U - p Delta;
     total displacement: v = Delta + c(0) p, F = p, Phi = U + c(0) p^2 / 2,
 
-dPhi = F dv on branches, and a jump at constant v lowers Phi by the energy it releases: int F dv is the growth of Phi and
-the energies of the events.  The path is followed again through the nodes of Gauss's rule on every branch between its
-events and targets; v = (a + b)/2 - (b - a)/2 cos(theta) makes F smooth in theta also at a fold.  Energies per nominal
-area.  Rough profiles of 20 harmonics, h_rms = 50 um, period 10 mm, E = 1 MPa, gamma = 0.1 J/m^2 with the slope term.
+dPhi = F dv on branches, and a jump at constant v lowers Phi by the energy it releases: int F dv is the growth of Phi
+and the energies of the events.  The path is followed again through the nodes of Gauss's rule on every branch between
+its events and targets; v = (a + b)/2 - (b - a)/2 cos(theta) makes F smooth in theta also at a fold.  Energies per
+nominal area.  Rough profiles of 20 harmonics, h_rms = 50 um, period 10 mm, E = 1 MPa, gamma = 0.1 J/m^2 with the slope
+term.
 """
 
 from dataclasses import dataclass, replace
@@ -73,13 +74,13 @@ def ways(scene):
         targets.append(target)
         weights.append(0.0)
         ends.append(len(targets) - 1)
-    again = bem.solve(replace(scene, loading=scene.loading.model_copy(update={"targets": tuple(targets)})))
+    again = bem.solve(replace(scene, loading=replace(scene.loading, targets=tuple(targets))))
     assert again.status == "converged"
     assert [event.kind for event in again.events] == [event.kind for event in result.events]
     found = []
-    for first, last in pairwise(ends):
-        states = again.targets[first : last + 1]
-        work = sum(w * conjugate(scene, s)[1] for w, s in zip(weights[first : last + 1], states, strict=True))
+    for start, end in pairwise(ends):
+        states = again.targets[start : end + 1]
+        work = sum(w * conjugate(scene, s)[1] for w, s in zip(weights[start : end + 1], states, strict=True))
         growth = conjugate(scene, states[-1])[2] - conjugate(scene, states[0])[2]
         events = again.events[states[0].events : states[-1].events]
         found.append(Way(float(work), growth, sum(event.energy_released or 0.0 for event in events), len(events)))

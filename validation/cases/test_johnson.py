@@ -5,8 +5,8 @@ half the contact fraction, S = sin^2 psi, p* = pi E* D / period and alpha = sqrt
 
     p = p* [S - alpha sqrt(tan psi)],   Delta = D S (1 - ln S) + alpha p* period sqrt(tan psi) ln S / (pi E*);
 
-alpha = 0 is Westergaard's contact without adhesion.  Sources: Westergaard, J. Appl. Mech. 6 (1939) A49; Johnson, Int. J.
-Solids Struct. 32 (1995) 423.
+alpha = 0 is Westergaard's contact without adhesion.  Sources: Westergaard, J. Appl. Mech. 6 (1939) A49; Johnson, Int.
+J. Solids Struct. 32 (1995) 423.
 """
 
 from dataclasses import replace
@@ -57,7 +57,8 @@ def test_loop(rows, alpha):
                     quantity=Quantity.LENGTH, uncertainty=estimates(states, "penetration"),
                     required=1e-10 * DEPTH, because=TEN_DIGITS)  # fmt: skip
     johnson.compare("penetration at pull-off", pull_off.penetration, fold, unit="m", quantity=Quantity.LENGTH,
-                    uncertainty=pull_off.error_estimate.penetration, required=1e-10 * DEPTH, because=TEN_DIGITS, source="fold of Johnson's penetration")  # fmt: skip
+                    uncertainty=pull_off.error_estimate.penetration, required=1e-10 * DEPTH,
+                    because=TEN_DIGITS, source="fold of Johnson's penetration")  # fmt: skip
     rows.count("evaluations", sum(state.evaluations for state in result.states), of=Code.BEM)
     curve = np.linspace(0.01, 0.97, 300)
     rows.curves(f"Johnson's loop, alpha = {alpha:g}", "contact fraction", "mean pressure / p*",
@@ -76,7 +77,8 @@ def test_without_adhesion(rows):
     both.compare("contact fraction", values(states, "contact_fraction"), fractions, quantity=Quantity.AREA,
                  uncertainty=estimates(states, "contact_fraction"), required=1e-10, because=TEN_DIGITS)  # fmt: skip
     both.compare("mean pressure", values(states, "mean_pressure"), wave.mean_pressure(psi), unit="Pa",
-                 quantity=Quantity.PRESSURE, uncertainty=estimates(states, "mean_pressure"), required=1e-10 * STAR, because=TEN_DIGITS)  # fmt: skip
+                 quantity=Quantity.PRESSURE, uncertainty=estimates(states, "mean_pressure"), required=1e-10 * STAR,
+                 because=TEN_DIGITS)  # fmt: skip
     rows.count("unknowns", max(state.unknowns for state in states), of=Code.BEM)
 
 
@@ -121,13 +123,13 @@ def test_stiffness_with_slope_term(rows):
     p = values(states, "mean_pressure")
     rows.compare("contact stiffness", states[2].contact_stiffness, (8 * (p[3] - p[1]) - (p[4] - p[0])) / (12 * step),
                  of=Code.BEM, by=Code.IDENTITY, quantity=Quantity.STIFFNESS, unit="Pa/m", kind="construction",
-                 required=1e-9 * states[2].contact_stiffness, because="differences of fourth order give ten digits",
-                 source="mean pressures of neighbouring states")  # fmt: skip
+                 required=1e-9 * abs(states[2].contact_stiffness or 0.0), source="mean pressures of neighbouring states",
+                 because="differences of fourth order give ten digits")  # fmt: skip
 
 
 @pytest.mark.quick
 def test_seven_equal_waves_lose_their_symmetry(rows):
-    """Is the loss of symmetry of equal contacts an event, and does one wave alone, whose branch is single, have none?"""
+    """Is the loss of symmetry of equal contacts an event, and has one wave alone, whose branch is single, none?"""
     lost = {}
     for order in (1, 7):
         wave = Sinusoid(DEPTH / order, WAVE.wavelength / order, 1e6, 0.5, 0.3)
@@ -159,8 +161,9 @@ def test_error_against_unknowns(rows):
     johnson.compare("relative error of the mean pressure", list(load.values())[-1], 0.0, quantity=Quantity.PRESSURE,
                     uncertainty=1e-13, required=1e-13, because="tolerance of 1e-13")  # fmt: skip
     johnson.compare("relative error of the stress intensity", list(intensity.values())[-1], 0.0,
-                    quantity=Quantity.INTENSITY, uncertainty=1e-13, required=1e-13, because="tolerance of 1e-13")  # fmt: skip
+                    quantity=Quantity.INTENSITY, uncertainty=1e-13, required=1e-13,
+                    because="tolerance of 1e-13")  # fmt: skip
     rows.count("unknowns at the finest tolerance", list(load)[-1], of=Code.BEM)
     rows.curves("Error of one adhesive contact against its unknowns", "unknowns", "relative error",
                 {name: (list(errors), [max(error, 1e-17) for error in errors.values()])
-                 for name, errors in (("mean pressure", load), ("stress intensity", intensity))}, "y")  # fmt: skip
+                 for name, errors in (("mean pressure", load), ("stress intensity", intensity))}, log="y")  # fmt: skip

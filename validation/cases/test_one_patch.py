@@ -1,9 +1,10 @@
 """One patch on a symmetric profile in closed form: jumps from ripple to ripple, and two crests that merge.
 
-A wave D cos q0 x, D = 100 um, period 10 mm, E* = 1 MPa / 0.75, carries a ripple of order 20, 30 or 40.  The mean pressure
-p(a) of one patch of half width a in equilibrium rises and falls with every ripple that the edges cross.  Under a growing
-load contact jumps at a maximum of p, or where the gap at the next crest closes, to the next a of equal p, and releases
-U(a1) - U(a2) - p (Delta(a1) - Delta(a2)); under a falling load at a minimum (references/rippled_wave.py).
+A wave D cos q0 x, D = 100 um, period 10 mm, E* = 1 MPa / 0.75, carries a ripple of order 20, 30 or 40.  The mean
+pressure p(a) of one patch of half width a in equilibrium rises and falls with every ripple that the edges cross.
+Under a growing load contact jumps at a maximum of p, or where the gap at the next crest closes, to the next a of equal
+p, and releases U(a1) - U(a2) - p (Delta(a1) - Delta(a2)); under a falling load at a minimum
+(references/rippled_wave.py).
 
 Two crests with a shallow dip between them, h = D (cos y - cos(2y) / 2), merge into one patch.  The period begins in the
 dip or in the valley.  Their closed form: references/one_patch.py, after Muskhelishvili, Some Basic Problems of the
@@ -87,7 +88,8 @@ def test_jumps(rows):
     exact.compare("energy released by every jump", released(jumps), energies, unit="J/m^2", quantity=Quantity.ENERGY,
                   uncertainty=(estimates(jumps, "energy_released"), 1e-13 * COARSE.work))  # fmt: skip
     exact.compare("mean pressure at every jump", values(jumps, "mean_pressure"), pressures, unit="Pa",
-                  quantity=Quantity.PRESSURE, uncertainty=(estimates(jumps, "mean_pressure"), 1e-13 * STRESS))  # fmt: skip
+                  quantity=Quantity.PRESSURE,
+                  uncertainty=(estimates(jumps, "mean_pressure"), 1e-13 * STRESS))  # fmt: skip
     exact.compare("energy released, to ten digits", released(jumps) / energies, 1.0, quantity=Quantity.ENERGY,
                   uncertainty=estimates(jumps, "energy_released") / energies, required=1e-10,
                   because=TEN_DIGITS)  # fmt: skip

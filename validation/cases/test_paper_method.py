@@ -1,10 +1,11 @@
 """Boundary elements audited by the paper's own method: other cells, another iteration, another minimisation.
 
-Graded cells of uniform pressure on the patches, Gauss-Seidel for the pressure, conjugate gradients of Polak and Ribiere on
-the edges (references/paper_method).  Its second-order error is taken away by extrapolation, (4 fine - coarse) / 3; U is
-the change of the extrapolation by one level, from three grids that are each half as fine as the next.  On the rough path
-the method starts from first touch and makes its own contacts.  On the state with many patches it starts from edges moved
-at random by up to a twentieth of the patch or gap beside them.  Finite elements cannot reach either of these two.
+Graded cells of uniform pressure on the patches, Gauss-Seidel for the pressure, conjugate gradients of Polak and
+Ribiere on the edges (references/paper_method).  Its second-order error is taken away by extrapolation, (4 fine -
+coarse) / 3; U is the change of the extrapolation by one level, from three grids that are each half as fine as the
+next.  On the rough path the method starts from first touch and makes its own contacts.  On the state with many patches
+it starts from edges moved at random by up to a twentieth of the patch or gap beside them.  Finite elements cannot
+reach either of these two.
 """
 
 import numpy as np
@@ -29,7 +30,7 @@ def surface_of(name, tables):
     """Return the surface as the paper's method takes it: raw numbers."""
     problem = problem_of(posed(name, **tables), "the paper's method", "layer", "adhesion")
     return Surface(problem.youngs_modulus, problem.poisson_ratio, problem.period, problem.orders, problem.amplitudes,
-                   problem.phases, problem.work_of_adhesion, problem.slope_term, problem.thickness)  # fmt: skip
+                   problem.phases, problem.work_of_adhesion or 0.0, problem.slope_term, problem.thickness)  # fmt: skip
 
 
 def limit(coarse, middle, fine):
@@ -69,7 +70,7 @@ def audit(rows, state, surface, edges, cells):
     rows.curves("Contact fraction of the paper's method less that of boundary elements", "cells", "difference",
                 {"paper's method": (sizes, [abs(each.contact_fraction - state.contact_fraction) for each in states]),
                  "second order": (sizes, [abs(states[-1].contact_fraction - state.contact_fraction)
-                                          * (sizes[-1] / n) ** 2 for n in sizes])}, "xy")  # fmt: skip
+                                          * (sizes[-1] / n) ** 2 for n in sizes])}, log="xy")  # fmt: skip
 
 
 @pytest.mark.quick

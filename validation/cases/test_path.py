@@ -1,6 +1,7 @@
 """Paths: independent of the increment, the first of several states at a load, patches that stand beside a detachment.
 
-Rough profile of 100 harmonics (Hurst exponent 0.7, h_rms = 50 um, period 10 mm, E = 1 MPa, nu = 0.5), loaded and unloaded.
+Rough profile of 100 harmonics (Hurst exponent 0.7, h_rms = 50 um, period 10 mm, E = 1 MPa, nu = 0.5), loaded and
+unloaded.
 
 A wave with a ripple whose crests come in pairs of nearly equal height: when one of a pair detaches, the other patch
 shrinks before it comes to rest.  Seven equal crests lose their symmetry on unloading; which patches detach follows from
@@ -42,8 +43,9 @@ def test_increment(rows):
     ):  # fmt: skip
         for name, (quantity, unit) in names.items():
             value, reference = (np.nan_to_num(values(each, name)) for each in (states, others))
-            finer.compare(f"{name.replace('_', ' ').replace('n patches', 'patches')} of every {place}", value, reference,
-                          quantity=quantity, unit=unit, required=1e-9 * np.max(np.abs(reference)),
+            words = name.replace("n_patches", "patches").replace("_", " ")
+            finer.compare(f"{words} of every {place}", value, reference, quantity=quantity, unit=unit,
+                          required=1e-9 * np.max(np.abs(reference)),
                           because="nine digits: events are located, not stepped over")  # fmt: skip
     rows.count("evaluations", sum(state.evaluations for state in coarse.states), of=Code.BEM)
     rows.curves("Contact fraction at targets for two increments", "separation / um", "contact fraction",
@@ -58,12 +60,12 @@ def test_first_state_at_a_load(rows):
     adhesion = {"work_of_adhesion": 0.05}
     twice = {1381.208: 61.8e-6, 3558.97: 48.3e-6}  # Pa, and a separation between the two states of that load
     stops, spacing = (70e-6, 56e-6, 42e-6), 0.05e-6
+    loads = sorted([*twice, 2000.0, 2002.0])  # the last two within one increment
     loading = {"start": stops[0], "stop": stops[2], "count": 3, "then_back_to": stops[0], "targets": None,
-               "at_mean_pressures": [*twice, 2000.0, 2002.0]}  # fmt: skip
+               "at_mean_pressures": loads}  # fmt: skip
     states = solved("rough_100", adhesion=adhesion, loading=loading).targets
-    asked = [[abs(state.mean_pressure / load - 1) < 1e-6 for load in loading["at_mean_pressures"]] for state in states]
+    asked = [[abs(state.mean_pressure / load - 1) < 1e-6 for load in loads] for state in states]
     at_load = np.any(asked, axis=1)
-    loads = sorted(loading["at_mean_pressures"])
     scene = rows.between(Code.BEM, Code.IDENTITY, "the scene", "construction")
     scene.compare("mean pressures asked for, in order", values(states, "mean_pressure")[at_load],
                   [*loads, *loads[::-1]], quantity=Quantity.PRESSURE, unit="Pa", required=1e-8,
@@ -72,13 +74,15 @@ def test_first_state_at_a_load(rows):
                   [*stops, *stops[-2::-1]], quantity=Quantity.LENGTH, unit="m", required=1e-15,
                   because="rounding")  # fmt: skip
     first, bracketed = [], []
-    for index, (load, middle) in enumerate(twice.items()):
+    for load, middle in twice.items():
         near = (middle + spacing * np.arange(8, -9, -1)).tolist()
         path = solved("rough_100", adhesion=adhesion, loading={"targets": [stops[0], *near]}).targets
         before, after = next(pair for pair in pairwise(path) if pair[0].mean_pressure < load <= pair[1].mean_pressure)
         share = (load - before.mean_pressure) / (after.mean_pressure - before.mean_pressure)
         bracketed.append(before.contact_fraction + share * (after.contact_fraction - before.contact_fraction))
-        first.append(next(state.contact_fraction for state, of in zip(states, asked, strict=True) if of[index]))
+        first.append(
+            next(state.contact_fraction for state, of in zip(states, asked, strict=True) if of[loads.index(load)])
+        )
     scene.compare("contact fraction at loads that occur twice", first, bracketed, quantity=Quantity.AREA,
                   required=1e-3 * np.array(bracketed), because="linear between states 0.05 um apart, next to a fold",
                   source="states between which the load is first passed")  # fmt: skip
@@ -102,8 +106,8 @@ class Ripples:
     def state(self, edges, penetration):
         """Return the state of given patches, (n, 2) in m, at a penetration in m."""
         profile = bem.Profile.from_harmonics(0.01, self.orders, self.amplitudes, self.phases)
-        return bem.ContactState(profile, bem.Solid(1e6, 0.5), edges, penetration, adhesion=bem.Adhesion(self.work, False),
-                                tolerance=1e-8)  # fmt: skip
+        solid, adhesion = bem.Solid(1e6, 0.5), bem.Adhesion(self.work, False)
+        return bem.ContactState(profile, solid, edges, penetration, adhesion=adhesion, tolerance=1e-8)
 
     def relaxed(self, edges, penetration):
         """Return edges at rest, (n, 2) in m, by the overdamped motion from given ones."""

@@ -1,14 +1,15 @@
 """One rough profile where all three codes answer: boundary elements, finite elements, and Persson's theory.
 
-A self-affine profile (H = 0.7, h_rms = 50 um, period 10 mm) of 8 or 20 harmonics without adhesion at 0.01 E* on a layer of
-two periods, which is a half-space to 1e-8; E = 1 MPa, nu = 0.5.  Both solvers answer for one realisation and are compared
-as in bem_beside_fem.py.  The theory knows the spectrum, not the realisation: it is compared with means over twelve
-realisations by boundary elements, whose ratio is a known deviation.  With 8 harmonics the mesh has 12 cells: with 10,
-two values are off by 1.2 and 1.6 of the uncertainty stated (fem_reference/README.md).
+A self-affine profile (H = 0.7, h_rms = 50 um, period 10 mm) of 8 or 20 harmonics without adhesion at 0.01 E* on a
+layer of two periods, which is a half-space to 1e-8; E = 1 MPa, nu = 0.5.  Both solvers answer for one realisation and
+are compared as in bem_beside_fem.py.  The theory knows the spectrum, not the realisation: it is compared with means
+over twelve realisations by boundary elements, whose ratio is a known deviation.  With 8 harmonics the mesh has 12
+cells: with 10, two values are off by 1.2 and 1.6 of the uncertainty stated (fem_reference/README.md).
 """
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 
 from validation.cases.bem_beside_fem import compare_equilibria, figure
 from validation.plugin.rows import Code, Quantity
@@ -42,7 +43,7 @@ def test_rough_profile(rows, harmonics, elements, bands):
     ensemble = [solved("rough_100", **tables(harmonics, seed, LOADS)).targets for seed in range(REALISATIONS)]
     alone = posed("rough_100", **tables(harmonics, SEED, LOADS, layer=False))
     theory = [persson_contact(alone, load * MODULUS) for load in LOADS]
-    ratios = {}
+    ratios: dict[str, tuple[ArrayLike, ArrayLike]] = {}
     for name, quantity in QUANTITIES.items():
         answers, expected = np.array([values(states, name) for states in ensemble]), values(theory, name)
         spread = 2 * answers.std(axis=0, ddof=1) / np.sqrt(REALISATIONS)

@@ -4,10 +4,10 @@
     gamma_eff A = gamma A(1) M - U_el(V),  V = S / 4 in units of E*, S the slope variance resolved.
 
 Route 1: conservative finite volumes on the moving domain.  Route 2: a Volterra integral equation for the flux at the
-barrier, N(-D(V) / sqrt V) = int N(-(D(V) - D(U)) / sqrt(V - U)) dF(U), D = sigma_0 + a, F = 1 - A.  The routes share the
-spectrum and the effective work, so that their rows hold by construction; without adhesion the closed forms stand against
-quadrature of their definitions.  E = 1 MPa, nu = 0.5, gamma = 0.03 J/m^2.  Sources: Persson, J. Chem. Phys. 115 (2001)
-3840; Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65; Peskir, J. Theor. Probab. 15 (2002) 1.
+barrier, N(-D(V) / sqrt V) = int N(-(D(V) - D(U)) / sqrt(V - U)) dF(U), D = sigma_0 + a, F = 1 - A.  The routes share
+the spectrum and the effective work, so that their rows hold by construction; without adhesion the closed forms stand
+against quadrature of their definitions.  E = 1 MPa, nu = 0.5, gamma = 0.03 J/m^2.  Sources: Persson, J. Chem. Phys.
+115 (2001) 3840; Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65; Peskir, J. Theor. Probab. 15 (2002) 1.
 """
 
 import numpy as np
@@ -21,7 +21,7 @@ from validation.plugin.rows import Code, Quantity
 E, NU, Q0 = 1e6, 0.5, 2 * np.pi / 0.01
 MODULUS = E / (1 - NU**2)
 FIVE_DIGITS = "five digits: a mean-field theory is off by tens of per cent"
-SPECTRA = {  # one rms height of 50 um
+SPECTRA: dict[str, persson.DiscreteSpectrum | persson.ContinuousSpectrum] = {  # one rms height of 50 um
     "1000 lines, H = 0.7": persson.DiscreteSpectrum.self_affine(Q0, 0.7, 50e-6, 1000),
     "300 lines, H = 0.5": persson.DiscreteSpectrum.self_affine(Q0, 0.5, 50e-6, 300),
     "power spectrum, H = 0.7": persson.ContinuousSpectrum.self_affine(Q0, 1000 * Q0, 0.7, 50e-6),
@@ -73,7 +73,7 @@ def test_two_routes(rows, spectrum):
                  quantity=Quantity.AREA, kind="construction", required=1e-5 * integral, because=FIVE_DIGITS,
                  source="integral equation")  # fmt: skip
     rows.curves("Area of the theory with adhesion by two routes", "load / E*", "A / A0",
-                {"finite volumes": (loads, volumes), "integral equation": (loads, integral)}, "xy")  # fmt: skip
+                {"finite volumes": (loads, volumes), "integral equation": (loads, integral)}, log="xy")  # fmt: skip
 
 
 @pytest.mark.quick
@@ -117,7 +117,7 @@ def test_load_balance(rows, spectrum):
                  by=Code.IDENTITY, quantity=Quantity.PRESSURE, kind="construction", required=1e-5,
                  because=FIVE_DIGITS, source="stress absorbed at the barrier")  # fmt: skip
     rows.curves("Stress carried at each magnification, 0.02 E*", "q / q0", "int sigma P / sigma_0",
-                {"carried": (orders, carried), "1 + absorbed": (orders, due)}, "x")  # fmt: skip
+                {"carried": (orders, carried), "1 + absorbed": (orders, due)}, log="x")  # fmt: skip
 
 
 @pytest.mark.quick

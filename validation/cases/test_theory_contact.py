@@ -1,9 +1,10 @@
 """Persson's theory with adhesion: area over magnification, stresses, separation, power spectra, short wavelengths.
 
 Lines m q0, m = 1 to 1000, period 10 mm, H = 0.7, h_rms = 50 um; E = 1 MPa, nu = 0.5, gamma = 0.03 J/m^2.  Spectra over
-five decades: C_u = C A(q) / A0 ~ q^-(2 + H) and C_sigma = (E* q / 2)^2 C_u ~ q^-H where the effective work of adhesion is
-negative; for H > 1/2 contact at short wavelengths becomes complete, without adhesion A ~ q^-(1 - H).  Sources: Carbone,
-Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65; Persson, Eur. Phys. J. E 8 (2002) 385; Phys. Rev. Lett. 99 (2007) 125502.
+five decades: C_u = C A(q) / A0 ~ q^-(2 + H) and C_sigma = (E* q / 2)^2 C_u ~ q^-H where the effective work of adhesion
+is negative; for H > 1/2 contact at short wavelengths becomes complete, without adhesion A ~ q^-(1 - H).  Sources:
+Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65; Persson, Eur. Phys. J. E 8 (2002) 385; Phys. Rev. Lett. 99
+(2007) 125502.
 """
 
 import numpy as np
@@ -47,11 +48,11 @@ def test_magnification(rows):
                 {f"{load} E*": (zeta, [state.contact_fraction_at(z * Q0) for z in zeta])
                  for load, state in states.items()}
                 | {f"{load} E*, no adhesion": (zeta, [dry(LINES, load).contact_fraction_at(z * Q0) for z in zeta])
-                   for load in states}, "xy")  # fmt: skip
+                   for load in states}, log="xy")  # fmt: skip
     variances = [LINES.resolved_variance(z * Q0) for z in zeta]
     rows.curves("Effective work of adhesion at each magnification", "zeta = q / q0", "gamma_eff / gamma",
                 {f"{load} E*": (zeta, np.interp(variances, s.slope_variances, s.effective_work) / s.work_of_adhesion)
-                 for load, s in states.items()}, "x")  # fmt: skip
+                 for load, s in states.items()}, log="x")  # fmt: skip
 
 
 @pytest.mark.quick
@@ -98,7 +99,7 @@ def test_work_of_the_load(rows):
     wet = np.array([adhesive(LINES, load, with_separation=True).separation for load in loads]) / LINES.h_rms
     without = np.array([dry(LINES, load).separation for load in loads]) / LINES.h_rms
     rows.curves("Load against separation of the mean planes", "separation / h_rms", "load / E*",
-                {"with adhesion": (wet, loads), "no adhesion": (without, loads)}, "y")  # fmt: skip
+                {"with adhesion": (wet, loads), "no adhesion": (without, loads)}, log="y")  # fmt: skip
 
 
 @pytest.mark.quick
@@ -117,7 +118,7 @@ def test_power_laws(rows):
     rows.curves("Power spectra at 0.005 E*, H = 0.7", "q / q0", "C / C(q0)",
                 {"profile": (q / Q0, spectrum.power / unit),
                  "displacement, with adhesion": (q / Q0, state.displacement_power() / unit),
-                 "displacement, no adhesion": (q / Q0, without.displacement_power() / unit)}, "xy")  # fmt: skip
+                 "displacement, no adhesion": (q / Q0, without.displacement_power() / unit)}, log="xy")  # fmt: skip
 
 
 @pytest.mark.quick
@@ -138,4 +139,4 @@ def test_contact_at_short_wavelengths(rows):
                uncertainty=(1e-4, 0.0), source=PAPER,
                cause="for H < 1/2 adhesion loses against the elastic energy of ever finer roughness")  # fmt: skip
     rows.curves("Contact fraction over magnification, h_rms = 5 um, 0.02 E*", "q / q0", "A / A0", curves,
-                "xy")  # fmt: skip
+                log="xy")  # fmt: skip

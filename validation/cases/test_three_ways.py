@@ -1,9 +1,10 @@
 """One adhesive wave three ways: boundary elements, finite elements and Johnson's closed form, any two compared.
 
-h = D cos(q0 x), D = 50 um, period 10 mm, E = 1 MPa, nu = 0.3, work of adhesion by Johnson's alpha = 0.3.  Both codes get
-the mean pressure of the contact fraction 0.5, p = p* [sin^2 psi - alpha sqrt(tan psi)], psi = pi/4, and find their own
-edges.  The layer of three periods is a half-space to 1e-12.  Fields are compared on the inner 0.8 of the contact
-(pressure) and farther from the edges than a tenth of the gap (gap).  Source: Johnson, Int. J. Solids Struct. 32 (1995) 423.
+h = D cos(q0 x), D = 50 um, period 10 mm, E = 1 MPa, nu = 0.3, work of adhesion by Johnson's alpha = 0.3.  Both codes
+get the mean pressure of the contact fraction 0.5, p = p* [sin^2 psi - alpha sqrt(tan psi)], psi = pi/4, and find their
+own edges.  The layer of three periods is a half-space to 1e-12.  Fields are compared on the inner 0.8 of the contact
+(pressure) and farther from the edges than a tenth of the gap (gap).  Source: Johnson, Int. J. Solids Struct. 32 (1995)
+423.
 """
 
 import numpy as np
@@ -96,7 +97,8 @@ def test_fields_agree_at_points(rows, state, fem):
          np.max(np.asarray(fem.uncertainty["gap"])[outside])),
     ):  # fmt: skip
         rows.compare(name, ours, exact, of=Code.BEM, by=Code.EXACT, quantity=Quantity.POINTS, unit=unit,
-                     uncertainty=1e-9 * scale, required=1e-10 * scale, because=TEN_DIGITS, source="Johnson 1995")  # fmt: skip
+                     uncertainty=1e-9 * scale, required=1e-10 * scale, because=TEN_DIGITS,
+                     source="Johnson 1995")  # fmt: skip
         rows.compare(name, theirs, exact, of=Code.FEM, by=Code.EXACT, quantity=Quantity.POINTS, unit=unit,
                      uncertainty=(spread, HALF_SPACE * scale), source="Johnson 1995")  # fmt: skip
         rows.compare(name, ours, theirs, of=Code.BEM, by=Code.FEM, quantity=Quantity.POINTS, unit=unit,

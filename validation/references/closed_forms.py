@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
-from validation.references.waves import FloatArray
+from validation.harness.arrays import FloatArray
 
 
 @dataclass(frozen=True)

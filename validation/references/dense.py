@@ -29,13 +29,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
+from validation.harness.arrays import FloatArray, IntArray
 from validation.references.closed_forms import layer_ratio
-from validation.references.waves import FloatArray, Harmonics, Waves
+from validation.references.waves import Harmonics, Waves
 
-IntArray = NDArray[np.int64]
 NEGLIGIBLE = 1e-18  # (1 - ratio) / m beyond which modes of the layer are those of the half-space
 BLOCK = 2048  # modes of a layer that are summed at a time
 
@@ -85,13 +84,13 @@ class LayerKernel:
 
 
 def layer_nodes(left: FloatArray, right: FloatArray, depth: float, tolerance: float = 1e-14) -> IntArray:
-    """Return nodes per patch that resolve the kernel of a layer, (L,): Bernstein's ellipse through its poles at 2i d."""
+    """Return nodes per patch that resolve the kernel of a layer, (L,): Bernstein's ellipse through 2i depth."""
     return np.asarray(np.ceil(-np.log(tolerance) / np.arcsinh(4 * depth / (right - left))), dtype=np.int64)
 
 
 @dataclass(frozen=True, eq=False)
 class Pressure:
-    """Chebyshev series of the pressure, sigma(c + r t) = sum_n charges[i][n] T_n(t) / (r_i sqrt(1 - t^2)) on patch i."""
+    """Chebyshev series of the pressure: sigma(c + r t) = sum_n charges[i][n] T_n(t) / (r sqrt(1 - t^2)) on patch i."""
 
     left: FloatArray
     right: FloatArray
@@ -249,7 +248,7 @@ def _with_edges(
 def _kernel_and_slope(
     x: FloatArray, blocks: list[slice], grids: list[FloatArray], radius: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return log|2 sin((x_k - x_j)/2)| acting on charges, and 1/2 cot((x_k - x_j)/2) with a zero diagonal, (n, n) each."""
+    """Return log|2 sin((x_k - x_j)/2)| for charges, and 1/2 cot((x_k - x_j)/2) with a zero diagonal, (n, n) each."""
     half = np.subtract.outer(x, x) / 2
     np.fill_diagonal(half, np.pi / 2)
     slope = 0.5 / np.tan(half)

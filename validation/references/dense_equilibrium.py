@@ -13,18 +13,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from validation.harness.arrays import FloatArray, IntArray
 from validation.harness.route import Problem
 from validation.references.closed_forms import uniform_compliance
 from validation.references.dense import (
     DenseState,
-    IntArray,
     LayerKernel,
     SmoothKernel,
     dense_nodes,
     evaluate_dense,
     layer_nodes,
 )
-from validation.references.waves import FloatArray, Waves
+from validation.references.waves import Waves
 
 STEPS, FAR_STEPS = 8, 60
 FARTHEST = 0.3  # of the edge scale, where Newton starts far away
@@ -55,7 +55,7 @@ class Interface:
         return 2 * np.sqrt(work), self.gamma**2 * rise / work**1.5
 
     def energy(self, left: FloatArray, right: FloatArray) -> float:
-        """Return -int w dx by Gauss-Legendre on panels shorter than the shortest wave, and than kinks of w on crests."""
+        """Return -int w dx by Gauss-Legendre on panels shorter than waves and than kinks of w on crests."""
         node, weight = QUADRATURE
         steepest = self.slope * float(np.abs(self.profile.amplitudes) @ self.profile.orders)
         total = 0.0
@@ -152,7 +152,7 @@ def converged(
     weights: tuple[float, float],
     far: bool = False,
 ) -> tuple[FloatArray, FloatArray, DenseState, int]:
-    """Return edges and state of the equilibrium next to given edges, or far from them, and how often it was evaluated."""
+    """Return edges and state of the equilibrium next to given edges, or far from them, and the evaluations."""
     alpha, beta = weights
     count = left.size
     smallest = np.inf

@@ -20,8 +20,9 @@ from functools import cached_property, partial
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
+from validation.harness.arrays import FloatArray
 from validation.references.one_patch import OnePatch
-from validation.references.waves import FloatArray, Waves
+from validation.references.waves import Waves
 
 PERIOD, MODULUS, AMPLITUDE = 0.01, 1e6 / 0.75, 1e-4
 MOST = 0.6  # contact fraction beyond which nothing is looked for

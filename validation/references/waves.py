@@ -8,9 +8,9 @@ from functools import cached_property
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-FloatArray = NDArray[np.float64]
+from validation.harness.arrays import FloatArray, IntArray
 
 POINTS = 16  # samples per shortest wavelength, from which Newton's rule for extremes starts
 STEPS = 12  # of Newton's rule; it takes five
@@ -22,7 +22,7 @@ class Harmonics(Protocol):
     @property
     def period(self) -> float: ...  # noqa: D102
     @property
-    def orders(self) -> NDArray[np.int64]: ...  # noqa: D102
+    def orders(self) -> IntArray: ...  # noqa: D102
     @property
     def amplitudes(self) -> FloatArray: ...  # noqa: D102
     @property
@@ -41,7 +41,7 @@ class Waves:
     """
 
     period: float
-    orders: NDArray[np.int64]
+    orders: IntArray
     amplitudes: FloatArray
     phases: FloatArray
 
@@ -50,7 +50,7 @@ class Waves:
         """Return the waves of anything that has a period, orders, amplitudes and phases."""
         if isinstance(profile, Waves):
             return profile
-        return cls(profile.period, *(np.asarray(each) for each in (profile.orders, profile.amplitudes, profile.phases)))
+        return cls(profile.period, profile.orders, profile.amplitudes, profile.phases)
 
     def height(self, x: ArrayLike, derivative: int = 0) -> FloatArray:
         """Return h, or a derivative of it, at positions of any shape."""

@@ -27,7 +27,7 @@ from validation.references.paper_problem import (
     self_affine,
     up_to,
 )
-from validation.references.paper_sketch import sketch_scene
+from validation.replicate.paper_sketch import sketch_scene
 
 LOADS = (0.001, 0.0025, 0.005, 0.0075, 0.01, 0.0125, 0.015, 0.0175, 0.02, 0.0225, 0.025)  # of E*
 SPECTRA_AT = (0.005, 0.02)  # of E*
@@ -67,7 +67,7 @@ def shapes(size: Size) -> Member:
     """The first realisation with a crest above `HIGHEST_CREST`, through `SHAPES_AT`."""
     surfaces = (Profile.self_affine(PERIOD, HURST, RMS_HEIGHT, size.harmonics, k) for k in range(1000))
     seed = next(k for k, surface in enumerate(surfaces) if surface.max_height > HIGHEST_CREST)
-    loading = {"control": "separation", "targets": [SHAPES_AT[-1]]}
+    loading = {"control": "separation", "targets": list(SHAPES_AT)}
     output = {"shapes": list(SHAPES_AT), "spectra": True}
     return _member(f"shapes-{seed:02d}", seed, HURST, size.harmonics, loading, output)
 

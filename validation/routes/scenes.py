@@ -27,12 +27,12 @@ def scene_text(name: str) -> str:
     return resources.files("validation.cases").joinpath(f"scenes/{name}.toml").read_text("utf-8")
 
 
-def posed(name: str, **tables: Mapping[str, Any] | None) -> Scene:
+def posed(name: str, **tables: Any) -> Scene:
     """Return a scene of validation/cases/scenes with some keys changed; None removes a table or a key."""
     return parse_scene(changed(tomllib.loads(scene_text(name)), tables))
 
 
-def solved(name: str, **tables: Mapping[str, Any] | None) -> Result:
+def solved(name: str, **tables: Any) -> Result:
     """Solve a scene of validation/cases/scenes with some keys changed; AssertionError where it does not converge."""
     result = bem.solve(posed(name, **tables))
     assert result.status == "converged", f"{name}: {result.status}: {result.failure}"

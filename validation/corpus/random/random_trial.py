@@ -26,7 +26,8 @@ from validation.corpus.hard.hard_case_run import Finding
 from validation.corpus.hard.scene_case import SceneCase
 from validation.corpus.random.random_scenes import Drawn, draw
 from validation.references.dense import dense_nodes
-from validation.references.dense_equilibrium import NoReferenceError, reference
+from validation.references.dense_equilibrium import NoReferenceError
+from validation.routes.dense_algebra import reference
 
 COPIES: tuple[Callable[[Solved], Copy | None], ...] = (
     copies.scaled,
@@ -133,7 +134,7 @@ def dense_route(solved: Solved) -> Iterator[Finding]:
         goal = getattr(state, scene.loading.control)
         nearest = min(scene.loading.targets, key=lambda target: abs(target - goal))
         at = nearest if abs(nearest - goal) <= 1e-9 * units.unit(scene) else goal
-        posed = replace(scene, loading=scene.loading.model_copy(update={"targets": (at,)}))
+        posed = replace(scene, loading=replace(scene.loading, targets=(at,)))
         try:
             known = reference(posed, state)
         except (NoReferenceError, np.linalg.LinAlgError, ValueError) as error:

@@ -1,0 +1,95 @@
+"""`bem.solve` of a file, a mapping, a scene and objects: the same scene, and one clear refusal of what is none."""
+
+import numpy as np
+import pytest
+
+import bem
+from bem.scene.scene import scene_of
+
+FILE = """
+title = "wave"
+[solid]
+youngs_modulus = 1e6
+poisson_ratio = 0.5
+[profile]
+kind = "harmonics"
+period = 0.01
+orders = [1, 3]
+amplitudes = [1e-4, 2e-5]
+phases = [0.1, 0.2]
+[layer]
+thickness = 1e-3
+[adhesion]
+work_of_adhesion = 0.03
+slope_term = true
+[loading]
+control = "separation"
+targets = [8e-5, 7e-5]
+"""
+OBJECTS = {
+    "title": "wave",
+    "solid": bem.Solid(1e6, 0.5),
+    "profile": bem.Profile.from_harmonics(0.01, [1, 3], [1e-4, 2e-5], [0.1, 0.2]),
+    "layer": bem.Layer(1e-3),
+    "adhesion": bem.Adhesion(0.03, slope_term=True),
+    "loading": {"control": "separation", "targets": np.array([8e-5, 7e-5])},
+}
+
+
+@pytest.fixture
+def path(tmp_path):
+    (tmp_path / "scene.toml").write_text(FILE)
+    return tmp_path / "scene.toml"
+
+
+@pytest.mark.parametrize("kind", [str, lambda path: path, bem.load_scene, lambda path: OBJECTS], ids=range(4))
+def test_however_it_is_given_it_is_the_same_scene(path, kind):
+    assert scene_of(kind(path), {}).resolved() == bem.load_scene(path).resolved()
+    assert scene_of(None, OBJECTS).resolved() == bem.load_scene(path).resolved()
+
+
+def test_objects_are_solved_like_their_file(path):
+    by_file, by_objects = bem.solve(path), bem.solve(**OBJECTS)
+    assert by_file.status == "converged"
+    assert [state.mean_pressure for state in by_file.states] == [state.mean_pressure for state in by_objects.states]
+
+
+def test_tables_that_are_none_are_absent():
+    scene = scene_of(None, OBJECTS | {"layer": None, "adhesion": None})
+    assert (scene.layer, scene.adhesion) == (None, None)
+
+
+@pytest.mark.parametrize(("scene", "tables"), [(None, {}), (OBJECTS, {"layer": None})], ids=["neither", "both"])
+def test_a_scene_or_tables_are_needed(scene, tables):
+    with pytest.raises(TypeError, match="a scene, its file or its tables"):
+        bem.solve(scene, **tables)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"layers": bem.Layer(1e-3)}, 'did you mean "layer"'),
+        ({"layer": bem.Solid(1e6, 0.5)}, "layer.youngs_modulus .* is unknown"),
+        ({"profile": None}, r"\[profile\] is missing"),
+        ({"loading": {"control": "separation", "targets": np.array([np.nan])}}, r"loading.targets\[0\] = NaN"),
+    ],
+    ids=["name", "kind", "missing", "nan"],
+)
+def test_mistakes_are_those_of_a_scene(changes, said):
+    with pytest.raises(bem.SceneError, match=said):
+        bem.solve(**OBJECTS | changes)
+
+
+@pytest.mark.parametrize(
+    ("scene", "tables", "said"),
+    [
+        (3, {}, "scene = 3, int: "),
+        (OBJECTS, {"profile": OBJECTS["profile"]}, "^profile= beside a whole scene: "),
+        (OBJECTS, {"nonsense": 3}, "^nonsense= unknown: "),
+        (OBJECTS, {"nonsense": 3, "title": "a"}, "^nonsense= unknown and title= beside a whole scene: "),
+    ],
+    ids=["type", "clash", "unknown", "unknown and clash"],
+)
+def test_what_is_wrong_is_named(scene, tables, said):
+    with pytest.raises(TypeError, match=said):
+        bem.solve(scene, **tables)
