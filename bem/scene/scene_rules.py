@@ -6,7 +6,6 @@ Works on plain values of the keys that are valid by themselves (`values`), and o
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -16,10 +15,11 @@ from bem.geometry.profile import Profile
 from bem.geometry.ranges import Mistake as Mistake
 from bem.geometry.ranges import harmonic_mistakes
 from bem.geometry.ranges import shown as shown
+from bem.geometry.ranges import unknown_key as unknown_key
 from bem.scans.scan_keys import CUTOFFS, DEFAULTS, SCAN_KEYS
 
 if TYPE_CHECKING:
-    from bem.scans.scan_preparation import Scan
+    from bem.scans.prepared_scan import Scan
 
 SAMPLED_HARMONICS = 1000  # format: default cut of a scan that is not filtered
 REQUIRED = {
@@ -64,15 +64,6 @@ def as_said(limit: float) -> float:
     return float(f"{limit:g}")
 
 
-REMOVED = {"output.cut_sensitivity": "leave it out: `linecontact study scene` solves the scene with other cuts"}
-
-
-def unknown_key(name: str, known: Collection[str]) -> str:
-    """What is allowed instead of an unknown key: the closest one, or all."""
-    close = difflib.get_close_matches(name, known, n=1, cutoff=0.4)
-    return f'did you mean "{close[0]}"?' if close else "one of " + ", ".join(known)
-
-
 def profile_mistakes(values: Mapping[str, Any], given: Collection[str]) -> Iterator[Mistake]:
     """Keys the kind of profile needs and does not use; lists that do not match."""
     kind = values.get("kind")
@@ -113,21 +104,18 @@ def loading_mistakes(
     values: Mapping[str, Any],
     given: Collection[str],
     tables: Collection[str],
-    shapes: Sequence[float],
     period: float | None,
 ) -> Iterator[Mistake]:
     """How the path is given, signs of separations, what the control and the initial state need.
 
-    `values` and `given` are of [loading], `tables` are the names of the tables present, `shapes` the values of
-    output.shapes; `period` is profile.period, if known.
+    `values` and `given` are of [loading], `tables` are the names of the tables present; `period` is profile.period, if
+    known.
     """
     yield from _path_mistakes(values, given)
     control = values.get("control")
     if control == "separation":
         for key in ("targets", "start", "stop", "then_back_to"):
             yield from _negative(f"loading.{key}", values.get(key))
-    if control in ("separation", "penetration"):
-        yield from _negative("output.shapes", shapes)
     if control == "total_displacement" and "layer" not in tables:
         yield Mistake(
             "loading.control",

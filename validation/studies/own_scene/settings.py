@@ -15,13 +15,15 @@ from typing import Any, Literal
 
 import numpy as np
 
-from bem.scans.scan_file import RawScan, read_scan
+from bem.geometry.table import plain
+from bem.scans.read_scan import RawScan, read_scan
 from bem.scans.scan_keys import SCAN_KEYS
 from bem.scene.atomic_file import write_atomically
-from bem.scene.plausibility import LARGEST_JUMP, TILTED
 from bem.scene.scene import Scene, parse_scene
 from validation.references.adapters import changed
 
+LARGEST_JUMP = 3.0  # rms steps at the end of the period
+TILTED = 2.0  # rms heights without the tilt; a wave of one period has 1.6
 Kind = Literal["base", "numerical", "input", "model"]
 Tables = dict[str, Any]
 
@@ -176,7 +178,7 @@ def _windows(scene: Scene, tables: Tables, base: Path) -> Changes:
 def _periods(scene: Scene, places: tuple[Path, Path]) -> Changes:
     """Halves of a scan in place of the whole, with the same shortest wavelength."""
     base, parts = places
-    raw = read_scan(base / str(scene.profile.file), scene.profile.model_dump(exclude_none=True))
+    raw = read_scan(base / str(scene.profile.file), plain(scene.profile))
     middle = raw.h.size // 2
     for name, part in (("first half", slice(0, middle)), ("second half", slice(middle, None))):
         path = parts / f"{name.replace(' ', '-')}.txt"
