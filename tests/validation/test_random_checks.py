@@ -18,7 +18,7 @@ from validation.corpus.hard.any_result import AT_EVENTS, Solved, balances, findi
 from validation.corpus.hard.hard_case_run import run
 from validation.corpus.hard.hard_case_scenes import rough, scene, waves
 from validation.corpus.random import random_trial as trial
-from validation.corpus.random.random_scenes import Drawn
+from validation.corpus.random_scenes import Drawn
 from validation.references.dense_equilibrium import Interface
 
 WAVES = waves([1, 3], [40e-6, 15e-6]) | {"phases": [0.3, 1.0]}

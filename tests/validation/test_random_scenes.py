@@ -7,7 +7,7 @@ import pytest
 
 from bem.scene.scene import SceneError, load_scene, parse_scene
 from validation.corpus.hard.hard_case_run import run
-from validation.corpus.random.random_scenes import EXTREMES, MISTAKES, draw
+from validation.corpus.random_scenes import EXTREMES, MISTAKES, draw
 from validation.corpus.random.random_trial import asked, case_of
 
 MANY = 800

@@ -1,8 +1,8 @@
 """Hard scenes of the boundary elements as data: what each asks for, what must come out, and why it is hard.
 
 The expectation stands here before anything runs: the status of every target ("converged" unless stated) and the events
-that must occur.  The rough profile is that of Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65: period 0.01 m,
-H = 0.7, rms height 50 um, E = 1 MPa, nu = 0.5, 0.03 J/m^2.  SI units.
+that must occur.  The rough profile is that of Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65: period
+0.01 m, H = 0.7, rms height 50 um, E = 1 MPa, nu = 0.5, 0.03 J/m^2.  SI units.
 """
 
 from collections.abc import Iterator
@@ -155,8 +155,8 @@ def ends_of_the_path() -> Iterator[Hard]:
                scene(waves([1, 2], [1e-4, 1e-4]), "mean_pressure", [86393.687, 86393.7934, 86393.797]),
                checks=("closing gaps",), level="quick")  # fmt: skip
     for work in (WORK, None):
-        yield Hard(f"flat{'' if work else ', dry'}", "nothing to solve",
-                   scene(waves([1], [0.0]), "mean_pressure", [1e3], work), ("complete_contact",), level="quick")  # fmt: skip
+        flat = scene(waves([1], [0.0]), "mean_pressure", [1e3], work)
+        yield Hard(f"flat{'' if work else ', dry'}", "nothing to solve", flat, ("complete_contact",), level="quick")
 
 
 def swept() -> Iterator[Hard]:
@@ -174,16 +174,16 @@ def swept() -> Iterator[Hard]:
         yield Hard(f"rms height {height:g}", "nanometres to millimetres: adhesion from dominant to negligible",
                    scene(profile, "separation", targets, WORK, True))  # fmt: skip
     for hurst in (0.01, 0.99):
-        for work in (WORK, None):
-            yield Hard(f"H = {hurst:g}{'' if work else ', dry'}", "roughness at the shortest wavelengths, or hardly any",
-                       scene(rough(60, hurst), "separation", [50e-6, 30e-6], work))  # fmt: skip
+        for gamma in (WORK, None):
+            yield Hard(f"H = {hurst:g}{'' if gamma else ', dry'}", "roughness at short wavelengths only, or hardly any",
+                       scene(rough(60, hurst), "separation", [50e-6, 30e-6], gamma))  # fmt: skip
     for harmonics, level in ((1, "quick"), (10, "standard"), (125, "standard"), (1000, "full")):
         yield Hard(f"{harmonics} harmonics", "from one contact to hundreds",
                    sticky(harmonics, "separation", [60e-6, 40e-6]), level=level)  # fmt: skip
         yield Hard(f"{harmonics} harmonics, dry", "from one contact to hundreds of tiny ones",
                    scene(rough(harmonics), "separation", [60e-6, 40e-6]), level=level)  # fmt: skip
     for ratio in (-0.9, 0.0, 0.499999, 0.5):
-        for layer in ({}, {"thickness": 5e-4}):
+        for layer in (Table(), Table(thickness=5e-4)):
             yield Hard(f"nu = {ratio:g}{', layer' if layer else ''}", "near incompressibility, and auxetic",
                        scene(rough(20), "separation", [60e-6, 40e-6], WORK, poisson_ratio=ratio, **layer))  # fmt: skip
 

@@ -15,7 +15,7 @@ import numpy as np
 import bem
 from bem.scene.result import State
 from bem.scene.scene import Scene, SceneError, parse_scene
-from validation.corpus.random.random_scenes import Drawn, draw
+from validation.corpus.random_scenes import Drawn, draw
 from validation.plugin.rows import Code, Quantity, Rows
 from validation.plugin.study_report import Part, write_study
 from validation.references.dense import LayerKernel, dense_nodes
@@ -55,21 +55,23 @@ def judge(rows: Rows, drawn: Drawn, folder: Path) -> None:
     again = [s for s in bem.solve(parse_scene(drawn.tables | {"accuracy": accuracy}, folder)).targets
              if s.status == "converged"]  # fmt: skip
     known = [by_dense_algebra(scene, surface, state) for state in met]
-    chosen = [k for k, each in enumerate(known) if each]
+    confirmed = [(k, each) for k, each in enumerate(known) if each is not None]
     for name, (quantity, unit) in COLUMNS.items():
-        values, own = ([getattr(of, name) or 0.0 for of in each] for each in (met, [s.error_estimate for s in met]))
+        values = np.array([getattr(state, name) for state in met])
+        own = np.array([getattr(state.error_estimate, name) or 0.0 for state in met])
         scale = np.maximum(np.abs(values), natural(scene, surface)[name])
         rounding = 1e-10 * scale + (np.array(soft) if name == "mean_pressure" else 0.0)
         other = [getattr(state, name) for state in again]
         if len(other) == len(values):
-            own = np.maximum(own, [getattr(s.error_estimate, name) or 0.0 for s in again])
+            own = np.maximum(own, [getattr(state.error_estimate, name) or 0.0 for state in again])
         rows.compare(f"{name.replace('_', ' ')} at a third of the increment", values, other, of=Code.BEM,
                      by=Code.IDENTITY, quantity=quantity, unit=unit, kind="construction",
                      required=2 * (own + rounding), because="errors that both estimate")  # fmt: skip
-        if chosen:
-            rows.compare(name.replace("_", " "), np.array(values)[chosen], [known[k][name] for k in chosen],
-                         of=Code.BEM, by=Code.DENSE, quantity=quantity, unit=unit, source="equilibrium next to the edges",
-                         uncertainty=(np.array(own)[chosen], rounding[chosen]))  # fmt: skip
+        if confirmed:
+            at = [k for k, _ in confirmed]
+            rows.compare(name.replace("_", " "), values[at], [each[name] for _, each in confirmed], of=Code.BEM,
+                         by=Code.DENSE, quantity=quantity, unit=unit, source="equilibrium next to the edges",
+                         uncertainty=(own[at], rounding[at]))  # fmt: skip
 
 
 def ending(rows: Rows, words: str, expected: bool) -> None:

@@ -1,7 +1,7 @@
 """What does accuracy cost?  CPU seconds against true error of every route, measured in this run on one thread.
 
-The smooth problem is Johnson's adhesive wave (alpha = 0.3) at the load of contact fraction 1/2, exact.  The rough one has
-20 harmonics and adhesion along its true length, followed from first touch to one separation; its reference is the
+The smooth problem is Johnson's adhesive wave (alpha = 0.3) at the load of contact fraction 1/2, exact.  The rough one
+has 20 harmonics and adhesion along its true length, followed from first touch to one separation; its reference is the
 equilibrium by dense algebra on twice the nodes, next to the edges of the finest run.  Each setting runs three times in
 alternation; the median counts, and half the range is its spread.  Grid methods of other groups (extra `peers`) join
 where they are installed.  Every effect is priced against the scene without it.  SI units.
@@ -81,7 +81,8 @@ def rows_of_bem(rows, measured, exact, source, by, u_reference):
         state = result.targets[-1]
         rows.compare(f"contact fraction at tolerance {tolerance:g}", state.contact_fraction, exact, of=Code.BEM, by=by,
                      quantity=Quantity.AREA, uncertainty=(state.error_estimate.contact_fraction or 0.0, u_reference),
-                     required=max(tolerance, 1e-11) * exact, because="the tolerance asked for", source=source)  # fmt: skip
+                     required=max(tolerance, 1e-11) * exact, because="the tolerance asked for",
+                     source=source)  # fmt: skip
         work.append(sum(each.evaluations for each in result.states))
         rows.count(f"evaluations at tolerance {tolerance:g}", work[-1], of=Code.BEM)
     dearer = [f"{t:g}" for t, few, more in zip(TOLERANCES, work, work[1:], strict=False) if few > 1.2 * more]
@@ -97,23 +98,28 @@ def test_smooth_wave(rows):
     rows_of_bem(rows, ours, 0.5, "Johnson 1995", Code.EXACT, 0.0)
     given = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "period": 0.01, "harmonics": ([1], [50e-6], [0.0]),
              "work_of_adhesion": WAVE.work_of_adhesion, "control": "mean_pressure", "value": LOAD} | THICK  # fmt: skip
-    meshes = timed({f"P{order}, {cells} cells, {levels} halvings": lambda at=(order, cells, levels): fem_reference.solve(
-        **given, resolution=fem_reference.Resolution(*at)) for order, cells, levels in MESHES})  # fmt: skip
+    meshes = timed({"P{}, {} cells, {} halvings".format(*at): lambda at=at: fem_reference.solve(
+        **given, resolution=fem_reference.Resolution(*at)) for at in MESHES})  # fmt: skip
     problem = problem_of(bem.parse_scene(SMOOTH), "dense algebra", "adhesion")
     problem = Problem(
         **vars(problem) | {"control": "penetration", "targets": (DEPTH,), "asked": {"contact_fraction": {}}}
     )
     nodes = timed({f"{n} nodes": lambda n=n: dense_algebra.solve(problem, n) for n in NODES})
     name = "smooth wave"
+
+    def of_grid(answer):
+        return abs(answer.values["contact_fraction"][0] - 0.5) / 0.5
+
+    def of_state(state):
+        return abs(state.contact_fraction - 0.5) / 0.5
+
     curves = {
-        "boundary elements": price(rows, name, Code.BEM, ours, lambda r: abs(r.targets[-1].contact_fraction - 0.5) / 0.5),
-        "finite elements": price(rows, name, Code.FEM, meshes, lambda r: abs(r.contact_fraction - 0.5) / 0.5),
-        "dense algebra at a given penetration": price(rows, name, Code.DENSE, nodes,
-                                                      lambda a: abs(a.values["contact_fraction"][0] - 0.5) / 0.5),
+        "boundary elements": price(rows, name, Code.BEM, ours, lambda r: of_state(r.targets[-1])),
+        "finite elements": price(rows, name, Code.FEM, meshes, of_state),
+        "dense algebra at a given penetration": price(rows, name, Code.DENSE, nodes, of_grid),
     }  # fmt: skip
     if find_spec("Adhesion") and find_spec("ContactMechanics"):
-        curves["grid method (extra peers)"] = price(rows, name, Code.GRID, peers(problem),
-                                                    lambda a: abs(a.values["contact_fraction"][0] - 0.5) / 0.5)  # fmt: skip
+        curves["grid method (extra peers)"] = price(rows, name, Code.GRID, peers(problem), of_grid)
     rows.curves("Smooth adhesive wave: CPU seconds against true error", "relative error of the contact fraction",
                 "CPU seconds", {label: (*points, "points") for label, points in curves.items()}, log="xy",
                 front=True)  # fmt: skip

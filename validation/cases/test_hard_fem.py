@@ -1,9 +1,9 @@
 """Hard cases of the finite elements: thin and nearly incompressible layers, contacts that vanish or nearly close.
 
-Expected is the status of the result, or the argument that an error names.  Numbers are compared with closed forms at the
-contact fraction found (waves on a layer of two periods, a half-space to exp(-8 pi) = 1e-11: Westergaard, Johnson), with
-the elastic energy of complete contact, sum h_m^2 / (4 c(q_m)) per area, and with boundary elements at the same edges and
-penetration.  What U of the contact fraction or of the edges moves the reference by belongs to U.  SI units.
+Expected is the status of the result, or the argument that an error names.  Numbers are compared with closed forms at
+the contact fraction found (waves on a layer of two periods, a half-space to exp(-8 pi) = 1e-11: Westergaard, Johnson),
+with the elastic energy of complete contact, sum h_m^2 / (4 c(q_m)) per area, and with boundary elements at the same
+edges and penetration.  What U of the contact fraction or of the edges moves the reference by belongs to U.  SI units.
 """
 
 import numpy as np
@@ -125,4 +125,5 @@ def by_boundary_elements(rows, arguments, result):
     moved = abs(pressure(spread) - pressure(0.0)) if spread else 0.0
     rows.compare("mean pressure at the edges found", result.mean_pressure, pressure(0.0), of=Code.FEM, by=Code.BEM,
                  quantity=Quantity.PRESSURE, unit="Pa", source="elastic state at the same edges",
-                 uncertainty=(float(result.uncertainty["mean_pressure"]), moved + 1e-11 * abs(pressure(0.0))))  # fmt: skip
+                 uncertainty=(float(result.uncertainty["mean_pressure"]),
+                              moved + 1e-11 * abs(pressure(0.0))))  # fmt: skip

@@ -3,9 +3,9 @@
 Scenes and expectations stand in hard_scenes.py.  The elastic state at the stored edges of every target is evaluated by
 dense algebra (references/dense.py: own nodes and kernels); targets away from complete contact are solved anew next to
 the edges (references/dense_equilibrium.py), with U the change on twice the nodes and what rounding of the heights does
-through the stiffness of the state.  One wave is compared with Westergaard
-and Johnson; last gaps with isolated cracks in the pressure of complete contact (Tada, Paris, Irwin 2000).  Identities of
-states and events are rows by construction.  SI units.
+through the stiffness of the state.  One wave is compared with Westergaard and Johnson; last gaps with isolated cracks
+in the pressure of complete contact (Tada, Paris, Irwin 2000).  Identities of states and events are rows by
+construction.  SI units.
 """
 
 from dataclasses import replace
@@ -285,5 +285,6 @@ def test_restart(rows, tmp_path):
     again = bem.solve(bem.parse_scene(rest, tmp_path)).targets[-1]
     for name, column in (("contact_fraction", Quantity.AREA), ("mean_pressure", Quantity.PRESSURE)):
         known = getattr(result.targets[-1], name)
-        rows.compare(name.replace("_", " "), getattr(again, name), known, of=Code.BEM, by=Code.IDENTITY, quantity=column,
-                     kind="construction", required=1e-9 * abs(known), because="tolerance of the scene")  # fmt: skip
+        rows.compare(name.replace("_", " "), getattr(again, name), known, of=Code.BEM, by=Code.IDENTITY,
+                     quantity=column, kind="construction", required=1e-9 * abs(known),
+                     because="tolerance of the scene")  # fmt: skip

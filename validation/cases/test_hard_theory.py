@@ -4,8 +4,9 @@ Expected is the status of the result, or the argument that an error names.  With
 
     A / A0 = erf(sqrt(2) sigma_0 / (E* h'_rms));
 
-with adhesion both routes of the diffusion, finite volumes and an integral equation, each with its own fixed point, agree;
-adhesion adds area and takes away separation.  E = 1 MPa, nu = 0.5, period 10 mm, rms height 50 um, H = 0.7.  SI units.
+with adhesion both routes of the diffusion, finite volumes and an integral equation, each with its own fixed point,
+agree; adhesion adds area and takes away separation.  E = 1 MPa, nu = 0.5, period 10 mm, rms height 50 um, H = 0.7.
+SI units.
 """
 
 import numpy as np
@@ -19,7 +20,7 @@ MODULUS, WORK, RMS, FIRST = 1e6, 0.03, 50e-6, 2 * np.pi / 0.01
 STAR = MODULUS / (1 - 0.5**2)
 SOLID = {"youngs_modulus": MODULUS, "poisson_ratio": 0.5}
 COMPLETE, NO_LOAD = "complete_contact", "mean_pressure"
-HARD = {  # mean pressure over E*, what differs from 125 lines, H = 0.7 and adhesion; the status, or the argument refused
+HARD = {  # mean pressure over E*; what differs from 125 lines, H = 0.7 and adhesion; status, or argument refused
     "one line": (0.02, {"lines": 1}, "single_line"),
     "one line, dry": (0.02, {"lines": 1, "work": None}, "single_line"),
     "two lines": (0.02, {"lines": 2}, "converged"),
@@ -96,4 +97,5 @@ def test_hard_theory(rows, name):
 def unexpected(rows, count):
     """Add the row of a status that is not the expected one."""
     rows.compare("status other than expected", float(count), 0.0, of=Code.THEORY, by=Code.IDENTITY,
-                 quantity=Quantity.COUNT, kind="construction", required=0.5, because="stated before the run")  # fmt: skip
+                 quantity=Quantity.COUNT, kind="construction", required=0.5,
+                 because="stated before the run")  # fmt: skip

@@ -8,7 +8,7 @@ algebra next to their edges; a few are out of range and must be refused by name.
 import pytest
 
 from validation.cases.random_judge import judge
-from validation.corpus.random.random_scenes import draw
+from validation.corpus.random_scenes import draw
 
 SEED = 20
 LEVELS = {"quick": range(6), "standard": range(6, 30), "full": range(30, 90)}

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from validation.corpus.rates import RateError, geometric
+from validation.studies.own_scene.cheapest import MethodCurve, Spot, cheapest
+from validation.studies.own_scene.rates import RateError, geometric
 from validation.studies.own_scene.settings import BASE, FINEST, Kind, Setting
 from validation.studies.own_scene.solved_setting import Key, Solved
-from validation.studies.work_precision.conclusion import MethodCurve, Spot, cheapest
 
 DIGITS = (2, 3, 4, 6, 9)
 LEAST_SHARE = 0.1  # of the largest number of its kind on the path: smaller ones are measured by that

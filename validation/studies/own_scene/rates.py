@@ -1,20 +1,10 @@
-"""How fast an error falls: orders and geometric rates, fitted and between neighbours, with the range of the fit.
-
-Algebraic: error = C size^-order, fitted by least squares on logarithms of both.  Geometric: error = C rate^-size,
-fitted on the logarithm of the error alone.  Points on the plateau, where rounding or another error rules, and points
-before the error starts to fall are left out of a fit, and which were used is part of the answer.
-"""
+"""Geometric rate at which an error falls, error = C rate^-size, fitted above its plateau and after its start."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-
-from validation.harness.compare import fitted_order, pairwise_orders
-
-Law = Literal["algebraic", "geometric"]
 
 ABOVE_PLATEAU = 30.0  # times the plateau: nearer to it, it adds to the error
 BEFORE = 0.01  # relative error above which nothing has converged yet
@@ -27,33 +17,16 @@ class RateError(ValueError):
 
 @dataclass(frozen=True)
 class Rate:
-    """What was fitted."""
+    """Fitted rate."""
 
-    law: Law
-    value: float  # order, or factor by which the error falls for each unit of size; larger is faster in both
+    value: float  # factor by which the error falls for each unit of size
     pairwise: tuple[float, ...]  # the same between neighbours of all points, one fewer than the points
     used: tuple[int, ...]  # indices of the points fitted
     plateau: float  # the error below which nothing falls
 
 
-def algebraic(sizes: Sequence[float], errors: Sequence[float], plateau: float = 0.0) -> Rate:
-    """Order p of error = C size^-p, over the points well above a known plateau.
-
-    Examples
-    --------
-    >>> round(algebraic([1.0, 2.0, 4.0], [1.0, 0.25, 0.0625]).value, 12)
-    2.0
-    """
-    size, error = _arrays(sizes, errors)
-    used = np.flatnonzero(error > ABOVE_PLATEAU * plateau)
-    _enough(used)
-    order = -fitted_order(size[used].tolist(), error[used].tolist())
-    pairs = tuple(-p for p in pairwise_orders(size.tolist(), error.tolist()))
-    return Rate("algebraic", order, pairs, tuple(int(i) for i in used), plateau)
-
-
 def geometric(sizes: Sequence[float], errors: Sequence[float]) -> Rate:
-    """Factor rho of error = C rho^-size; the plateau is the largest error from where errors no longer fall.
+    """Return the factor rho of error = C rho^-size; the plateau is the largest error from where errors no longer fall.
 
     The least error will not do: at rounding it may be zero by chance, and points of the plateau are then fitted.
 
@@ -72,11 +45,11 @@ def geometric(sizes: Sequence[float], errors: Sequence[float]) -> Rate:
     _enough(used)
     slope = np.polyfit(size[used], np.log(error[used]), 1)[0]
     pairs = np.exp(-np.diff(np.log(error)) / np.diff(size))
-    return Rate("geometric", float(np.exp(-slope)), tuple(pairs.tolist()), tuple(int(i) for i in used), plateau)
+    return Rate(float(np.exp(-slope)), tuple(pairs.tolist()), tuple(int(i) for i in used), plateau)
 
 
 def _arrays(sizes: Sequence[float], errors: Sequence[float]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Sizes and errors as arrays; RateError where sizes do not increase, or errors are not finite and positive."""
+    """Return sizes and errors as arrays; RateError unless sizes increase and errors are finite and positive."""
     size, error = np.asarray(sizes, dtype=np.float64), np.asarray(errors, dtype=np.float64)
     if size.shape != error.shape or size.size < FEWEST or np.any(np.diff(size) <= 0):
         raise RateError(f"{size.size} sizes and {error.size} errors: at least {FEWEST} of each, sizes increasing")

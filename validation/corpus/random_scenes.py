@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from bem.command_line.console import scene_text
 from bem.elastic.layer import compliance_ratio
 from bem.geometry.profile import Profile
-from validation.corpus.hard.hard_case_scenes import mean_compliance
+from validation.references.closed_forms import uniform_compliance
 from validation.references.paper_problem import Table
 
 Numbers = NDArray[np.float64]
@@ -211,6 +211,13 @@ def _adhesion(rng: np.random.Generator, solid: Table, surface: Profile) -> Table
     if rng.random() < 0.6:
         table["slope_term"] = bool(rng.random() < 0.7)
     return table
+
+
+def mean_compliance(tables: Table) -> float:
+    """Return c(0) of a layer, m/Pa; 0 of a half-space, which has none."""
+    if "layer" not in tables:
+        return 0.0
+    return uniform_compliance(tables["layer"]["thickness"], **tables["solid"])
 
 
 def _loading(rng: np.random.Generator, tables: Table, surface: Profile) -> tuple[Table, float]:
