@@ -15,8 +15,16 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+<<<<<<< HEAD
 from bem.command_line.console import discard_stdout, positive, usable_streams
+=======
+from pydantic import ValidationError
+
+from bem.command_line.console import positive
+>>>>>>> main
 from bem.command_line.folder_lock import FolderError, locked
+from bem.command_line.perform import DONE, FAILED
+from bem.command_line.perform import perform as perform_command
 from bem.scene.atomic_file import write_atomically
 from bem.scene.result_file import RESULT_FILE, CorruptResultError, installed_version
 from bem.scene.scene import SceneError
@@ -32,6 +40,7 @@ from validation.report.run_words import outcome, succeeded
 from validation.report.verification_page import REPORT, page
 from validation.studies.own_scene import BUDGET, SEEDS
 
+<<<<<<< HEAD
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 REFUSED = (ExecutorError, ReportError, CorruptResultError, SceneError, FolderError)
 INSTEAD = {  # of commands of earlier releases
@@ -46,6 +55,14 @@ INSTEAD = {  # of commands of earlier releases
 
 class UsageError(ValueError):
     """A command that cannot be carried out as it was written."""
+=======
+REFUSED = (
+    CaseError, ExecutorError, ReportError, CorruptResultError, SceneError, FolderError, baseline.BaselineError
+)  # fmt: skip
+REPORT_FILE = "report.json"
+OF_STUDIES = ("scene", "seeds", "budget", "overwrite", "peers", "random", "seed", "jobs", "executor")  # of some alone
+ABSENT = {"overwrite": False, "peers": False, "seed": 0, "executor": "local"}  # None for the others
+>>>>>>> main
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -53,13 +70,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     0 done, 1 something failed, 2 bad input, 130 interrupted.
     """
-    parser = argparse.ArgumentParser(prog="python -m validation", description=__doc__)
+    parser = argparse.ArgumentParser(prog="linecontact", description=__doc__)
     parser.add_argument("--version", action="version", version=f"linecontact {installed_version()}")
     add_commands(parser.add_subparsers(required=True, metavar="COMMAND"))
     return perform(parser.parse_args(arguments))
 
 
 def perform(options: argparse.Namespace) -> int:
+<<<<<<< HEAD
     """Run the command that was parsed, and return its exit code."""
     usable_streams()
     try:
@@ -81,6 +99,10 @@ def perform(options: argparse.Namespace) -> int:
     except KeyboardInterrupt:
         print("interrupted; finished parts stay, and the same command continues", file=sys.stderr)
         return INTERRUPTED
+=======
+    """Run the command that was parsed; its exit code."""
+    return perform_command(options, REFUSED)
+>>>>>>> main
 
 
 def read_report(folder: Path) -> dict[str, Any]:
