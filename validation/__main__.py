@@ -15,13 +15,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-<<<<<<< HEAD
-from bem.command_line.console import discard_stdout, positive, usable_streams
-=======
-from pydantic import ValidationError
-
 from bem.command_line.console import positive
->>>>>>> main
 from bem.command_line.folder_lock import FolderError, locked
 from bem.command_line.perform import DONE, FAILED
 from bem.command_line.perform import perform as perform_command
@@ -37,12 +31,9 @@ from validation.report.pages import PAGE, ReportError
 from validation.report.pdf import write_pdf
 from validation.report.run_page import write_run_page
 from validation.report.run_words import outcome, succeeded
-from validation.report.verification_page import REPORT, page
+from validation.report.verification_page import REPORT, page_of_file
 from validation.studies.own_scene import BUDGET, SEEDS
 
-<<<<<<< HEAD
-DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
-REFUSED = (ExecutorError, ReportError, CorruptResultError, SceneError, FolderError)
 INSTEAD = {  # of commands of earlier releases
     "stability": "linecontact verify --only hard, and python -m validation.cases.random_judge for random scenes",
     "convergence": "linecontact verify --only convergence",
@@ -55,14 +46,9 @@ INSTEAD = {  # of commands of earlier releases
 
 class UsageError(ValueError):
     """A command that cannot be carried out as it was written."""
-=======
-REFUSED = (
-    CaseError, ExecutorError, ReportError, CorruptResultError, SceneError, FolderError, baseline.BaselineError
-)  # fmt: skip
-REPORT_FILE = "report.json"
-OF_STUDIES = ("scene", "seeds", "budget", "overwrite", "peers", "random", "seed", "jobs", "executor")  # of some alone
-ABSENT = {"overwrite": False, "peers": False, "seed": 0, "executor": "local"}  # None for the others
->>>>>>> main
+
+
+REFUSED = (ExecutorError, ReportError, CorruptResultError, SceneError, FolderError, UsageError)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -77,32 +63,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def perform(options: argparse.Namespace) -> int:
-<<<<<<< HEAD
     """Run the command that was parsed, and return its exit code."""
-    usable_streams()
-    try:
-        code = int(options.command(options))
-        print(end="", flush=True)  # a full disk or a closed pipe fails by name
-        return code
-    except (*REFUSED, UsageError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return BAD_INPUT
-    except (FileExistsError, IsADirectoryError, NotADirectoryError) as error:
-        print(f"error: {error.filename}: {error.strerror}", file=sys.stderr)
-        return BAD_INPUT
-    except BrokenPipeError:  # whoever read stdout, such as `head`, has enough
-        discard_stdout()
-        return FAILED
-    except OSError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return FAILED
-    except KeyboardInterrupt:
-        print("interrupted; finished parts stay, and the same command continues", file=sys.stderr)
-        return INTERRUPTED
-=======
-    """Run the command that was parsed; its exit code."""
     return perform_command(options, REFUSED)
->>>>>>> main
 
 
 def read_report(folder: Path) -> dict[str, Any]:
@@ -141,12 +103,7 @@ def _report(options: argparse.Namespace) -> int:
         words, code = outcome(result), DONE if succeeded(result) else FAILED
     else:
         content = read_report(folder)
-        try:
-            write_atomically(folder / PAGE, page(content))
-        except (KeyError, TypeError, ValueError, AttributeError) as error:
-            raise ReportError(
-                f"{folder / REPORT}: not as a report is written ({type(error).__name__}: {error})"
-            ) from error
+        write_atomically(folder / PAGE, page_of_file(content))
         words, code = f"{content['headline']};", FAILED if content["failed"] else DONE
     print(f"{words} report: {folder / PAGE}")
     if options.pdf:

@@ -5,7 +5,6 @@ from in_this_process import Here, forking
 
 from validation.harness import executors, store
 from validation.harness.execution import Ended
-from validation.report import challenge_page
 
 
 @pytest.fixture
@@ -33,9 +32,3 @@ def forked():
     """Processes of this machine are forks of this one."""
     with forking():
         yield
-
-
-@pytest.fixture
-def undrawn(monkeypatch):
-    """A page without figures, for tests that do not read it; figures of all problems are drawn below."""
-    monkeypatch.setattr(challenge_page, "standings_svg", lambda *_: "")

@@ -58,33 +58,6 @@ def _example(options: argparse.Namespace) -> int:
 
 
 def _compare(options: argparse.Namespace) -> int:
-<<<<<<< HEAD
-=======
-    """Compare two; more, or two with a page to write, by their history."""
-    folders = comparison.folders_of(options.folders)
-    if len(folders) == 2 and options.out is None:
-        return _compare_two(folders[0], folders[1], options.json)
-    return _history(comparison.read_reports(folders), options)
-
-
-def _history(reports: list[Report], options: argparse.Namespace) -> int:
-    """Print what rose in the newest report above the bands of the earlier ones, and write the page where asked."""
-    found = history_of(reports)
-    rises, newest = found.rises(-1), named(found.reports[-1], len(reports))
-    page = None if options.out is None else str(write_history(found, options.out))
-    if options.json:
-        facts = {"reports": len(reports), "numbers": len(found.lines), "newest": newest, "rises": rises}
-        print(json.dumps(facts | {"unjudged": found.unjudged, "gone": found.gone, "page": page}))
-    else:
-        ending = f"{len(rises)} rose in the newest, {newest}" if rises else f"none rose in the newest, {newest}"
-        told = f"{len(reports)} reports, {len(found.lines)} errors and counts: {ending}; {found.unjudged} not judged"
-        notes = [f"not in the newest report: case {name}" for name in found.gone]
-        print(*notes, *(f"RISES {line}" for line in rises), told + (f"; page: {page}" if page else ""), sep="\n")
-    return FAILED if rises else DONE
-
-
-def _compare_two(a: Path, b: Path, as_json: bool) -> int:
->>>>>>> main
     """Print what differs, the largest difference of each quantity, and how many numbers were compared."""
     found, as_json = comparison.compare(options.a, options.b), options.json
     differing, apart = found.differing, sum(number.differs for number in found.numbers)
