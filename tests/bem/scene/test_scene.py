@@ -135,8 +135,6 @@ def paths_of(data, base_dir="."):
         ("output", {"spectra": 1}, "output.spectra"),
         ("output", {"spectra": [31e-6]}, "output.spectra[0]"),
         ("output", {"pressure_distribution": "yes"}, "output.pressure_distribution"),
-        ("output", {"width_distributions": [True]}, "output.width_distributions[0]"),
-        ("output", {"contact_slopes": [1.0]}, "output.contact_slopes[0]"),
         ("solid.density", 1e3, "solid.density"),
         ("friction", {}, "friction"),
     ],
