@@ -71,7 +71,7 @@ def path_for(
     asked = tuple(problem.load_of(pressure) for pressure in pressures)
     exact = Path(system, increments, highest, complete, flaw, asked)
     adhesive: LoadingPath[Point, Equilibrium] = exact
-    if scene.leaps:
+    if False:
         from bem.leaps.leaping_path import LeapingPath
 
         leaping: LoadingPath[AnyPoint, Equilibrium | Spread] = LeapingPath(

@@ -120,11 +120,14 @@ def increments_of(scene: Scene, problem: Problem) -> Increments:
     tolerance = scene.accuracy.tolerance
     coarse = max(min(COARSE.tolerance, 0.1 * _critical_intensity(problem)), FINEST)
     fine = max(min(1e-8, 1e-2 * tolerance, coarse), FINEST)
-    allowed = 0.5 * max(1e-10, 1e-3 * tolerance)  # half of what the certificate allows
+    way = max(min(1e-4, 1e-2 * tolerance, coarse), fine)
+    sharp = tolerance if problem.law is None else min(tolerance, 1e-6)  # a gap that is closed decides the branch
+    allowed = 0.5 * max(1e-10, 1e-3 * sharp)  # half of what the certificate allows
     return Increments(
         largest=largest,
         smallest=min(largest / INCREMENTS_PER_LARGEST, COARSEST_EVENT * unit, _jump_distance(problem) * unit),
         coarse=Accuracy(coarse, COARSE.residual, allowed),
+        way=Accuracy(way, max(1e-1 * way, 1e-12), max(allowed, 0.5e-3 * way)),
         fine=Accuracy(fine, max(1e-1 * fine, 1e-12), allowed),
         deepest=scene.accuracy.max_increment,
     )

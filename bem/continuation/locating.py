@@ -29,6 +29,8 @@ from bem.loading.path_events import EventNumbers
 
 LAST = 1e-5  # units: the last step, behind which LAST^2 = 1e-10 is missing
 LOCATED = 1e-9  # what is left of zero: rms heights, works of adhesion, eigenvalues
+VERIFIED = 1e-8  # tolerance of evaluations up to which what is located is evaluated once more, finer
+OFF = 0.03  # of the tolerance: error of K, and of a condition, by an evaluation
 FINER = 1e-2  # of the tolerance, for which a finer evaluation has the modes
 
 
@@ -169,6 +171,8 @@ def locate(
             return step
         if step.size >= last:
             return Refused.DIVERGED
+        if tolerance > VERIFIED and step.size <= np.sqrt(tolerance):
+            return _unverified(system, here, place.value, on.row(here, place.value), step, tolerance)
         numbers, last = after_step(system, here, place.value, step.motion, step.change), step.size
         if before is not None and step.size <= LAST:
             return Located(here, numbers, numbers.apart(before, system.control.force(here.state)), step.motion)
@@ -176,6 +180,29 @@ def locate(
             before, last = numbers, np.inf
         place = step.end(here, place.value)
     return Refused.DIVERGED
+
+
+def _unverified(
+    system: System, here: Balance, value: float, row: Row, step: NewtonStep, tolerance: float
+) -> Located:
+    """What was located by coarse evaluations, with errors from those of K and of the condition.
+
+    An error e of the right side of the bordered system A moves a number q with the derivatives c by c . A^-1 e; the sum
+    of its sizes bounds it.
+    """
+    unit, state, control = unit_of(system, here), here.state, system.control
+    error = np.append(OFF * tolerance / np.sqrt(here.work), OFF * tolerance) + step.size**2
+    load = AtLoad(system, 0.0, 0.0).row(here, value)
+    deeper = control.rate(state) * np.append(-control.load_weight * here.load_gradient, 1.0)
+    numbers = np.stack([np.eye(unit.size + 1)[-1], np.append(load.by_edges, load.by_control), deeper], axis=1)
+    numbers[:-1] *= unit[:, None]
+    try:
+        by_value, by_load, by_depth = np.abs(np.linalg.solve(bordered(system, here, unit, row).T, numbers)).T @ error
+    except np.linalg.LinAlgError:
+        by_value = by_load = by_depth = np.inf
+    potential = OFF * tolerance * abs(here.potential)
+    at = after_step(system, here, value, step.motion, step.change)
+    return Located(here, at, EventNumbers(*map(float, (by_value, by_depth, by_load, potential))), step.motion)
 
 
 def settle(system: System, start: Start, on: Condition, accuracy: Accuracy) -> tuple[Balance, float] | Refused:

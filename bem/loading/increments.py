@@ -43,8 +43,8 @@ class Increments:
     ----------
     largest, smallest : float
         Increments; an event is resolved within the smallest, or less in thin layers.
-    coarse, fine : Accuracy
-        Of leaps and of descents in a frozen field, and of the path and its targets.
+    coarse, way, fine : Accuracy
+        Of descents in a frozen field, of the path and its events, and of its targets.
     deepest : float
         Change of the penetration, in rms heights, up to which an increment may be longer than `largest`: under load a
         stiff contact hardly moves.
@@ -53,6 +53,7 @@ class Increments:
     largest: float
     smallest: float
     coarse: Accuracy = COARSE
+    way: Accuracy = FINE
     fine: Accuracy = FINE
     deepest: float = 0.05
 
