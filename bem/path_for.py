@@ -14,15 +14,15 @@ from typing import TYPE_CHECKING, Any
 from bem.loading.complete_contact import CompleteContact, complete_contact
 from bem.loading.crew import Crew
 from bem.loading.loading_path import LoadingPath
-from bem.problem import Problem, increments_of, pose
+from bem.problem import FEW_DIGITS, Problem, increments_of, pose
 from bem.scene.scene import Scene
 from bem.scene.scene_rules import Mistake, SceneError
 
 if TYPE_CHECKING:
     from bem.continuation.points_with_edges import Equilibrium, Point
-    from bem.leaps.leaping_path import AnyPoint
-    from bem.leaps.spread import Spread
     from bem.nonadhesive.convex_path import ContactPoint, ConvexPoint
+    from bem.windows.windowed_path import AnyPoint
+
 
 
 def check_path(scene: Scene) -> None:
@@ -71,11 +71,9 @@ def path_for(
     asked = tuple(problem.load_of(pressure) for pressure in pressures)
     exact = Path(system, increments, highest, complete, flaw, asked)
     adhesive: LoadingPath[Point, Equilibrium] = exact
-    if False:
-        from bem.leaps.leaping_path import LeapingPath
+    if scene.accuracy.tolerance >= FEW_DIGITS and problem.elastic.compliance is None and not problem.control.load_weight:
+        from bem.windows.windowed_path import WindowedPath
 
-        leaping: LoadingPath[AnyPoint, Equilibrium | Spread] = LeapingPath(
-            exact, scene.accuracy.tolerance, crew or Crew()
-        )
-        return leaping
+        windowed: LoadingPath[AnyPoint, Equilibrium] = WindowedPath(exact, crew or Crew())
+        return windowed
     return adhesive

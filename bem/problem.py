@@ -25,6 +25,8 @@ from bem.scene.scene import Scene
 
 INCREMENTS_PER_LARGEST = 25  # the smallest increment, at which events are resolved, is this part of the largest
 FINEST = 1e-14  # derived: tolerance of an evaluation
+FEW_DIGITS = 1e-4  # accuracy.tolerance of an adhesive path that stores few states
+STATES_APART = 20.0  # format: times the largest increment between them: a state takes as long as ten steps
 COARSEST_EVENT = 0.002  # of the rms height (or its equal in load): events are never resolved coarser
 
 
@@ -121,10 +123,12 @@ def increments_of(scene: Scene, problem: Problem) -> Increments:
     coarse = max(min(COARSE.tolerance, 0.1 * _critical_intensity(problem)), FINEST)
     fine = max(min(1e-8, 1e-2 * tolerance, coarse), FINEST)
     way = max(min(1e-4, 1e-2 * tolerance, coarse), fine)
+    few = problem.law is not None and tolerance >= FEW_DIGITS
     sharp = tolerance if problem.law is None else min(tolerance, 1e-6)  # a gap that is closed decides the branch
     allowed = 0.5 * max(1e-10, 1e-3 * sharp)  # half of what the certificate allows
     return Increments(
         largest=largest,
+        apart=largest * (STATES_APART if few else 1.0),
         smallest=min(largest / INCREMENTS_PER_LARGEST, COARSEST_EVENT * unit, _jump_distance(problem) * unit),
         coarse=Accuracy(coarse, COARSE.residual, allowed),
         way=Accuracy(way, max(1e-1 * way, 1e-12), max(allowed, 0.5e-3 * way)),

@@ -107,18 +107,18 @@ class BareStates:
 
     def _opened_at_flaw(self, point: Complete, goal: float) -> Point:
         """The same where the load takes part in the control: without a flaw complete contact stays."""
-        flaw, system, complete, way = self.flaw, self.system, self.complete, self.jumps.increments.way
+        flaw, system, complete, fine = self.flaw, self.system, self.complete, self.jumps.increments.fine
         if flaw is None:
             return Complete(goal)
         highest = system.elastic.profile.max_height
-        load = opening_load(system, complete, flaw, way.tolerance)
+        load = opening_load(system, complete, flaw, fine.tolerance)
         value = min(point.value, system.control.value(highest, load))
         if goal > value:
             return Complete(goal)
         joined = self._fully_joined(value)
         relaxed = self._relaxed(opened_gap(system, complete, flaw, joined.load), highest, value)
-        joined = replace(joined, potential=flawed_potential(system, complete, flaw, value, way.tolerance))
-        rounding = opening_rounding(system, flaw, way.tolerance)
+        joined = replace(joined, potential=flawed_potential(system, complete, flaw, value, fine.tolerance))
+        rounding = opening_rounding(system, flaw, fine.tolerance)
         error = replace(NO_ERROR, value=system.control.load_weight * rounding, load=rounding)
         return self.jumps.behind(joined, error, relaxed, (("opening", flaw.center), *relaxed.changes))
 

@@ -18,7 +18,7 @@ from enum import Enum
 import numpy as np
 
 from bem.adhesive.branch import after_step, outward_motion
-from bem.adhesive.equilibrium import Balance, System, balance
+from bem.adhesive.equilibrium import Balance, System, balance, energy_noise
 from bem.continuation.curve import LONGEST, SHORT, Row, bordered, missing, unit_of
 from bem.elastic.collocation import Resolution, finer, resolve
 from bem.elastic.hierarchical import if_solvable
@@ -30,7 +30,7 @@ from bem.loading.path_events import EventNumbers
 LAST = 1e-5  # units: the last step, behind which LAST^2 = 1e-10 is missing
 LOCATED = 1e-9  # what is left of zero: rms heights, works of adhesion, eigenvalues
 VERIFIED = 1e-8  # tolerance of evaluations up to which what is located is evaluated once more, finer
-OFF = 0.03  # of the tolerance: error of K, and of a condition, by an evaluation
+OFF = 0.1  # of the tolerance: error of K, of a gap and of the load by an evaluation; measured .03 on a half-space
 FINER = 1e-2  # of the tolerance, for which a finer evaluation has the modes
 
 
@@ -51,6 +51,7 @@ class Condition(ABC):
     """What closes the equations of equilibrium: phi(xi, tau) = 0, in a settled state within an accuracy."""
 
     accuracy: float = np.inf
+    off: float = OFF
 
     def asked(self, system: System) -> System:
         """The system whose evaluations know what the condition needs."""
@@ -172,7 +173,7 @@ def locate(
         if step.size >= last:
             return Refused.DIVERGED
         if tolerance > VERIFIED and step.size <= np.sqrt(tolerance):
-            return _unverified(system, here, place.value, on.row(here, place.value), step, tolerance)
+            return _unverified(system, here, place.value, on, step, tolerance)
         numbers, last = after_step(system, here, place.value, step.motion, step.change), step.size
         if before is not None and step.size <= LAST:
             return Located(here, numbers, numbers.apart(before, system.control.force(here.state)), step.motion)
@@ -183,15 +184,15 @@ def locate(
 
 
 def _unverified(
-    system: System, here: Balance, value: float, row: Row, step: NewtonStep, tolerance: float
+    system: System, here: Balance, value: float, on: Condition, step: NewtonStep, tolerance: float
 ) -> Located:
     """What was located by coarse evaluations, with errors from those of K and of the condition.
 
-    An error e of the right side of the bordered system A moves a number q with the derivatives c by c . A^-1 e; the sum
-    of its sizes bounds it.
+    An error e of the right side of the bordered system A moves a number q with the derivatives c by c . A^-1 e, at most
+    by the sum of the sizes; what the evaluation itself lacks of q adds to that.
     """
-    unit, state, control = unit_of(system, here), here.state, system.control
-    error = np.append(OFF * tolerance / np.sqrt(here.work), OFF * tolerance) + step.size**2
+    unit, state, control, row = unit_of(system, here), here.state, system.control, on.row(here, value)
+    error = np.append(OFF * tolerance / np.sqrt(here.work), on.off * tolerance) + step.size**2
     load = AtLoad(system, 0.0, 0.0).row(here, value)
     deeper = control.rate(state) * np.append(-control.load_weight * here.load_gradient, 1.0)
     numbers = np.stack([np.eye(unit.size + 1)[-1], np.append(load.by_edges, load.by_control), deeper], axis=1)
@@ -200,9 +201,14 @@ def _unverified(
         by_value, by_load, by_depth = np.abs(np.linalg.solve(bordered(system, here, unit, row).T, numbers)).T @ error
     except np.linalg.LinAlgError:
         by_value = by_load = by_depth = np.inf
-    potential = OFF * tolerance * abs(here.potential)
-    at = after_step(system, here, value, step.motion, step.change)
-    return Located(here, at, EventNumbers(*map(float, (by_value, by_depth, by_load, potential))), step.motion)
+    at, own = after_step(system, here, value, step.motion, step.change), OFF * tolerance
+    errors = EventNumbers(
+        float(by_value) + own * abs(at.value),
+        float(by_depth) + own * abs(at.penetration),
+        float(by_load) + own * abs(at.load),
+        energy_noise(system, here, here, tolerance),
+    )
+    return Located(here, at, errors, step.motion)
 
 
 def settle(system: System, start: Start, on: Condition, accuracy: Accuracy) -> tuple[Balance, float] | Refused:

@@ -41,8 +41,9 @@ class Increments:
 
     Parameters
     ----------
-    largest, smallest : float
-        Increments; an event is resolved within the smallest, or less in thin layers.
+    largest, smallest, apart : float
+        Increments; an event is resolved within the smallest, or less in thin layers; states stored between targets are
+        `apart`.
     coarse, way, fine : Accuracy
         Of descents in a frozen field, of the path and its events, and of its targets.
     deepest : float
@@ -52,6 +53,7 @@ class Increments:
 
     largest: float
     smallest: float
+    apart: float
     coarse: Accuracy = COARSE
     way: Accuracy = FINE
     fine: Accuracy = FINE
