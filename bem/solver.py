@@ -82,7 +82,7 @@ def solve(
         An interrupted result of the same scene: its states are kept up to the last target, and the path goes on there.
     jobs : int
         Processes for the parts of a large contact with adhesion, at a tolerance of 1e-4 or more; results do not depend
-        on it.  More than one need `if __name__ == "__main__":` in a script.  ChildProcessError if one is killed.
+        on it.  ChildProcessError if one is killed.
     **tables
         `profile`, `solid`, `loading`, `layer`, ...: objects or mappings, where no scene is given.
 

@@ -56,6 +56,7 @@ ORDER = (
     "validation/harness/entry_points",
     "validation/report/verification",
     "validation/report",
+    "validation/plugin",
     "validation/references/paper_method",
     "validation/references",
     "validation/routes",

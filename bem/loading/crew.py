@@ -1,4 +1,4 @@
-"""Independent parts of a step, in one process or several; what comes of them depends neither on order nor number."""
+"""Independent parts of a step, computed in one process or several; results do not depend on their number."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ MANY = 6  # speed: parts of a step with which processes start
 
 
 class Crew(AbstractContextManager["Crew"]):
-    """Those that work at parts of steps, to be closed.
+    """Pool of worker processes that compute parts of a step in parallel. Close it to end the workers.
 
-    Worker processes start with the first step of many parts, and work as soon as they are ready.
+    Workers start with the first step of many parts, and take part as soon as they are ready.
 
     Parameters
     ----------
@@ -44,9 +44,12 @@ class Crew(AbstractContextManager["Crew"]):
     def each(
         self, function: Callable[[Shared, Part], Answer], shared: Shared, parts: Sequence[Part]
     ) -> Iterator[Answer]:
-        """What function(shared, part) is for each part, in their order; `shared` is the same at every call.
+        """Yield function(shared, part) of each part, in their order; `shared` must be equal at every call.
 
-        ChildProcessError where a worker is killed.
+        Raises
+        ------
+        ChildProcessError
+            A worker ended.
         """
         if self._workers is None and self.size > 1 and len(parts) >= MANY:
             size = min(self.size, len(parts))
@@ -57,7 +60,7 @@ class Crew(AbstractContextManager["Crew"]):
 
     @property
     def cpu_seconds(self) -> float:
-        """What the work took in other processes."""
+        """CPU time of the workers so far, s."""
         return 0.0 if self._workers is None else self._workers.cpu_seconds
 
     def __exit__(

@@ -1,47 +1,60 @@
-"""Worker processes for the parts of a step (crew.py): what all parts share is sent once, to each process."""
+"""Worker processes for the parts of a step (crew.py).
+
+Workers of loky do not run the script of their parent again, so that a script needs no main guard.  What all parts share
+goes to them once, through a file: a worker that ends while it starts would leave the parent waiting for ever in a pipe
+that nobody reads, had it to send more than a pipe holds.
+"""
 
 from __future__ import annotations
 
 import os
+import pickle
 import signal
+import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import suppress
 from functools import partial
-from multiprocessing import get_context, parent_process
+from pathlib import Path
 from typing import Any, Generic, TypeVar
 
+import psutil
+from loky import ProcessPoolExecutor
 from threadpoolctl import threadpool_limits
 
 Part = TypeVar("Part")
 Answer = TypeVar("Answer")
 Shared = TypeVar("Shared")
 
-ENDED = "a worker process ended: it was killed, memory ran out, or a script asks for jobs outside of `__main__`"
+ENDED = "a worker process ended: it was killed, or memory ran out"
 
-_kept: Any = None  # in a worker: what the parts share
+_kept: Any = None  # in a worker: what all parts share
 
 
 class Workers(Generic[Shared]):
-    """Processes that keep what all parts share.
+    """Processes that keep what all parts share; end() ends them.
 
     Attributes
     ----------
     cpu_seconds : float
-        Of their work so far.
+        CPU time of the workers so far.
     """
 
     def __init__(self, size: int, shared: Shared) -> None:
         self.cpu_seconds = 0.0
-        self._executor = ProcessPoolExecutor(size, get_context("spawn"), _begin, (shared,))
+        descriptor, name = tempfile.mkstemp(prefix="linecontact-")
+        self._file = Path(name)
+        with os.fdopen(descriptor, "wb") as file:
+            pickle.dump(shared, file, pickle.HIGHEST_PROTOCOL)
+        self._executor = ProcessPoolExecutor(size, initializer=_begin, initargs=(name,))
         self._beginning = [self._executor.submit(os.getpid) for _ in range(size)]
 
     @property
     def ready(self) -> bool:
-        """Whether all have begun."""
-        return all(one.done() for one in self._beginning)
+        """Whether all workers have started, or failed to start."""
+        return all(start.done() for start in self._beginning)
 
     def each(self, function: Callable[[Shared, Part], Answer], parts: Iterable[Part]) -> Iterator[Answer]:
         """Yield function(shared, part) of each part, in their order.
@@ -49,7 +62,7 @@ class Workers(Generic[Shared]):
         Raises
         ------
         ChildProcessError
-            A worker was killed.
+            A worker ended.
         """
         try:
             for answer, seconds in self._executor.map(partial(_at_work, function), parts):
@@ -59,33 +72,33 @@ class Workers(Generic[Shared]):
             raise ChildProcessError(ENDED) from error
 
     def end(self) -> None:
-        """End them."""
-        self._executor.shutdown(cancel_futures=True)
+        """End the workers."""
+        self._executor.shutdown(kill_workers=True)
+        self._file.unlink(missing_ok=True)
 
 
 def obey_parent() -> None:
-    """In a worker: an interrupt is its parent's to handle, and it ends with its parent."""
+    """Leave interrupts to the parent, and end this worker with its parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
 
 
-def _end_with_parent() -> None:
-    """A worker whose parent was killed would wait for ever for work that nobody hands out."""
-    parent = parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
+def _end_with(parent: int) -> None:
+    """End this worker when its parent ends; it would wait for ever for work that nobody hands out."""
+    with suppress(psutil.NoSuchProcess):
+        psutil.Process(parent).wait()
+    os._exit(1)
 
 
-def _begin(shared: object) -> None:
-    """Begin a worker, on one BLAS thread."""
+def _begin(shared: str) -> None:
+    """Start a worker on one BLAS thread with the contents of the file `shared`."""
     global _kept
-    _kept = shared
-    threadpool_limits(limits=1, user_api="blas")
     obey_parent()
+    _kept = pickle.loads(Path(shared).read_bytes())  # written by the parent
+    threadpool_limits(limits=1, user_api="blas")
 
 
 def _at_work(function: Callable[[Any, Part], Answer], part: Part) -> tuple[Answer, float]:
-    """What a part comes to in a worker, and the seconds it took."""
+    """Return function(shared, part) in a worker, and its CPU seconds."""
     begun = time.process_time()
     return function(_kept, part), time.process_time() - begun

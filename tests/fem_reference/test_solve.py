@@ -1,12 +1,9 @@
 """The public entry: prescribed edges, complete contact, controls, energies, fields, outcomes, bad input."""
 
-import re
-
 import numpy as np
 import pytest
 
-import fem_reference
-from fem_reference import InvalidProblemError, Resolution, export, solve
+from fem_reference import InvalidProblemError, Resolution, solve
 from fem_reference.face import interpolate
 
 QUICK = Resolution(2, 10, 10)
@@ -223,14 +220,3 @@ def test_a_bad_start_is_named():
 def test_bad_input_names_the_argument(change, argument):
     with pytest.raises(InvalidProblemError, match=rf"^{argument}: "):
         solve(**(LAYER | GOOD | change))
-
-
-def test_the_package_exports_its_entries():
-    assert all(callable(getattr(fem_reference, name)) for name in fem_reference.__all__)
-
-
-def test_what_the_package_says_of_itself_is_there():
-    named = re.findall(r"`(\w+)`", fem_reference.__doc__)
-    assert {"solve", "refine", "write_fields", "read_layer_mesh"} <= set(named)
-    assert all(hasattr(fem_reference, name) or hasattr(export, name) for name in named)
-    assert "`fem_reference.export`" in fem_reference.__doc__

@@ -1,0 +1,3 @@
+"""Plugin of the verification, for `python -m pytest validation/cases`."""
+
+pytest_plugins = ["validation.plugin.hooks"]
