@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from bem.windows.windowed_path import AnyPoint
 
 
-
 def check_path(scene: Scene) -> None:
     """Pose the path of a scene as solving it begins: SceneError for what nothing but that shows."""
     surface = scene.surface()
@@ -71,7 +70,11 @@ def path_for(
     asked = tuple(problem.load_of(pressure) for pressure in pressures)
     exact = Path(system, increments, highest, complete, flaw, asked)
     adhesive: LoadingPath[Point, Equilibrium] = exact
-    if scene.accuracy.tolerance >= FEW_DIGITS and problem.elastic.compliance is None and not problem.control.load_weight:
+    if (
+        scene.accuracy.tolerance >= FEW_DIGITS
+        and problem.elastic.compliance is None
+        and not problem.control.load_weight
+    ):
         from bem.windows.windowed_path import WindowedPath
 
         windowed: LoadingPath[AnyPoint, Equilibrium] = WindowedPath(exact, crew or Crew())

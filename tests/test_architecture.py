@@ -42,7 +42,7 @@ ORDER = (
     "bem/loading",
     "bem/adhesive",
     "bem/continuation",
-    "bem/leaps",
+    "bem/windows",
     "bem/nonadhesive",
     "bem/observables",
     "bem/scans",

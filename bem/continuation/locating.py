@@ -30,7 +30,7 @@ from bem.loading.path_events import EventNumbers
 LAST = 1e-5  # units: the last step, behind which LAST^2 = 1e-10 is missing
 LOCATED = 1e-9  # what is left of zero: rms heights, works of adhesion, eigenvalues
 VERIFIED = 1e-8  # tolerance of evaluations up to which what is located is evaluated once more, finer
-OFF = 0.1  # of the tolerance: error of K, of a gap and of the load by an evaluation; measured .03 on a half-space
+OFF = 0.3  # of the tolerance: error of K, of a gap and of the load by an evaluation; measured .03, .2 on thin layers
 FINER = 1e-2  # of the tolerance, for which a finer evaluation has the modes
 
 

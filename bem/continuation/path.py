@@ -94,7 +94,8 @@ class Path:
     @property
     def bare(self) -> BareStates:
         """What leads to and from states without edges."""
-        return BareStates(self.jumps, self.crests, self.flaw)
+        finely = replace(self.increments, way=self.increments.fine)  # a small release from complete contact is a difference
+        return BareStates(Jumps(self.system, finely, self.complete), self.crests, self.flaw)
 
     @property
     def loads(self) -> Loads:

@@ -32,7 +32,6 @@ from bem.geometry.profile import Profile
 from bem.scene.scene import Scene
 
 PER_INCREMENT, PER_CREST, PER_TARGET, PER_WAVE = 3.8, 16.1, 5.7, 10.0  # prediction: evaluations with adhesion
-LEAPING_SHARE = 0.15, 0.4  # prediction: of the time of a path event by event, where it goes by leaps; below 1e-3
 DIGITS = 1e-2, 1e-3, 1e-4, 1e-6, 1e-9  # prediction: accuracies that are priced
 LOADED = 0.5  # prediction: increments under a given load count so much: fewer states are stored on the way
 BEGINNING = 5.0  # prediction: increments of a leg under load though the contact hardly moves: the first ones are short
@@ -142,8 +141,7 @@ def cost_of(scene: Scene, kernels: str = IN_USE) -> Cost:
         plain = of_bare[0] + of_bare[1] * float(crowds.mean()) + of_bare[2] * surface.max_order
         return Cost(legs, bare, bare, plain + extra, extra / (plain + extra), gigabytes)
     plain = least + by_crest * above + by_harmonic * surface.max_order
-    share = LEAPING_SHARE[scene.accuracy.tolerance < 1e-3] if scene.leaps else 1.0
-    evaluations = share * sum(leg.evaluations for leg in legs)
+    evaluations = sum(leg.evaluations for leg in legs)
     return Cost(legs, bare, evaluations, plain + extra, extra / (plain + extra), gigabytes)
 
 

@@ -17,7 +17,6 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from bem.geometry.ranges import LEAPING
 from bem.geometry.scaling import ATOMIC
 from bem.scans.scan_keys import METRES
 from bem.scene.result import Caution, State
@@ -113,7 +112,6 @@ def cautions_of(scene: Scene, groups: Mapping[str, float]) -> tuple[Caution, ...
     judged = (
         _profile_cautions,
         _path_cautions,
-        _leap_cautions,
         _material_cautions,
         _range_cautions,
         _sample_cautions,
@@ -205,14 +203,6 @@ def _path_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
             "loading.targets",
             f"all pressures are below {PRESSURES[0]:g} E* h'_rms, hardly a load: unit of youngs_modulus, or {units}",
         )
-
-
-def _leap_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:
-    """A path that is followed in leaps is uncertain."""
-    if scene.leaps:
-        told = f"at {scene.accuracy.tolerance:g} the path goes by leaps: events are known only to within their errors, "
-        told += "and a state may belong to another branch; its errors allow for that but are no bounds "
-        yield "accuracy.tolerance", told + f"(below {LEAPING:g} events are located)"
 
 
 def _material_cautions(scene: Scene, groups: Mapping[str, float]) -> Said:

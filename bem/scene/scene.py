@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import ValidationError
 
 from bem.geometry.profile import Profile
-from bem.geometry.ranges import LEAPING, MOST_HARMONICS, Mistake, shown
+from bem.geometry.ranges import MOST_HARMONICS, Mistake, shown
 from bem.scans.scan_keys import CUTOFFS, DEFAULTS, SCAN_KEYS
 from bem.scene.result import State
 from bem.scene.scene_rules import (
@@ -126,15 +126,6 @@ class Scene:
         """Whether `output` ("shapes", "spectra", ...) is asked for at this target."""
         asked = self.shape_targets if output == "shapes" else getattr(self.output, output)
         return asked if isinstance(asked, bool) else found(target, asked) is not None
-
-    @property
-    def leaps(self) -> bool:
-        """Whether its path goes by leaps: few digits of an adhesive contact whose load is not what is held.
-
-        Nor may its profile repeat: what breaks such a symmetry would be decided by the end of a leap.
-        """
-        few = self.accuracy.tolerance >= LEAPING and self.loading.control != "mean_pressure"
-        return self.adhesion is not None and few and not self.surface().repeats
 
     def resolved(self) -> dict[str, Any]:
         """Everything as plain values, defaults included; a file is given by its name and digest."""

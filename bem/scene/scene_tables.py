@@ -304,7 +304,7 @@ class AccuracyTable(Table):
     tolerance: Annotated[
         float,
         _about(
-            "Largest |G/w - 1| at the edges of a certified state; from 1e-4 on adhesive paths go by leaps.",
+            "Largest |G/w - 1| at the edges of a certified state; with adhesion states and events between are evaluated to a hundredth of it.",
             "a number from 1e-12 to 1e-2",
             1e-8,
             ge=1e-12,

@@ -101,5 +101,3 @@ def _at_start(
 def _jump(events: tuple[PathEvent, ...], load_change: float) -> list[Release]:
     """Return the events of an avalanche, the first with the change of the load."""
     return [Release(event, 0.0 if k else load_change) for k, event in enumerate(events)]
-
-

@@ -35,8 +35,10 @@ from bem.windows.landing import Departure, Landing, Release, landed
 from bem.windows.windows import Window, in_core, seams, wider, windows_of
 
 WIDER = 3, 7  # limit: patches of buffer more, for a window whose path fails
-JOINED = 0.5  # limit: residual of windows that were joined, beyond which they did not fit
-ROUNDS = 5  # limit: of windows that follow one another's events
+ALIKE = 0.1  # residual of joined windows, beyond which one has felt the events of another too late: a shorter step
+JOINED = 0.5  # limit: of the shortest step: residual beyond which windows do not fit
+ROUNDS = 5  # limit: of windows that follow one another's events in it
+NEAR = 8  # edges next to an event, by which the far field of its window is judged
 PREDICTED = 0.15  # edge scales that edges are moved at most to predict the far field at the end of a step
 
 
@@ -50,10 +52,13 @@ class Spread(PathPoint):
         Without the compliance of the edges.
     rate : (2 L,) array
         Derivatives of the outward motions of the edges by the penetration.
+    step : float
+        Change of the penetration that led here, or may be tried first.
     """
 
     state: Evaluation
     rate: FloatArray
+    step: float
     status: ClassVar[PathStatus] = "converged"
 
     @property
@@ -97,23 +102,26 @@ class Spreading:
     path: Path
     crew: Crew
 
-    def at(self, value: float, patches: Patches, rate: FloatArray) -> Spread | None:
+    def at(self, value: float, patches: Patches, rate: FloatArray, step: float) -> Spread | None:
         """Return the point at edges with their rates; None where it cannot be evaluated."""
         state = self._evaluated(patches, value)
-        return None if state is None else Spread(value, state, rate)
+        return None if state is None else Spread(value, state, rate, step)
 
-    def stepped(self, point: Spread, value: float) -> Spread | None:
-        """Return the point at another penetration; None where a window fails, or windows do not fit."""
+    def stepped(self, point: Spread, value: float, shortest: bool) -> Spread | None:
+        """Return the point at another penetration; None where a window fails, or windows do not fit.
+
+        In the shortest step, windows may follow one another's events.
+        """
         releases: list[tuple[Release, float]] = []
         start, here = point.value, point
-        for _ in range(ROUNDS):
+        for _ in range(ROUNDS if shortest else 1):
             joined = self._joined(here, value, abs(value - start))
             state = None if joined is None else self._evaluated(joined.patches, value)
             if joined is None or state is None:
                 return None
-            here, missed = Spread(value, state, joined.rate), self._missed(state)
+            here, missed = Spread(value, state, joined.rate, abs(value - start)), self._missed(state)
             releases += [(release, self._error(release, state, missed)) for release in joined.releases]
-            if np.max(np.abs(missed)) <= JOINED:
+            if np.max(np.abs(missed)) <= (JOINED if shortest else ALIKE):
                 return replace(here, events=events_of(point, here, releases))
         return None
 
@@ -179,9 +187,6 @@ class Spreading:
         return float(np.max(np.abs(shift)))
 
 
-NEAR = 8  # edges next to an event, from which its error is estimated
-
-
 def joined_at_seams(windows: Sequence[Window], landings: Sequence[Landing]) -> Joined | None:
     """Return the cores of windows as one contact; None where they do not fit."""
     places = seams(windows, [landing.patches for landing in landings])
@@ -212,24 +217,24 @@ def events_of(first: Spread, last: Spread, releases: Sequence[tuple[Release, flo
     change = last.value - first.value
     direction = np.sign(change) or 1.0
     in_order = sorted(releases, key=lambda one: direction * one[0].event.at.value)
-    jumps = sum(release.load_change for release, _ in in_order)
-    rise, a, b = last.load - first.load - jumps, change * first.stiffness, change * last.stiffness
+    value = np.array([release.event.at.value for release, _ in in_order])
+    width = np.array([release.event.error.value + shift for release, shift in in_order])
+    jump = np.array([release.load_change for release, _ in in_order])
+    rise, a, b = last.load - first.load - jump.sum(), change * first.stiffness, change * last.stiffness
     smooth = np.array([first.load, a, 3 * rise - 2 * a - b, a + b - 2 * rise])
-    doubt = float(np.max(np.abs(polynomial.polyval(np.linspace(0, 1, 9), smooth - [first.load, rise, 0, 0]))))
-    events, jumped = [], 0.0
-    for release, shift in in_order:
-        event = release.event
-        load = float(polynomial.polyval((event.at.value - first.value) / change if change else 1.0, smooth)) + jumped
-        jumped += release.load_change
-        steepness = max(abs(first.stiffness), abs(last.stiffness))
-        error = EventNumbers(
-            event.error.value + shift,
-            event.error.penetration + shift,
-            event.error.load + doubt + steepness * shift,
-            event.error.potential,
-        )
+    part = (value - first.value) / change if change else np.ones(value.size)
+    load = polynomial.polyval(part, smooth) + np.cumsum(jump) - jump
+    bent = float(np.max(np.abs(polynomial.polyval(np.linspace(0, 1, 9), smooth - [first.load, rise, 0, 0]))))
+    steepness = max(abs(first.stiffness), abs(last.stiffness))
+    tied = np.abs(value[:, None] - value) <= width[:, None] + width  # any of these may come before the other
+    doubt = bent + steepness * width + tied @ np.abs(jump) - np.abs(jump)
+    events = []
+    for k, (release, shift) in enumerate(in_order):
+        event, off = release.event, release.event.error
+        error = EventNumbers(off.value + shift, off.penetration + shift, off.load + float(doubt[k]), off.potential)
         energy_error = event.energy_error + shift * abs(release.load_change)
-        events.append(replace(event, at=replace(event.at, load=load), error=error, energy_error=energy_error))
+        at = replace(event.at, load=float(load[k]))
+        events.append(replace(event, at=at, error=error, energy_error=energy_error))
     return tuple(events)
 
 

@@ -30,8 +30,8 @@ from bem.windows.spread import Spread, Spreading
 
 STEP = 0.05  # rms heights: windows are joined after each
 MANY, FEW = 100, 0.8  # speed: patches from which windows are followed; part of them below which they no longer are
-SHORT_LAST = 0.3  # speed: of a step: no step of its own is that short
-PARTS = 1.0, 0.5, 0.25  # limit: of a step, which windows try in turn
+SHORTEST = STEP / 8  # in which windows may follow one another's events
+GROWTH = 2.0  # speed: times the last step: the next, at most
 
 AnyPoint = Point | Spread
 
@@ -152,25 +152,27 @@ class WindowedPath:
             return point if isinstance(point, Spread) and self._spread_begins(point, goal) else None
         if not isinstance(point, Equilibrium) or point.balance.factor is None:
             return None
-        return self.spreading.at(point.value, point.patches, tangent(self.whole.system, point.balance))
+        return self.spreading.at(point.value, point.patches, tangent(self.whole.system, point.balance), STEP)
 
     def _stepped(self, point: Spread, goal: float) -> Iterator[AnyPoint]:
         """Yield the points of one step: that behind it, or those of the whole contact on the way."""
-        left = abs(goal - point.value)
-        step = left if left < (1 + SHORT_LAST) * STEP else STEP
-        for part in PARTS:
-            whole_way = part * step == left
-            value = goal if whole_way else point.value + self.direction(point, goal) * part * step
-            behind = self.spreading.stepped(point, value)
+        direction, step = self.direction(point, goal), min(STEP, GROWTH * point.step)
+        while True:
+            step = max(step, SHORTEST)
+            value = goal if abs(goal - point.value) <= step else point.value + direction * step
+            behind = self.spreading.stepped(point, value, shortest=step == SHORTEST)
             if behind is not None:
                 self.effort.accepted += 1
                 yield behind
                 return
             self.effort.rejected += 1
+            if step == SHORTEST:
+                break
+            step = min(step, abs(goal - point.value)) / 2
         start = self._gathered(point)
         yield start
         if not isinstance(start, Failed):
-            yield from self.whole.advance(start, point.value + self.direction(point, goal) * step)
+            yield from self.whole.advance(start, value)
 
     def _gathered(self, point: AnyPoint, fine: bool = False) -> Point:
         """Return joined windows as an equilibrium of the whole contact, with events on the way to it; others as is."""

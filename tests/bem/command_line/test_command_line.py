@@ -17,7 +17,6 @@ from bem.audit import certificate
 from bem.command_line.checkpoint import Checkpoint
 from bem.command_line.console import LineReporter, reporter, summary, summary_line
 from bem.record import Record
-from bem.scene.cost_prediction import LEAPING_SHARE
 from bem.scene.result import Progress, Result
 from bem.scene.result_file import read_result, write_result
 from bem.scene.scene import load_scene
@@ -98,9 +97,6 @@ def test_check_as_json(scene, capsys):
     content = json.loads(capsys.readouterr().out)
     assert content["scene"] == load_scene(scene).resolved()
     assert content["seconds"] == pytest.approx(sum(effect["seconds"] for effect in content["effects"]))
-    by_digits = content["seconds_by_tolerance"]
-    assert by_digits["0.001"] == pytest.approx(LEAPING_SHARE[0] * by_digits["1e-06"])
-    assert by_digits["0.0001"] == pytest.approx(LEAPING_SHARE[1] * by_digits["1e-06"])
 
 
 def test_check_lists_every_mistake(scene, capsys):

@@ -202,11 +202,3 @@ def test_a_run_that_is_resumed_is_judged_by_its_own_work(monkeypatch):
     expected = 10 * predicted.seconds * (1 - done[late])
     assert 0.6 * expected < forecast.left(reports[late]) < expected
     assert done[half] > 0.2
-
-
-def test_few_digits_are_predicted_to_cost_less_unless_the_load_is_held():
-    digits = 1e-6, 1e-4, 1e-3
-    exact, *leaps = (cost_of(scene_with(accuracy={"tolerance": tolerance})).seconds for tolerance in digits)
-    assert leaps[1] < 0.5 * leaps[0] < 0.25 * exact
-    held = [cost_of(scene_with(**SCENES["load"], accuracy={"tolerance": tolerance})) for tolerance in digits]
-    assert len({cost.evaluations for cost in held}) == 1
