@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from bem.adhesive.adhesion import Adhesion as Adhesion
     from bem.contact_state import ContactState as ContactState
     from bem.elastic.layer import Layer as Layer
-    from bem.ensembles import ensemble_table as ensemble_table
     from bem.geometry.profile import Profile as Profile
     from bem.geometry.scaling import Solid as Solid
     from bem.scene.result import Result as Result
@@ -30,7 +29,6 @@ _HOME = {
     "Profile": "bem.geometry.profile",
     "Solid": "bem.geometry.scaling",
     "Result": "bem.scene.result",
-    "ensemble_table": "bem.ensembles",
     "SceneError": "bem.scene.scene_rules",
     "load_scene": "bem.scene.scene",
     "parse_scene": "bem.scene.scene",
@@ -40,7 +38,7 @@ _HOME = {
 
 __all__ = [
     *("Adhesion", "ContactState", "Layer", "Profile", "Result", "SceneError", "Solid"),
-    *("ensemble_table", "load_scene", "parse_scene", "read_result", "solve"),
+    *("load_scene", "parse_scene", "read_result", "solve"),
 ]
 
 
@@ -49,6 +47,10 @@ def __getattr__(name: str) -> Any:
         return getattr(import_module(_HOME[name]), name)
     if name == "__version__":
         return import_module("bem.scene.result_file").installed_version()
+    if name == "ensemble_table":
+        raise AttributeError(
+            "ensemble_table is gone from bem: join result.to_table() of each, as example guide-ensemble does"
+        )
     raise AttributeError(f"module 'bem' has no attribute {name!r}")
 
 

@@ -13,7 +13,6 @@ import json
 import os
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
@@ -27,7 +26,6 @@ from bem.command_line.checkpoint import (
     usable,
 )
 from bem.command_line.console import (
-    digits_text,
     discard_stdout,
     effects_text,
     groups_text,
@@ -35,16 +33,16 @@ from bem.command_line.console import (
     preparation_text,
     reporter,
     scene_text,
+    size_text,
     summary,
     summary_line,
     usable_streams,
 )
 from bem.command_line.folder_lock import FolderError, locked
 from bem.compiled.kernels import IN_USE
-from bem.cut_sensitivity import cut_sensitivity, in_words
 from bem.path_for import check_path
-from bem.scene.cost_prediction import cost_of, seconds_by_digits, warning_of
-from bem.scene.effects import effects_of, predicted_seconds
+from bem.scene.effects import effects_of
+from bem.scene.memory_estimate import memory_estimate, refuse_beyond_memory
 from bem.scene.plausibility import cautions_of, groups_of
 from bem.scene.result import FINAL_STATUSES, Result
 from bem.scene.result_file import installed_version
@@ -98,7 +96,7 @@ def perform(options: argparse.Namespace) -> int:
 
 def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add `check` and `run` to the commands of a program, which hands what it parsed to `options.perform`."""
-    check = commands.add_parser("check", help="print the resolved scene, its effects and the predicted cost")
+    check = commands.add_parser("check", help="print the resolved scene, its effects and the memory that it needs")
     check.add_argument("scene", type=Path, help="scene file (TOML)")
     check.add_argument("--json", action="store_true", help="print as JSON")
     check.set_defaults(command=_check, perform=perform)
@@ -129,20 +127,21 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
 def _check(options: argparse.Namespace) -> int:
     """Print what a scene amounts to."""
     scene = load_scene(options.scene)
-    _warn_of_cost(scene)
+    refuse_beyond_memory(scene)
     check_path(scene)
     effects, groups = effects_of(scene), groups_of(scene)
     cautions = cautions_of(scene, groups)
     if options.json:
         listed = [vars(effect) for effect in effects]
-        facts = {"scene": scene.resolved(), "effects": listed, "seconds": predicted_seconds(scene), "groups": groups}
-        facts |= {"seconds_by_tolerance": {f"{key:g}": value for key, value in seconds_by_digits(scene).items()}}
+        size = memory_estimate(scene)
+        facts = {"scene": scene.resolved(), "effects": listed, "unknowns": size.unknowns, "memory": size.bytes}
+        facts |= {"groups": groups}
         facts |= {"warnings": [vars(caution) for caution in cautions], "profile_preparation": scene.preparation()}
         print(json.dumps(facts | {"kernels": IN_USE}))
     else:
         parts = (scene_text(scene.resolved()), preparation_text(scene.preparation()), groups_text(groups, cautions))
-        costs = effects_text(effects) + "\n" + digits_text(seconds_by_digits(scene))
-        print("\n\n".join(part for part in (*parts, costs) if part))
+        needs = effects_text(effects) + "\n" + size_text(memory_estimate(scene))
+        print("\n\n".join(part for part in (*parts, needs) if part))
     return DONE
 
 
@@ -168,22 +167,15 @@ def _run(options: argparse.Namespace) -> int:
     """Solve a scene into a folder."""
     scene = load_scene(options.scene)
     _keep_start(scene, options)
+    refuse_beyond_memory(scene)
     usable(options.out)
     with locked(options.out) as new:
         return _run_alone(scene, options, new)
 
 
-def _warn_of_cost(scene: Scene) -> None:
-    """Say before anything is computed that it will take hours, or more memory than many machines have."""
-    said = warning_of(cost_of(scene))
-    if said:
-        print(f"warning: cost: {said}", file=sys.stderr)
-
-
 def _run_alone(scene: Scene, options: argparse.Namespace, new: bool) -> int:
     """Solve a scene into a folder that is ours alone; `new` says whether it was made for this."""
     if not options.quiet:
-        _warn_of_cost(scene)
         for caution in cautions_of(scene, groups_of(scene)):
             print(f"warning: {caution.about}: {caution.message}", file=sys.stderr)
     stored = None if new else stored_result(scene, options.out, options.resume, options.overwrite)
@@ -193,8 +185,6 @@ def _run_alone(scene: Scene, options: argparse.Namespace, new: bool) -> int:
             old.unlink(missing_ok=True)
     if options.plot:
         _draw(result, options.out)
-    if result.cut_sensitivity and not options.quiet:
-        print(f"cut: {in_words(result.cut_sensitivity)}", file=sys.stderr)
     facts = summary(result, str(options.out), len(scene.loading.targets))
     if options.table:
         print(table_text(result))
@@ -216,11 +206,9 @@ def _keep_start(scene: Scene, options: argparse.Namespace) -> None:
 def _solved(scene: Scene, stored: Result | None, options: argparse.Namespace) -> Result:
     """Solve, keeping what converges as it does, and write the result."""
     checkpoint = Checkpoint(options.out)
-    report = reporter(sys.stderr, options.quiet, cost_of(scene))
+    report = reporter(sys.stderr, options.quiet, scene.loading.targets)
     try:
         result = solve(scene, progress=report, on_state=checkpoint.keep, resume=stored, jobs=options.jobs)
-        if scene.scan is not None:
-            result = replace(result, cut_sensitivity=cut_sensitivity(scene, result))
         with uninterrupted():
             checkpoint.finish(result)
     finally:

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from bem.elastic.hierarchical import IllConditionedSystemError
-from bem.scene.result import UNPHYSICAL, State
+from bem.scene.result import UNPHYSICAL, State, Status
 
 UNITS = {"separation": "m", "penetration": "m", "total_displacement": "m", "mean_pressure": "Pa"}
 FAILURES = {  # of a point of a path
@@ -28,7 +28,7 @@ LISTED = 3  # format: targets missed whose reasons stand in the failure of a res
 class MissedTargetError(Exception):
     """A target is not met: what a result calls that, why, and what may help, in the order in which to try it."""
 
-    def __init__(self, status: str, why: str, *remedies: str) -> None:
+    def __init__(self, status: Status, why: str, *remedies: str) -> None:
         super().__init__(why)
         self.status, self.why, self.remedies = status, why, remedies
 
@@ -88,12 +88,12 @@ def advice(remedies: Sequence[str]) -> str:
     return "what may help, in this order: " + ", ".join(f"({k}) {remedy}" for k, remedy in enumerate(remedies, 1))
 
 
-def said_of(error: MissedTargetError, name: str, control: str, target: float) -> str:
-    """One sentence on a target, named as in "target 2 of 6"."""
+def sentence(error: MissedTargetError, name: str, control: str, target: float) -> str:
+    """Return a sentence on a missed target, named as in "target 2 of 6"."""
     return f"{name}, {control} = {target:.9g} {UNITS[control]}: {error.why}; {advice(error.remedies)}"
 
 
-def verdict(states: Iterable[State]) -> tuple[str, str | None]:
+def verdict(states: Iterable[State]) -> tuple[Status, str | None]:
     """The status of a path with these states that visited all its targets, and why where it is not `converged`."""
     rows = tuple(states)
     missed = [state for state in rows if not state.found]

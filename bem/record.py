@@ -1,7 +1,7 @@
-"""What a run keeps: states, assessed and certified, events and fields, as a result at any time.
+"""Record of a run: certified states with events and fields, as a result at any time.
 
-A state is kept at once with the events on the way to it and its fields, or not at all: an interrupt leaves nothing half
-done.  Every state counts what was spent since the last one.  Fields are computed at the targets that ask for them, by
+A state is added at once with the events on the way to it and its fields, or not at all: an interrupt leaves nothing
+half done.  Every state has the cost since the state before.  Fields are computed at the targets that ask for them, by
 modules that are imported only then.
 """
 
@@ -16,15 +16,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.audit.certificate import Certificate
 from bem.certified_states import (
-    Cost,
-    Missed,
-    Place,
     complete_state,
     equilibrium_state,
     event_of,
     missed_state,
+    not_below_rounding,
     separated_state,
+    tension_of,
 )
 from bem.geometry.patches import PatchPressure
 from bem.geometry.scaling import ATOMIC
@@ -34,10 +34,22 @@ from bem.loading.path_events import PathEvent
 from bem.problem import Problem
 from bem.scene.effects import effects_of
 from bem.scene.plausibility import cautions_of, groups_of, pressure_groups
-from bem.scene.result import Caution, EnergyGainedError, Entry, Event, Result, State
+from bem.scene.result import (
+    Branch,
+    Caution,
+    EnergyGainedError,
+    Entry,
+    Event,
+    LargestTension,
+    Result,
+    State,
+    Status,
+    asked_for,
+)
 from bem.scene.result_file import provenance
 from bem.scene.scene import Scene
 from bem.scene.scene_tables import OUTPUTS
+from bem.scene.stored_arrays import split
 
 if TYPE_CHECKING:
     from bem.continuation.points_with_edges import Point
@@ -53,27 +65,24 @@ TENSION = "interior_tension"  # what a warning is about
 
 @dataclass
 class Record:
-    """What has been found so far.
+    """Entries of a result in the making.
 
     Attributes
     ----------
     begun : Result
-        What all states share.
+        Result without states: scene, effects, provenance, groups and warnings of the scene.
     entries : list of Entry
-        What is kept, in the order found.
+        In the order of the path.
     ahead, warned : list of Event, list of Caution
-        Events and warnings since the last entry: they are kept with the next one.
-    shapes : int
-        Entries with fields.
+        Events and warnings since the last entry, which the next entry takes.
     evaluations, cpu
-        Counted up to the last state.
+        Totals up to the last entry.
     """
 
     scene: Scene
     entries: list[Entry] = field(default_factory=list)
     ahead: list[Event] = field(default_factory=list)
     warned: list[Caution] = field(default_factory=list)
-    shapes: int = 0
     evaluations: int = 0
     cpu: float = field(default_factory=time.process_time)
     begun: Result = field(init=False)
@@ -95,54 +104,63 @@ class Record:
 
     @property
     def states(self) -> list[State]:
-        """Those kept."""
+        """States of the entries."""
         return [entry.state for entry in self.entries]
 
-    def add(self, state: State, fields: dict[str, NDArray[Any]]) -> State:
-        """Keep a state with its fields and the events on the way to it; the state with the number of events."""
-        state = replace(state, events=self._happened + len(self.ahead))
-        entry = Entry(tuple(self.ahead), state, fields, tuple(self.warned))
-        self.entries.append(entry)
-        self.ahead, self.warned, self.shapes = [], [], self.shapes + bool(fields)
-        return entry.state
+    def add(
+        self, state: State, fields: dict[str, NDArray[Any]], tension: LargestTension | None = None, **place: Any
+    ) -> State:
+        """Add a state with its fields and the events on the way to it; return it as stored.
 
-    def miss(self, state: State) -> None:
-        """Keep the row of a target that was not met; events ahead are left for the next state."""
-        self.entries.append(Entry((), replace(state, events=self._happened)))
+        `place` has its other attributes: branch, target, index, evaluations, cpu_seconds.
+        """
+        events, stored = self._events + len(self.ahead), self.stored if fields else None
+        state = not_below_rounding(replace(state, events=events, stored=stored, **place))
+        if not state.target:
+            state = replace(state, peak_pressure=None, largest_gap=None)
+        self.entries.append(Entry(tuple(self.ahead), state, fields, tuple(self.warned), tension))
+        self.ahead, self.warned = [], []
+        return state
+
+    def miss(self, state: State, **place: Any) -> None:
+        """Add the row of a target that was not met; the next state takes the events ahead."""
+        self.entries.append(Entry((), replace(state, events=self._events, **place)))
 
     @property
-    def _happened(self) -> int:
-        """Number of events kept."""
-        return (self.entries[-1].state.events or 0) if self.entries else 0
+    def stored(self) -> int:
+        """Number of states with fields."""
+        return sum(state.stored is not None for state in self.states)
 
-    def result(self, status: str, failure: str | None = None) -> Result:
-        """All of it."""
-        kept = self.begun.with_entries(self.entries)
-        groups = kept.groups | pressure_groups(kept.groups, [state for state in kept.states if state.found])
-        return replace(kept, status=status, failure=failure, groups=groups)
+    @property
+    def _events(self) -> int:
+        """Number of events of all entries."""
+        return self.entries[-1].state.events if self.entries else 0
+
+    def result(self, status: Status, failure: str | None = None) -> Result:
+        """Return the result of all entries."""
+        result = self.begun.with_entries(self.entries)
+        groups = result.groups | pressure_groups(result.groups, [state for state in result.states if state.found])
+        return replace(result, status=status, failure=failure, groups=groups)
 
 
-def entries_of(result: Result, begun: Result, has_fields: Callable[[State], bool]) -> Iterator[Entry]:
-    """The entries that an interrupted result is made of, up to one that is not complete.
+def entries_of(result: Result, begun: Result) -> Iterator[Entry]:
+    """Yield the entries of an interrupted result, up to a state whose arrays are missing.
 
     Parameters
     ----------
     result : Result
     begun : Result
-        What all its states share.
-    has_fields : callable
-        Whether fields belong to a state; they may be missing from a result that was kept without them.
+        Result of the same scene without states.
     """
-    before, shape = 0, 0
+    before, tension = 0, result.largest_tension
     warnings = tuple(warning for warning in result.warnings if warning not in begun.warnings)
-    shared = {name: values for name, values in result.fields.items() if not _index(name) and name not in begun.fields}
+    shared = {name: values for name, values in result.fields.items() if not split(name)[1] and name not in begun.fields}
     for state in result.states:
-        wanted = has_fields(state)
-        own = {name: values for name, values in result.fields.items() if wanted and _index(name) == str(shape)}
-        if state.events is None or (wanted and not own):
+        own = {name: values for name, values in result.fields.items() if split(name)[1] == str(state.stored)}
+        if state.stored is not None and not own:
             return
-        yield Entry(result.events[before : state.events], state, own | shared if wanted else {}, warnings)
-        before, shape, warnings = state.events, shape + wanted, ()
+        yield Entry(result.events[before : state.events], state, own | shared if own else {}, warnings, tension)
+        before, warnings, tension = state.events, (), None
 
 
 def _lines(scene: Scene) -> dict[str, NDArray[Any]]:
@@ -151,12 +169,6 @@ def _lines(scene: Scene) -> dict[str, NDArray[Any]]:
     ascending = np.argsort(surface.orders)
     wavenumbers = 2 * np.pi / surface.period * surface.orders[ascending]
     return {"profile_q": wavenumbers, "profile_amplitude": np.abs(surface.amplitudes[ascending])}
-
-
-def _index(name: str) -> str:
-    """The index of the stored state that the name of an array ends in, or nothing."""
-    index = name.rpartition("_")[2]
-    return index if index.isdigit() else ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,20 +207,24 @@ class Recorder:
                 raise EnergyGainedError(f"{at} releases {released:.3g} +- {error:.1g} J/m^2")
             self.record.ahead.append(event)
 
-    def keep(self, point: AnyPoint, branch: str, target: bool) -> State:
-        """Keep a refined point as a state: assessed and certified where it has edges."""
-        state = self.record.add(self._described(point, branch, target), self._fields(point) if target else {})
+    def keep(self, point: AnyPoint, branch: Branch, index: int | None = None) -> State:
+        """Add a refined point as a state, that of the target with an index, assessed and certified if it has edges."""
+        target = index is not None
+        state, fields = self._described(point, target), self._fields(point, index)
+        tension = tension_of(self.problem, self.path.largest_tension)
+        state = self.record.add(state, fields, tension, branch=branch, target=target, index=index, **self._cost())
         self._tell()
         return state
 
-    def miss(self, missed: Missed, branch: str) -> None:
-        """Keep the row of a target that was not met."""
-        place = Place(branch, True, self._cost(0))
-        if missed.status == "unreachable" and missed.control == "mean_pressure":
-            apart = separated_state(self.problem, 0.0, missed.status, place)
-            self.record.miss(replace(apart, certificate=replace(apart.certificate, reasons=(missed.reason,))))
+    def miss(self, index: int, status: Status, reason: str, branch: Branch) -> None:
+        """Add the row of a target that was not met."""
+        control, value = asked_for(self.record.begun.scene["loading"], index)
+        if status == "unreachable" and control == "mean_pressure":
+            certificate = Certificate(ok=False, reasons=(reason,))
+            state = replace(separated_state(self.problem, 0.0), status=status, certificate=certificate)
         else:
-            self.record.miss(missed_state(missed, place))
+            state = missed_state(control, value, status, reason)
+        self.record.miss(state, branch=branch, target=True, index=index, **self._cost())
         self._tell()
 
     def _tell(self) -> None:
@@ -223,23 +239,17 @@ class Recorder:
             return self.problem.surface.max_height - point.value * self.problem.scales.height
         return point.value * self.problem.scales.height
 
-    def outputs_at(self, target: float) -> list[str]:
-        """Fields asked for at a value of the controlled quantity, SI."""
-        return [name for name in OUTPUTS if self.scene.wants(name, target)]
-
-    def _described(self, point: AnyPoint, branch: str, target: bool) -> State:
-        """A point as a state."""
+    def _described(self, point: AnyPoint, target: bool) -> State:
+        """Return a point as a state."""
         if point.status == "complete_contact":
             load = self.problem.control.load(self.problem.profile.max_height, point.value)
-            return complete_state(self.problem, self.complete, load, Place(branch, target, self._cost(0)))
+            return complete_state(self.problem, self.complete, load)
         if point.state is None:
-            place = Place(branch, target, self._cost(0))
-            return separated_state(self.problem, self._penetration_of(point), "separated", place)
+            return separated_state(self.problem, self._penetration_of(point))
         assessment = self.path.assess(point)
         if assessment.work is not None:
             self._warn_of_tension(point.state, assessment.work)
-        place = Place(branch, target, self._cost(point.state.unknowns))
-        return equilibrium_state(self.problem, point.state, assessment, self.scene.accuracy.tolerance, place)
+        return equilibrium_state(self.problem, point.state, assessment, self.scene.accuracy.tolerance, target)
 
     def _warn_of_tension(self, state: Evaluation | GapEvaluation, work: FloatArray) -> None:
         """Once, where the tension inside the contact would open it at a flaw of atomic size."""
@@ -254,29 +264,29 @@ class Recorder:
             told += f"{ATOMIC:g} m, the distance of atoms. The path holds it closed: bem/README.md, section 10"
             record.warned = [Caution(TENSION, told)]
 
-    def _cost(self, unknowns: int) -> Cost:
-        """Evaluations and CPU seconds since the last state."""
+    def _cost(self) -> dict[str, Any]:
+        """Return evaluations and CPU seconds since the last entry."""
         effort = self.path.effort
         evaluations, cpu = effort.evaluations, time.process_time() + effort.cpu_elsewhere
-        cost = Cost(unknowns, evaluations - self.record.evaluations, cpu - self.record.cpu)
+        cost = {"evaluations": evaluations - self.record.evaluations, "cpu_seconds": cpu - self.record.cpu}
         self.record.evaluations, self.record.cpu = evaluations, cpu
         return cost
 
-    def _fields(self, point: AnyPoint) -> dict[str, NDArray[Any]]:
-        """Fields asked for at this target; the modules that compute them are imported only then."""
-        wanted = self.outputs_at(self.target_of(point))
+    def _fields(self, point: AnyPoint, index: int | None) -> dict[str, NDArray[Any]]:
+        """Return the arrays asked for at a target; the modules that compute them are imported only then."""
+        wanted = [name for name in OUTPUTS if index is not None and self.scene.wants(name, index)]
         if not wanted:
             return {}
         observables = import_module("bem.observables.observables")
-        state, index = point.state, self.record.shapes
+        state, k = point.state, self.record.stored
         found: dict[str, NDArray[Any]]
         if point.status == "complete_contact":
             load = point.value if self.scene.loading.control == "mean_pressure" else self.complete.least_load
-            found = observables.complete_contact_fields(wanted, self.problem, self.complete, load, index)
+            found = observables.complete_contact_fields(wanted, self.problem, self.complete, load, k)
         else:
             pressure = PatchPressure(np.empty(0), np.empty(0), ()) if state is None else state.pressure()
             depth = self._penetration_of(point) if state is None else state.penetration
-            found = observables.contact_fields(wanted, self.problem, pressure, depth, index)
+            found = observables.contact_fields(wanted, self.problem, pressure, depth, k)
         return found
 
     def _penetration_of(self, point: AnyPoint) -> float:

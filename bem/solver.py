@@ -25,8 +25,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bem import missed
-from bem.certified_states import Missed
-from bem.flat_path import solve_flat
+from bem.flat import solve_flat
 from bem.geometry.patches import ordered
 from bem.loading.complete_contact import complete_contact
 from bem.loading.crew import Crew
@@ -35,7 +34,7 @@ from bem.missed import FAILURES, NUMERICAL_FAILURES, MissedTargetError
 from bem.path_for import path_for
 from bem.problem import Problem, pose
 from bem.record import Record, Recorder, entries_of
-from bem.scene.result import Progress, Result, State
+from bem.scene.result import Branch, Progress, Result, State, Status, asked_for
 from bem.scene.scene import Scene
 from bem.scene_objects import Described, Tables, scene_of
 
@@ -52,8 +51,9 @@ OnState = Callable[[Record], None] | None
 
 @dataclass(frozen=True)
 class Goal:
-    """A target: in the units of the scene, as value of the control, and as separation to its last digit."""
+    """Target of the path: index, value in units of the scene, value of the control, separation to its last digit."""
 
+    index: int
     target: float
     value: float
     separation: float | None
@@ -113,7 +113,7 @@ def solve(
                 run.take_over(resume)
             status, failure = run.follow()
         except NUMERICAL_FAILURES as error:
-            status, failure = "not_converged", f"{type(error).__name__}: {error}"
+            return record.result("not_converged", f"{type(error).__name__}: {error}")
     return record.result(status, failure)
 
 
@@ -129,14 +129,17 @@ class _Run:
         self.recorder = Recorder(scene, problem, self.complete, self.path, record, on_state)
         self.control = scene.loading.control
         self.goals = [
-            Goal(target, problem.control_value(target, self.control), self._separation(target))
-            for target in scene.loading.targets
+            Goal(index, target, problem.control_value(target, self.control), self._separation(target))
+            for index, target in enumerate(scene.loading.targets)
         ]
         self.done = 0
+        stop, between = scene.loading.stop_at_mean_pressure, scene.loading.at_mean_pressures
+        pressures = [*between, *(() if stop is None else (stop,))]
+        self.asked = {pressure: len(self.goals) + k for k, pressure in reversed(list(enumerate(pressures)))}  # index
         self.met: set[float] = set()  # mean pressures asked for that this leg of the path has met
         self.last: tuple[State, float | None] | None = None  # state kept, and the value of the control if at a target
         self.kept, self.kept_penetration = np.inf, np.nan  # of the last state stored: value, penetration in m
-        self.branch = "loading"
+        self.branch: Branch = "loading"
         if scene.start_state is not None:
             self.last, self.branch = (scene.start_state, None), scene.start_state.branch
         self.point: AnyPoint = self._start()
@@ -163,23 +166,24 @@ class _Run:
 
     def take_over(self, result: Result) -> None:
         """Keep an interrupted result up to its last target and stand there; what came after it is computed again."""
-        entries, last = tuple(entries_of(result, self.record.begun, self._has_fields)), 0
-        for count, entry in enumerate(entries, 1):
-            if self._is_goal(entry.state) or self._is_stop(entry.state):
-                self.done, last = self.done + 1, count
-        self.done = 0
-        for state in (entry.state for entry in entries[:last]):
+        entries = tuple(entries_of(result, self.record.begun))
+        ends = [count for count, entry in enumerate(entries, 1) if self._ends_leg(entry.state)]
+        entries = entries[: ends[-1]] if ends else ()
+        for state in (entry.state for entry in entries):
             self._take_branch(state.branch)
-            goal = self.goals[self.done] if self._is_goal(state) else None
-            if goal is None and state.target:
-                self.met.add(self._asked_at(state))
+            goal = None if state.index is None or state.index >= len(self.goals) else self.goals[state.index]
+            if goal is not None:
+                self.done = goal.index + 1
+            elif state.index is not None:
+                self.met.add(self._asked_at(state.index))
             if state.found:
                 self.last = state, None if goal is None else goal.value
-            self.done = len(self.goals) if self._is_stop(state) else self.done + (goal is not None)
-        self.record.entries, self.record.shapes = list(entries[:last]), sum(bool(e.fields) for e in entries[:last])
-        self.stands = self.stands and last == 0
+            if self._is_stop(state):
+                self.done = len(self.goals)
+        self.record.entries = list(entries)
+        self.stands = self.stands and not entries
 
-    def follow(self) -> tuple[str, str | None]:
+    def follow(self) -> tuple[Status, str | None]:
         """Visit the remaining targets; the status of the result, and why, where it is not `converged`."""
         try:
             for index in range(self.done, len(self.goals)):
@@ -199,13 +203,13 @@ class _Run:
         except NUMERICAL_FAILURES as error:
             why = missed.not_computed(error)
         self.record.ahead, self.stands = [], False
-        self._miss(why, f"target {index + 1} of {len(self.goals)}", self.control, goal.target)
+        self._miss(why, f"target {index + 1} of {len(self.goals)}", index)
         return False
 
-    def _miss(self, why: MissedTargetError, name: str, control: str, target: float) -> None:
+    def _miss(self, why: MissedTargetError, name: str, index: int) -> None:
         """Keep the row of a target that was not met."""
-        said = missed.said_of(why, name, control, target)
-        self.recorder.miss(Missed(control, target, why.status, said), self.branch)
+        reason = missed.sentence(why, name, *asked_for(self.record.begun.scene["loading"], index))
+        self.recorder.miss(index, why.status, reason, self.branch)
 
     def _visit(self, goal: Goal, index: int) -> bool:
         """Follow the path to a target and keep the state there; whether the path ends on the way, as asked."""
@@ -219,7 +223,7 @@ class _Run:
         if self.point.value != goal.value:
             raise missed.passed_over()
         self.point = self._refined(self.point, direction)
-        self._keep(self.point, target=True, goal=goal.value)
+        self._keep(self.point, index, goal.value)
         self.stands = not self.path.has_history
         return False
 
@@ -229,14 +233,14 @@ class _Run:
         for point in self.path.advance(self.point, goal.value, goal.separation):
             before, self.point = self.point, self._checked(point)
             self._report(index)
-            if self._passed(before, point):
+            if self._passed(before, point, index):
                 return True
             if self._lost_under_load(point, goal.value):
-                self._keep(point, target=False)
+                self._keep(point)
                 raise missed.came_apart(self.recorder.target_of(before))
             if not point.last and point.value != goal.value and self._is_far(point, spacing):
                 between = self._refined(point, direction)
-                self._keep(between, target=False)
+                self._keep(between)
                 if between.events:  # the path continues behind them
                     self.point = between
                     return self._follow_to(goal, spacing, index)
@@ -270,27 +274,22 @@ class _Run:
         self.recorder.note(refined.events)
         return refined
 
-    def _keep(self, point: AnyPoint, target: bool, goal: float | None = None) -> None:
-        """Store a refined point as a state; `goal` is the value of the control of a target of the path."""
-        state = self.recorder.keep(point, self.branch, target)
+    def _keep(self, point: AnyPoint, index: int | None = None, goal: float | None = None) -> None:
+        """Store a refined point as a state, with the index of its target; `goal` is its value of the control."""
+        state = self.recorder.keep(point, self.branch, index)
         self.last = state, goal
         self.kept, self.kept_penetration = point.value, state.penetration
 
-    def _take_branch(self, branch: str) -> None:
+    def _take_branch(self, branch: Branch) -> None:
         """Turn to loading or unloading; every leg of the path meets the mean pressures asked for anew."""
         if branch != self.branch:
             self.met.clear()
         self.branch = branch
 
-    @property
-    def _asked(self) -> set[float]:
-        """Mean pressures at which a state is asked for."""
-        loading = self.scene.loading
-        stop = loading.stop_at_mean_pressure
-        return {*loading.at_mean_pressures, *(() if stop is None else (stop,))}
-
-    def _passed(self, before: AnyPoint, after: AnyPoint) -> bool:
+    def _passed(self, before: AnyPoint, after: AnyPoint, index: int) -> bool:
         """Keep the events between two points, and states where asked mean pressures are crossed, in their order.
+
+        `index` is that of the target ahead.
 
         Returns
         -------
@@ -308,9 +307,9 @@ class _Run:
                 behind = tuple(event for event in ahead if direction * (event.at.value - found.value) <= 0)
                 self.recorder.note(behind)
                 ahead = ahead[len(behind) :]
-                self._keep(found, target=True)
+                self._keep(found, self._index_of(pressure, index))
             except MissedTargetError as why:
-                self._miss(why, "a pressure on the way", "mean_pressure", pressure)
+                self._miss(why, "a pressure on the way", self.asked[pressure])
             if pressure == self.scene.loading.stop_at_mean_pressure:
                 self.point = found
                 return True
@@ -319,7 +318,7 @@ class _Run:
 
     def _crossed(self, before: AnyPoint, after: AnyPoint) -> list[float]:
         """Mean pressures asked for that lie between those of two points, in the order in which they are crossed."""
-        wanted = self._asked - self.met
+        wanted = self.asked.keys() - self.met
         start, end = (self.path.load_of(point) for point in (before, after)) if wanted else (None, None)
         if start is None or end is None:
             return []
@@ -357,32 +356,26 @@ class _Run:
         """Whether load control pulled off: no state carries the tension asked for."""
         return self.control == "mean_pressure" and point.status == "separated" and goal < 0
 
-    def _is_goal(self, state: State) -> bool:
-        """Whether a stored state is the next target of the path, not a pressure on the way."""
-        if not state.target or self.done == len(self.goals):
-            return False
-        if state.status == "unreachable":
-            return True
-        target = self.goals[self.done].target
-        value = getattr(state, self.control)
-        scale = max(abs(target), self.problem.scales.height * 1e-3)
-        return value is not None and abs(value - target) <= 1e-9 * scale
+    def _asked_at(self, index: int) -> float:
+        """Return the value asked for at the target with an index, in the units of the scene."""
+        return asked_for(self.record.begun.scene["loading"], index)[1]
+
+    def _index_of(self, pressure: float, ahead: int) -> int:
+        """Return the index of the target that is a mean pressure: the target ahead, or one on the way."""
+        is_ahead = self.control == "mean_pressure" and self.goals[ahead].target == pressure
+        return ahead if is_ahead else self.asked[pressure]
 
     def _is_stop(self, state: State) -> bool:
-        """Whether a path ends at a stored state because its mean pressure is the one at which it is to stop."""
+        """Return whether a path ends at a stored state, because its mean pressure is the one at which to stop."""
         stop = self.scene.loading.stop_at_mean_pressure
-        if stop is None or not state.target:
+        if stop is None or state.index is None:
             return False
-        asked = self.goals[self.done].target if self._is_goal(state) else self._asked_at(state)
-        return asked == stop and (self.control == "mean_pressure" or not self._is_goal(state))
+        pressure = self.control == "mean_pressure" or state.index >= len(self.goals)
+        return pressure and self._asked_at(state.index) == stop
 
-    def _asked_at(self, state: State) -> float:
-        """The mean pressure asked for that a stored state on the way was kept for."""
-        return min(self._asked, key=lambda pressure: abs(pressure - state.mean_pressure))
-
-    def _has_fields(self, state: State) -> bool:
-        """Whether fields are asked for at a stored state."""
-        return state.target and state.found and bool(self.recorder.outputs_at(getattr(state, self.control)))
+    def _ends_leg(self, state: State) -> bool:
+        """Return whether a stored state is at a target of the path, or where the path stops."""
+        return state.index is not None and (state.index < len(self.goals) or self._is_stop(state))
 
     def _point_of(self, state: State, goal: float | None = None) -> AnyPoint:
         """The point of the path at a stored state, which stands at a goal unless the scene starts there."""

@@ -20,15 +20,14 @@ True
 Where to look: spectrum.py (what the theory sees of a profile), nonadhesive.py (closed forms), area_factor.py and
 adhesive.py (effective work of adhesion, moving barrier, fixed point), magnification.py (the mesh both routes share),
 diffusion.py and volterra.py (the two routes), separation.py, double_gaussian.py, contact.py (what is returned),
-status.py (what can go wrong, with advice), solve.py (all of it in order); corrected.py and corrected_variance.py (what
-the literature, and a calibration for roughness in one direction, put beside the theory in partial contact);
-contact_slope.py and adhesive_edges.py (its area, without and with adhesion), edge_distribution.py, domain.py.
+status.py (what can go wrong, with advice), solve.py (all of it in order).  `contact_area` gives the area alone, by two
+laws fitted on boundary-element ensembles: fitted_area.py (entry and domain), contact_slope.py (without adhesion),
+adhesive_edges.py (with adhesion).
 """
 
-from persson import corrected
 from persson.contact import AdhesiveContact
-from persson.corrected_variance import Correction
 from persson.double_gaussian import DoubleGaussian, double_gaussian, fit_double_gaussian
+from persson.fitted_area import FittedArea, contact_area
 from persson.mathematics.area_factor import AREA_FACTORS, gaussian_slope_1d, isotropic_2d
 from persson.nonadhesive import NonadhesiveContact, solve_nonadhesive
 from persson.solve import solve
@@ -38,11 +37,11 @@ __all__ = [
     "AREA_FACTORS",
     "AdhesiveContact",
     "ContinuousSpectrum",
-    "Correction",
     "DiscreteSpectrum",
     "DoubleGaussian",
+    "FittedArea",
     "NonadhesiveContact",
-    "corrected",
+    "contact_area",
     "double_gaussian",
     "fit_double_gaussian",
     "gaussian_slope_1d",

@@ -12,8 +12,7 @@ A detached zone of one wavelength, 2 pi / q, opens at a tension a E* with
 w = 1 in the theory; w = 1/2, a detached width half as large, makes a larger by sqrt 2 (the paper's remark).  Stress is
 absorbed at -a(S) (diffusion.py or volterra.py), which gives A(S) again: a fixed point, reached by Picard iterations
 accelerated by Anderson mixing.  The nonadhesive part of U_el is exact, the rest is summed by the trapezoid rule in
-W = int dS / q.  A correction (corrected_variance.py) puts A S in place of A in the energy, and changes the variance by
-which the stress diffuses, with the A of the same iteration.
+W = int dS / q.
 
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601; B. N. J. Persson,
 Eur. Phys. J. E 8 (2002) 385; mixing: D. G. Anderson, J. ACM 12 (1965) 547.  Stresses in
@@ -31,8 +30,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from persson.corrected_variance import Correction, scales_of
-from persson.diffusion import EnergyFactor, StressDistribution, march, steps_of
+from persson.diffusion import StressDistribution, march, steps_of
 from persson.magnification import MagnificationMesh
 from persson.mathematics.area_factor import AreaFactor
 from persson.mathematics.arrays import FloatArray, IntArray
@@ -59,8 +57,6 @@ class AdhesionProblem:
         gamma / E*, m.
     detached_width : float
         w, the detached width in wavelengths.
-    correction : Correction, optional
-        Of the stress variance in partial contact; None for the theory as it is.
     """
 
     spectrum: Spectrum
@@ -69,16 +65,6 @@ class AdhesionProblem:
     work_length: float
     area_factor: AreaFactor
     detached_width: float
-    correction: Correction | None = None
-
-    @property
-    def energy_factor(self) -> EnergyFactor | None:
-        """S of a cell for the drift of the stress; None where it does not drift."""
-        correction = self.correction
-        if correction is None or correction.form != "drift":
-            return None
-        scales = scales_of(self.mesh)
-        return lambda cell, area: correction.factor(area, scales.of(cell))
 
     def nonadhesive_area(self) -> FloatArray:
         """A/A0 without adhesion at the nodes, (n_loads, n + 1)."""
@@ -100,7 +86,6 @@ class AdhesiveFields:
     area : A/A0.
     energy : U_el / E* of the roughness above each node, m.
     work : gamma_eff / E*, m.
-    variance : variance that the stress has diffused by, V where nothing is corrected.
     barrier : a = sigma_a / E* just below each node.
     distribution : P at the last node; None for the Volterra route.
     iterations : evaluations of the diffusion.
@@ -111,7 +96,6 @@ class AdhesiveFields:
     area: FloatArray
     energy: FloatArray
     work: FloatArray
-    variance: FloatArray
     barrier: FloatArray
     distribution: StressDistribution | None
     iterations: int
@@ -159,22 +143,12 @@ def solve_fixed_point(
     known_area, known_energy = problem.nonadhesive_area(), problem.nonadhesive_energy
     factor = problem.area_factor(problem.mesh.slope_variance[-1] - problem.mesh.slope_variance)
     last: dict[int, tuple[FloatArray, FloatArray]] = {}
-    every, barriers, variances = np.arange(problem.loads.size), np.zeros(guess.shape), np.ones(guess.shape)
-    plain_variance, correction = problem.mesh.stress_variance, problem.correction
-    scales, energy_factor = scales_of(problem.mesh), problem.energy_factor
-
-    def variance_of(area: FloatArray) -> FloatArray:
-        if correction is None:
-            return np.asarray(np.broadcast_to(plain_variance, area.shape))
-        return correction.variance(plain_variance, np.minimum(area, 1.0), scales)
+    every, barriers = np.arange(problem.loads.size), np.zeros(guess.shape)
+    variance = problem.mesh.stress_variance
 
     def energy_above(area: FloatArray, rows: IntArray) -> FloatArray:
         known = (known_area[rows, 1:] + known_area[rows, :-1]) / 2
-        if correction is None:
-            stored = (area[:, 1:] + area[:, :-1]) / 2
-        else:
-            stored = correction.stored(plain_variance, np.minimum(area, 1.0), scales)
-        cells = (stored - known) * np.diff(problem.mesh.weight)
+        cells = ((area[:, 1:] + area[:, :-1]) / 2 - known) * np.diff(problem.mesh.weight)
         below = known_energy[rows]
         below[:, 1:] += np.cumsum(cells, axis=1) / 4
         return np.asarray(below[:, -1:] - below)
@@ -189,15 +163,14 @@ def solve_fixed_point(
         work, loads = work_of(area, rows), problem.loads[rows]
         barrier = problem.mesh.smoothed(barrier_of(work, problem.mesh.before))
         barrier[:, 0] = barrier_of(work[:, :1], problem.mesh.after[:1])[:, 0]
-        variance = variance_of(area)
         if route == "volterra":
             inside = problem.mesh.smoothed_inside(barrier_of((work[:, 1:] + work[:, :-1]) / 2, problem.mesh.inside))
             return np.stack(
-                [survival(float(p), v, b, m) for p, v, b, m in zip(loads, variance, barrier, inside, strict=True)]
+                [survival(float(p), variance, b, m) for p, b, m in zip(loads, barrier, inside, strict=True)]
             )
-        barriers[rows], variances[rows] = barrier, variance
+        barriers[rows] = barrier
         # as many steps as all loads ask for, so that what is found does not hang on which of them are converged
-        result = march(loads, variance, barrier, n_cells, energy_factor, steps_of(variances, barriers))
+        result = march(loads, variance, barrier, n_cells, steps_of(variance, barriers))
         last.update(
             zip(rows.tolist(), zip(result.distribution.faces, result.distribution.density, strict=True), strict=True)
         )
@@ -211,7 +184,6 @@ def solve_fixed_point(
         area=area,
         energy=energy_above(area, every),
         work=work,
-        variance=variance_of(area),
         barrier=barrier_of(work, problem.mesh.before),
         distribution=StressDistribution(*ends) if ends else None,
         iterations=iterations,

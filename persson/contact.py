@@ -133,13 +133,13 @@ class AdhesiveContact:
         barrier = mesh.smoothed(self.fields.barrier)[0]
         barrier[0] = barrier[1]
         square = np.interp(resolved, mesh.slope_variance, barrier**2)
-        spread = self.fields.variance[0]
+        spread = mesh.stress_variance
         nodes = np.append(spread[kept], np.interp(resolved, mesh.slope_variance, spread))
         path = np.append(barrier[kept], np.sqrt(square))
         loads = self.fields.problem.loads[:1]
         deviations = (float(loads[0] + path[-1]) / np.sqrt(nodes[-1])) + REACH
         n_cells = int(np.ceil(CELLS_PER_DEVIATION * deviations))
-        return march(loads, nodes, path[None, :], n_cells, self.fields.problem.energy_factor).distribution
+        return march(loads, nodes, path[None, :], n_cells).distribution
 
     def pressure_distribution(self, pressure: ArrayLike, wavenumber: float | None = None) -> FloatArray:
         """P(sigma) per nominal area in 1/Pa at pressures in Pa, tension < 0; its integral is A/A0."""

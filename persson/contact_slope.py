@@ -1,18 +1,18 @@
-"""Contact area without adhesion from the rms slope over the contact, for roughness in one direction.
+"""Fitted contact area without adhesion, from the rms slope over the contact; roughness in one direction.
 
-What governs the area is the slope over the contact, g, and not that over the period, h'_rms: over all spectra tried
+The rms slope g over the contact governs the area, not the rms slope h'_rms over the period.  For all spectra tried
 
     A_rough = erf(c sqrt(2) p / (E* g)),    that is A = kappa p / (E* g), kappa = 1.78 at small loads, 1.7 at A = .3,
 
-Persson's law with g in place of h'_rms.  Every line keeps its slope variance in contact; what lowers g is correlation
-between lines, the contact sitting where their slopes cancel.  The closure adds it up over pairs of lines, with the
-shares w_m = dS_m / S of the slope variance,
+Persson's law with g in place of h'_rms.  Every line keeps its slope variance in contact; correlation between lines
+lowers g, because contact sits where their slopes cancel.  The closure sums over pairs of lines, with the shares
+w_m = dS_m / S of the slope variance:
 
     (g / h'_rms)^2 = 1 - [1 - (1 - D) A_rough / (A_rough + A_0)] (1 - A_rough),
-    D = D_0 sum_mn w_m w_n sech(ln q_m/q_n)^n,      A_0 = a_0 ln(B) / B,
+    D = D_0 sum_mn w_m w_n sech(ln q_m/q_n)^n,      A_0 = a_0 ln(B) / B.
 
-lines near in wavenumber correlating most, and all the more where contact is too small to see the longest waves (B the
-bandwidth of domain.py).  A periodic profile has besides at least one patch, on its highest summit, of the area
+Lines of similar wavenumber correlate most, and more strongly where contact is too small to resolve the longest waves
+(B is `bandwidth_of`, spectrum.py).  A periodic profile also has at least one patch, on its highest summit, of the area
 
     A_one = (2 / pi) asin sqrt(2 q_0 p / (E* k)),     1 - A^4 = (1 - A_one^4) (1 - A_more^4),
     A_more = A_rough (1 - sum w_m^2)^(s (1 - A_rough^4))
@@ -21,29 +21,26 @@ with k the curvature there, <k^-1/2>^-2 over random phases, and q_0 the wavenumb
 Westergaard exactly; A -> 1; A ~ p for broad continuous spectra as long as A exceeds A_0, then p^2/3; A ~ p^1/2 for a
 finite sum of lines at vanishing load, the Hertzian contact of its highest summit.
 
-c, n, D_0, s and a_0 are fitted on boundary-element ensembles (contact_slope.json, with the hold-out that they were
-judged on).  Source: here; that the slope over the contact governs the area: J. S. van Dokkum, M. Khajeh Salehani,
-N. Irani, L. Nicola, Tribol. Lett. 66 (2018) 115; H. M. Westergaard, J. Appl. Mech. 6 (1939) 49.  SI at the edge.
-Limits: half-space, no adhesion, means over phases; `outside` of the answer (domain.py).
+c, n, D_0, s and a_0 are fitted on boundary-element ensembles by validation/fits/dry_area.py (41 spectra, 2274
+realisations, seed roots 1 and 2; domain and hold-out errors: fitted_area.py).  Source: here; that the slope over the
+contact governs the area: J. S. van Dokkum, M. Khajeh Salehani, N. Irani, L. Nicola, Tribol. Lett. 66 (2018) 115;
+H. M. Westergaard, J. Appl. Mech. 6 (1939) 49.  Stresses in units of E*.  Limits: half-space, no adhesion, means over
+phases.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from scipy.fft import irfft
 from scipy.special import erf
 
-from persson.domain import data_file, groups_of, outside, refuse_extremes
 from persson.mathematics.arrays import FloatArray, IntArray
-from persson.nonadhesive import dimensionless_load, plane_strain_modulus
-from persson.spectrum import DiscreteSpectrum, Spectrum, slope_shares
+from persson.spectrum import DiscreteSpectrum, Spectrum, bandwidth_of, slope_shares
 
-FILE = "contact_slope.json"
+COEFFICIENTS = {"c": 1.117, "n": 3.463, "D_0": 0.894, "s": 0.196, "a_0": 0.093}
 BISECTIONS = 60
 PAIRED = 1000  # lines of which all pairs are taken; of more, bands this narrow in ln q:
 BAND = 0.01
@@ -53,78 +50,31 @@ HIGHEST_ORDER = 20000  # beyond, the one patch is a 1e-3 of the area at most
 PHASES, POINTS, NEWTON = 64, 16, 4  # realisations, points to the shortest wave, steps to the summit
 
 
-@dataclass(frozen=True)
-class ContactArea:
-    """Contact area at one load.
-
-    Attributes
-    ----------
-    contact_fraction : float
-        A/A0.
-    rough : float
-        A_rough, what the profile would have without the patch on its highest summit.
-    slope_over_contact : float
-        g of the closure at A_rough.
-    outside : tuple of str
-        Where the case lies outside of the domain, in words; empty if nowhere.
-    """
-
-    contact_fraction: float
-    rough: float
-    slope_over_contact: float
-    outside: tuple[str, ...]
-
-
-def data() -> dict[str, Any]:
-    """Coefficients, domain, and what they were fitted to and judged on."""
-    return data_file(FILE)
-
-
-def contact_area(
-    spectrum: Spectrum, mean_pressure: float, *, youngs_modulus: float, poisson_ratio: float
-) -> ContactArea:
-    """Contact area without adhesion at one load.
+def contact_fractions(
+    spectrum: Spectrum, loads: FloatArray, coefficients: Mapping[str, float] = COEFFICIENTS
+) -> FloatArray:
+    """Return A/A0 without adhesion at loads sigma_0 / E*, (n_loads,) each.
 
     Parameters
     ----------
     spectrum : DiscreteSpectrum or ContinuousSpectrum
-        Lines are those of a periodic profile if their wavenumbers are multiples of one; else of an infinite one.
-    mean_pressure : float
-        sigma_0 in Pa, > 0.
-    youngs_modulus, poisson_ratio : float
-        E > 0 in Pa; nu in (-1, 0.5].
-
-    Raises
-    ------
-    ValueError
-        An argument outside its range, with its value.
+        Lines are those of a periodic profile if their wavenumbers are multiples of one; else of an infinite profile.
+    loads : (n_loads,) array
+        sigma_0 / E* > 0.
+    coefficients : mapping, optional
+        Other values of c, n, D_0, s and a_0, for the fit.
 
     Examples
     --------
     >>> lines = DiscreteSpectrum.self_affine(628.3, 0.7, 50e-6, 100)
-    >>> found = contact_area(lines, 6667.0, youngs_modulus=1e6, poisson_ratio=0.5)
-    >>> round(found.contact_fraction, 3), found.outside
-    (0.085, ())
+    >>> contact_fractions(lines, np.array([0.005])).round(3)
+    array([0.085])
     """
-    load = dimensionless_load(mean_pressure, plane_strain_modulus(youngs_modulus, poisson_ratio))
-    refuse_extremes(spectrum, load)
-    fraction, rough = (float(value[0]) for value in contact_fractions(spectrum, np.array([load])))
-    found = groups_of(spectrum, load, fraction)
-    smallest = _smallest(found["bandwidth"], data()["coefficients"])
-    reduction = _reduction(np.array([rough]), pair_correlation(spectrum), smallest)[0]
-    return ContactArea(
-        fraction, rough, spectrum.slope_rms * float(np.sqrt(reduction)), outside(data()["domain"], found)
-    )
-
-
-def contact_fractions(
-    spectrum: Spectrum, loads: FloatArray, coefficients: Mapping[str, float] | None = None
-) -> tuple[FloatArray, FloatArray]:
-    """A/A0 and A_rough at loads sigma_0 / E*, (n_loads,) each; by other coefficients if given."""
-    value = coefficients or data()["coefficients"]
+    value = coefficients
     pressed = np.asarray(loads, dtype=np.float64) / spectrum.slope_rms
     correlation = pair_correlation(spectrum, value)
-    smallest = _smallest(groups_of(spectrum, 1.0, 0.0)["bandwidth"], value)
+    bandwidth = bandwidth_of(spectrum)
+    smallest = value["a_0"] * float(np.log(max(bandwidth, 1.0))) / bandwidth
     low, high = np.zeros_like(pressed), np.ones_like(pressed)
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
@@ -134,17 +84,17 @@ def contact_fractions(
     rough = high
     curvature = summit_curvature(spectrum)
     if curvature is None:
-        return rough, rough
+        return rough
     one = 2 / np.pi * np.arcsin(np.sqrt(np.minimum(2 * pressed / curvature, 1.0)))
     shares = slope_shares(spectrum)[1]
     several = rough * max(1 - float(shares @ shares), 0.0) ** (value["s"] * (1 - rough**4))
     # 1 - (1 - a)(1 - b), without the difference of numbers near one
     fourth = one**4 + several**4 - (one * several) ** 4
-    return np.asarray(fourth**0.25), rough
+    return np.asarray(fourth**0.25)
 
 
-def pair_correlation(spectrum: Spectrum, coefficients: Mapping[str, float] | None = None) -> float:
-    """D, in (0, D_0]: what neighbouring lines take from the slope over a small contact.
+def pair_correlation(spectrum: Spectrum, coefficients: Mapping[str, float] = COEFFICIENTS) -> float:
+    """Return D, in (0, D_0]: the share of the slope variance that correlated lines take from a small contact.
 
     Examples
     --------
@@ -152,13 +102,12 @@ def pair_correlation(spectrum: Spectrum, coefficients: Mapping[str, float] | Non
     >>> round(wide / pair_correlation(DiscreteSpectrum([1.0], [1.0])), 12)
     0.5
     """
-    value = coefficients or data()["coefficients"]
-    return value["D_0"] * _pair_sum(spectrum, value["n"])
+    return coefficients["D_0"] * _pair_sum(spectrum, coefficients["n"])
 
 
 @lru_cache(maxsize=16)
 def _pair_sum(spectrum: Spectrum, exponent: float) -> float:
-    """sum_mn w_m w_n sech(ln q_m/q_n)^exponent."""
+    """Return sum_mn w_m w_n sech(ln q_m/q_n)^exponent."""
     wavenumbers, shares = slope_shares(spectrum)
     position = np.log(wavenumbers)
     if shares.size > PAIRED:
@@ -174,7 +123,7 @@ def _pair_sum(spectrum: Spectrum, exponent: float) -> float:
 
 @lru_cache(maxsize=16)
 def summit_curvature(spectrum: Spectrum) -> float | None:
-    """k / (q_0 h'_rms) at the highest summit, <k^-1/2>^-2 over random phases; None without a period.
+    """Return k / (q_0 h'_rms) at the highest summit, <k^-1/2>^-2 over random phases; None without a period.
 
     Examples
     --------
@@ -203,7 +152,7 @@ def summit_curvature(spectrum: Spectrum) -> float | None:
 
 
 def period_wavenumber(spectrum: Spectrum) -> float | None:
-    """q_0 in rad/m, of the period of the lines that carry roughness; None without a period.
+    """Return q_0 in rad/m, of the period of the lines that carry roughness; None without a period.
 
     Examples
     --------
@@ -215,7 +164,7 @@ def period_wavenumber(spectrum: Spectrum) -> float | None:
 
 
 def _orders(spectrum: DiscreteSpectrum) -> tuple[IntArray, FloatArray, float] | None:
-    """Orders and heights of the lines that carry roughness, and the wavenumber of their period, if they have one."""
+    """Return orders, heights and period wavenumber of the lines that carry roughness; None without a common period."""
     slope, height = spectrum.slope_variance_steps, spectrum.amplitudes**2
     carries = (slope > CARRIES * slope.sum()) | (height > CARRIES * height.sum())
     wavenumbers = spectrum.wavenumbers[carries]
@@ -228,20 +177,15 @@ def _orders(spectrum: DiscreteSpectrum) -> tuple[IntArray, FloatArray, float] | 
     return np.rint(wavenumbers / unit).astype(np.int64), amplitudes / amplitudes.max(), unit
 
 
-def _common(one: float, other: float, least: float) -> float:
-    """Greatest common divisor of two wavenumbers, remainders below `least` taken for rounding."""
-    while other > least:
-        remainder = one % other
-        one, other = other, min(remainder, other - remainder)
-    return one
-
-
-def _smallest(bandwidth: float, coefficients: Mapping[str, float]) -> float:
-    """A_0."""
-    return coefficients["a_0"] * float(np.log(max(bandwidth, 1.0))) / bandwidth
+def _common(first: float, second: float, least: float) -> float:
+    """Return the greatest common divisor of two wavenumbers, taking remainders below `least` for rounding."""
+    while second > least:
+        remainder = first % second
+        first, second = second, min(remainder, second - remainder)
+    return first
 
 
 def _reduction(area: FloatArray, correlation: float, smallest: float) -> FloatArray:
-    """(g / h'_rms)^2 at A_rough > 0, of the shape of it."""
+    """Return (g / h'_rms)^2 at contact fractions A_rough > 0, same shape."""
     kept = (1 - correlation) * area / (area + smallest)
     return np.asarray(kept + area - kept * area)  # 1 - (1 - kept)(1 - area), with all digits at small loads

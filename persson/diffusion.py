@@ -10,9 +10,6 @@ Runge-Kutta method of third order (L-stable); all loads of a batch are solved as
 The march begins where an exact solution ends: as long as the barrier is at zero, P is the difference of two Gaussians
 and A = erf(sigma_0 / sqrt(2 V)); as long as the barrier is SAFE standard deviations away, P is one Gaussian and A = 1.
 
-With a relaxation (corrected_variance.py) the stress also drifts to its mean over the contact, -beta (sigma - m); S
-and the moments are means of those at both ends of a step, predicted by a step before.
-
 Source of the equation: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601;
 time integration: R. Alexander, SIAM J. Numer. Anal. 14 (1977) 1006, doi:10.1137/0714068.  Stresses in units of E*, V in
 E*^2.  Limits: sigma_0 > 0; mass beyond REACH standard deviations, 1e-20, is not represented.
@@ -20,9 +17,8 @@ E*^2.  Limits: sigma_0 > 0; mass beyond REACH standard deviations, 1e-20, is not
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,8 +26,6 @@ from scipy.linalg.lapack import dgtsv
 from scipy.special import erf, erfc
 
 from persson.mathematics.arrays import FloatArray, IntArray
-
-EnergyFactor = Callable[[int, FloatArray], FloatArray]
 
 REACH = 9.5  # standard deviations beyond sigma_0
 SAFE = 9.0  # standard deviations between the mean and the barrier: 1e-19 has arrived
@@ -85,23 +79,19 @@ class March:
     distribution: StressDistribution
 
 
-def exact_until(
-    loads: FloatArray, variance: FloatArray, barrier: FloatArray, drifts: bool = False
-) -> tuple[IntArray, NDArray[np.bool_]]:
+def exact_until(loads: FloatArray, variance: FloatArray, barrier: FloatArray) -> tuple[IntArray, NDArray[np.bool_]]:
     """Last node up to which an exact solution holds, and whether it is the one with the image, (n_loads,) each.
 
     Parameters
     ----------
     loads : (n_loads,) array
         sigma_0 / E*.
-    variance : (n + 1,) or (n_loads, n + 1) array
+    variance : (n + 1,) array
         V at the nodes, from 0.
     barrier : (n_loads, n + 1) array
         a at the nodes.
-    drifts : bool
-        Then the solution with the image does not hold.
     """
-    still = (np.cumsum(barrier > 0, axis=1) == 0) & (not drifts)
+    still = np.cumsum(barrier > 0, axis=1) == 0
     image_end = np.maximum(np.sum(still, axis=1) - 1, 0)
     distance = loads[:, None] + np.minimum.accumulate(barrier, axis=1)
     free_end = np.sum(np.cumsum(distance < SAFE * np.sqrt(variance), axis=1) == 0, axis=1) - 1
@@ -119,7 +109,6 @@ def march(
     variance: FloatArray,
     barrier: FloatArray,
     n_cells: int,
-    energy_factor: EnergyFactor | None = None,
     n_steps: IntArray | None = None,
 ) -> March:
     """Diffuse from delta functions to the last node, with a^2 linear in V between the nodes.
@@ -128,15 +117,12 @@ def march(
     ----------
     loads : (n_loads,) array
         sigma_0 / E* > 0.
-    variance : (n + 1,) or (n_loads, n + 1) array
+    variance : (n + 1,) array
         V at the nodes, increasing from 0.
     barrier : (n_loads, n + 1) array
         a at the nodes, >= 0; the value just below the node where it jumps.
     n_cells : int
         Cells across the domain.
-    energy_factor : callable, optional
-        S of the step between nodes k and k + 1 at contact fractions (n_loads,): the stress drifts to its mean over the
-        contact as S asks; None for no drift.
     n_steps : (n,) array, optional
         Runge-Kutta steps in each cell; None for those of `steps_of`.
 
@@ -153,7 +139,7 @@ def march(
     True
     """
     variance = np.broadcast_to(variance, barrier.shape)
-    first, has_image = exact_until(loads, variance, barrier, energy_factor is not None)
+    first, has_image = exact_until(loads, variance, barrier)
     if not first.all():
         raise ValueError(
             f"variance[1]: {variance[..., 1].max()} must be <= (distance of the barrier / {SAFE})^2 for every load"
@@ -175,15 +161,7 @@ def march(
     n_steps = steps_of(variance, barrier) if n_steps is None else n_steps
     steps = _steps(extent[:, start:], barrier[:, start:], variance[:, start:], n_steps[start:])
     for step, cell in enumerate(steps.cell + start):
-        if energy_factor is None:
-            content = _advance(grid, content, steps.terms[step])
-        else:
-            factor = partial(energy_factor, cell)
-            begin = _relaxation(grid, content, steps.ends[step, 0], factor)
-            predicted = _advance(grid, content, steps.drifting(step, *begin))
-            end = _relaxation(grid, predicted, steps.ends[step, 1], factor)
-            mean = ((begin[0] + end[0]) / 2, (begin[1] + end[1]) / 2)
-            content = _advance(grid, content, steps.drifting(step, *mean))
+        content = _advance(grid, content, steps.terms[step])
         if steps.reaches[step]:
             np.copyto(area[:, cell + 1], content.sum(axis=1), where=first <= cell)
             if cell + 1 in beginnings:
@@ -249,29 +227,13 @@ class _Steps:
         Of the mesh, in which a step lies.
     reaches : (n_steps,) array
         Whether it ends at the node above the cell.
-    ends : (n_steps, 2, 2, n_loads) array
-        Before and after: extents of the domain, and barriers.
-    size, position, spread : (n_steps, 3, n_loads) array
-        At the three stages: extent, barrier, dV/dtau.
     terms : (n_steps, 3, n_loads, 4) array
         What multiplies the operators of the grid.
     """
 
     cell: IntArray
     reaches: NDArray[np.bool_]
-    ends: FloatArray
-    size: FloatArray
-    position: FloatArray
-    spread: FloatArray
     terms: FloatArray
-
-    def drifting(self, step: int, rate: FloatArray, mean: FloatArray) -> FloatArray:
-        """Terms (3, n_loads, 4) of a step in which the stress drifts, -rate (sigma - mean): the faces move against."""
-        terms: FloatArray = self.terms[step].copy()
-        drift = rate * self.spread[step]
-        terms[..., 1] -= drift * (self.position[step] + mean) / self.size[step]
-        terms[..., 2] += drift
-        return terms
 
 
 def _steps(extent: FloatArray, barrier: FloatArray, variance: FloatArray, n_steps: IntArray) -> _Steps:
@@ -292,22 +254,7 @@ def _steps(extent: FloatArray, barrier: FloatArray, variance: FloatArray, n_step
     total = both[2] + both[3]
     spread = step * np.divide(2 * position, total, out=np.ones_like(position), where=total > 0)
     terms = [spread / size**2, (both[3] - both[2]) / -size, (both[1] - both[0]) / size, np.ones_like(size)]
-    ends = np.stack([np.stack(sizes, axis=1), np.stack(barriers, axis=1)], axis=2)
-    return _Steps(cell, (piece == count - 1)[:, 0], ends, size, position, spread, np.stack(terms, axis=-1))
-
-
-def _relaxation(
-    grid: _Grid, content: FloatArray, end: FloatArray, energy_factor: Callable[[FloatArray], FloatArray]
-) -> tuple[FloatArray, FloatArray]:
-    """beta = (1 - S) / (2 var) and m at an end of a step, (n_loads,) each; no drift before the march begins."""
-    extent, barrier = end
-    centre = grid.centre * extent[:, None] - barrier[:, None]
-    area = content.sum(axis=1)
-    begun = area > 0
-    norm = np.where(begun, area, 1.0)
-    mean = np.sum(content * centre, axis=1) / norm
-    spread = np.sum(content * (centre - mean[:, None]) ** 2, axis=1) / norm
-    return np.where(begun, (1 - energy_factor(area)) / (2 * np.where(begun, spread, 1.0)), 0.0), mean
+    return _Steps(cell, (piece == count - 1)[:, 0], np.stack(terms, axis=-1))
 
 
 def _advance(grid: _Grid, content: FloatArray, terms: FloatArray) -> FloatArray:

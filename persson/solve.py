@@ -16,7 +16,6 @@ import numpy as np
 
 from persson.adhesive import ROUTES, AdhesionProblem, AdhesiveFields, Route, solve_fixed_point
 from persson.contact import AdhesiveContact
-from persson.corrected_variance import Correction
 from persson.diffusion import SAFE
 from persson.magnification import MagnificationMesh, magnification_mesh
 from persson.mathematics.area_factor import AREA_FACTORS
@@ -56,7 +55,6 @@ def solve(
     resolution: float = 1.0,
     with_separation: bool = True,
     max_iterations: int = 80,
-    correction: Correction | None = None,
 ) -> NonadhesiveContact | AdhesiveContact:
     """Contact area, separation, energies, stress distribution and spectra of a rough contact at one load.
 
@@ -81,8 +79,6 @@ def solve(
         False spares the ladder of loads; the separation is then None.
     max_iterations : int
         Of each fixed point; a fixed point not met has status `not_converged`.
-    correction : Correction, optional
-        Of the adhesive theory, with its own detached width; `corrected.solve` is the entry for both.
 
     Raises
     ------
@@ -98,13 +94,6 @@ def solve(
     >>> bool(dry.contact_fraction < wet.contact_fraction), wet.status
     (True, 'converged')
     """
-    if correction is not None:
-        if work_of_adhesion is None or detached_width != 1 or (correction.form == "drift" and route == "volterra"):
-            raise ValueError(
-                "correction: needs work_of_adhesion, no detached_width and, for a drift, the finite volumes; "
-                "without adhesion use corrected.solve"
-            )
-        detached_width = correction.detached_width
     if work_of_adhesion is None:
         return solve_nonadhesive(spectrum, mean_pressure, youngs_modulus=youngs_modulus, poisson_ratio=poisson_ratio)
     modulus = plane_strain_modulus(youngs_modulus, poisson_ratio)
@@ -126,7 +115,7 @@ def solve(
         )
 
     def fields(nodes: MagnificationMesh, loads: FloatArray, guess: FloatArray | None, coarse: bool) -> AdhesiveFields:
-        problem = AdhesionProblem(spectrum, nodes, loads, work_length, factor, detached_width, correction)
+        problem = AdhesionProblem(spectrum, nodes, loads, work_length, factor, detached_width)
         return solve_fixed_point(
             problem,
             problem.nonadhesive_area() if guess is None else guess,

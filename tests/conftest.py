@@ -8,7 +8,7 @@ import scipy.linalg  # noqa: F401  (with NumPy's, all BLAS that one_blas_thread 
 from hypothesis import settings
 from threadpoolctl import threadpool_limits
 
-pytest_plugins = ["quickest"]
+pytest_plugins = ["quickest", "pytester"]
 settings.register_profile("reproducible", derandomize=True, deadline=None)
 settings.load_profile("reproducible")
 SLOW = "slow: run with --run-slow"

@@ -16,7 +16,12 @@ PACKAGES = ("bem", "fem_reference", "persson", "validation")
 FOLDERS = (*PACKAGES, "tests", ".ci", ".github")
 KEPT = {path for folder in FOLDERS for path in (ROOT / folder).rglob("*")} | set(ROOT.iterdir())
 NAMES = {path.name for path in KEPT}
-TEXTS = sorted(path for path in KEPT if path.suffix == ".md" or (path.suffix == ".py" and "tests" not in path.parts))
+TEXTS = sorted(
+    path
+    for path in KEPT
+    if (path.suffix == ".md" and path.name != "CHANGELOG.md")  # which names what is gone
+    or (path.suffix == ".py" and "tests" not in path.parts)
+)
 FILE = re.compile(r"(?<![\w./*-])((?:[\w.-]+/)*[\w-]+\.(?:py|md))(?![\w/])")
 FOLDER = re.compile(rf"(?<![\w./*-])((?:{'|'.join(map(re.escape, FOLDERS))})/[\w./*-]*(?:/|\.\w+))")
 MODULE = re.compile(rf"(?<![\w./*-])({'|'.join(PACKAGES)})\.([a-z]\w*)(?![\w/])")

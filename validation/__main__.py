@@ -33,8 +33,9 @@ from validation.harness.provenance import provenance
 from validation.harness.runner import run_cases
 from validation.harness.schema import SCHEMA, Report, is_intact, mistakes_in, with_checksum
 from validation.harness.verdict import counted, counts, fails
+from validation.report.pages import PAGE, ReportError
 from validation.report.pdf import write_pdf
-from validation.report.render import PAGE, ReportError, bibliography, failures, refuse_unset, write_html
+from validation.report.render import bibliography, failures, refuse_unset, write_html
 from validation.report.run_page import write_run_page
 from validation.report.run_words import outcome, succeeded
 from validation.studies import OF_A_SCENE, SCENE, STUDIES, that_take

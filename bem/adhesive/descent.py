@@ -6,20 +6,16 @@ Small steps at a fixed target (strides.py) lead from change to change: on the wa
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
-from bem.adhesive.adhesion import UniformLaw
 from bem.adhesive.equilibrium import Balance, System, forces
-from bem.adhesive.strides import DescentStatus, Steps, Strides, Walk, strides
+from bem.adhesive.strides import DescentStatus, Steps, Walk
 from bem.adhesive.vanishing import Change, without_gaps, without_patches
-from bem.compiled.kernels import REFERENCES
 from bem.elastic.collocation import Evaluation, Resolution, resolve
 from bem.elastic.gap import GapMinima
-from bem.elastic.logarithmic_potential import LogarithmicPotential
 from bem.geometry.patches import TWO_PI, Patches
 from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
 
@@ -77,66 +73,24 @@ def descend(
     steps : Steps
     """
     rounds = MAXIMUM_ITERATIONS * system.elastic.profile.max_order  # edges move on from wave to wave
-    least = _least(system, patches, steps, accuracy)
-    walk = Walk(system, target, accuracy, steps, patches, penetration, patches, steps.largest / 2, rounds, least)
-    taken = strides if _is_plain(system) else REFERENCES[strides.__name__]
     changes: tuple[Change, ...] = ()
     while True:
-        end = Strides(*taken(walk))
-        system.effort.evaluations += end.evaluations
-        standing = Patches(end.left, end.right)
-        state = None if end.numbers is None else _evaluation(system, standing, *end.numbers)
-        if end.verdict == "closing":
-            gone, remaining = without_gaps(standing, end.gone)
-        elif end.verdict == "vanishing":
-            gone, remaining = without_patches(standing, end.gone)
+        least = _least(system, patches, steps, accuracy)
+        walk = Walk(system, target, accuracy, steps, patches, penetration, patches, steps.largest / 2, rounds, least)
+        verdict = walk.to_change()
+        state = None if walk.here is None else walk.here.state
+        if verdict == "closing":
+            gone, remaining = without_gaps(walk.patches, walk.gone)
+        elif verdict == "vanishing":
+            gone, remaining = without_patches(walk.patches, walk.gone)
         else:
-            touching = None if end.verdict != "touched" else GapMinima(end.crests, end.depth, end.gap)
-            return Descent(end.verdict, standing, changes, system, target, state, touching)
+            return Descent(verdict, walk.patches, changes, system, target, state, walk.touching)
         changes += gone
         if remaining is None:
-            status: DescentStatus = "complete_contact" if end.verdict == "closing" else "separated"
-            return Descent(status, standing, changes, system, target)
+            status: DescentStatus = "complete_contact" if verdict == "closing" else "separated"
+            return Descent(status, walk.patches, changes, system, target)
+        patches, rounds = remaining, walk.rounds
         penetration = walk.penetration if state is None else state.penetration
-        walk = replace(
-            walk, patches=remaining, penetration=penetration, seen=remaining, radius=steps.largest / 2,
-            rounds=end.rounds, least=_least(system, remaining, steps, accuracy),
-        )  # fmt: skip
-
-
-def _is_plain(system: System) -> bool:
-    """Whether the kernel takes the steps: on the half-space, at a given penetration."""
-    elastic = system.elastic
-    rests = all(isinstance(one, LogarithmicPotential) for one in elastic.backgrounds) and len(elastic.backgrounds) < 2
-    bare = elastic.compliance is None and not elastic.slopes and not elastic.probes and rests
-    return bare and not system.control.load_weight and isinstance(system.law, UniformLaw)
-
-
-def _evaluation(system: System, patches: Patches, *numbers: Any) -> Evaluation:
-    """The state of some patches with these numbers."""
-    penetration, intensity, rate, load, load_rate, energy, compliance, slope, slope_rate, *others = numbers
-    series, skeleton, skeleton_rate, nodes, modes = others
-    return Evaluation(
-        patches=patches,
-        penetration=penetration,
-        stress_intensity=intensity,
-        stress_intensity_rate=rate,
-        load=load,
-        load_rate=load_rate,
-        elastic_energy=energy,
-        edge_compliance=compliance,
-        slope_compliance=np.zeros((0, intensity.size)),
-        edge_slope=slope,
-        edge_slope_rate=slope_rate,
-        resolution=Resolution(nodes, modes),
-        unknowns=skeleton.size,
-        series=series,
-        skeleton=skeleton,
-        skeleton_rate=skeleton_rate,
-        rms_slope=system.elastic.profile.rms_slope,
-        intensity_by_probes=np.zeros((0, intensity.size)),
-        load_by_probes=np.zeros(0),
-    )
 
 
 def _least(system: System, patches: Patches, steps: Steps, accuracy: Accuracy) -> Resolution | None:

@@ -2,14 +2,13 @@
 
 Each edge moves in units of its step scale: the edge scale, at most half the shortest wavelength.  Larger steps would
 end in another basin: barriers between basins are as narrow as the shortest wavelength, and no edge moves by more than a
-fifth of it at once.  This is the reference in NumPy; on the half-space and at fixed penetration its kernel in C takes
-the steps in one call.  Dimensionless.
+fifth of it at once.  Dimensionless.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, Literal
+from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 
@@ -17,8 +16,7 @@ from bem.adhesive.equilibrium import Balance, System, balance, energy_noise, sym
 from bem.adhesive.touching import CrestsAhead
 from bem.adhesive.trust_region import trust_region_step
 from bem.adhesive.vanishing import closing_gaps, vanishing_patches
-from bem.compiled.kernels import mirrored
-from bem.elastic.collocation import Evaluation, Resolution, resolve
+from bem.elastic.collocation import Resolution, resolve
 from bem.elastic.gap import GapMinima
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray, IntArray
@@ -53,114 +51,6 @@ class Steps:
     ahead: CrestsAhead | None = None
 
 
-@dataclass(eq=False)
-class Walk:
-    """Where a descent stands before the next steps.
-
-    Attributes
-    ----------
-    system, target, accuracy, steps
-        What `descend` was asked.
-    patches, penetration
-        The edges now, and where load control starts from.
-    seen : Patches
-        Where each edge was when crests ahead of it were last looked at.
-    radius : float
-        Of the trust region.
-    rounds : int
-        That are left.
-    least : Resolution or None
-        Of the patches, at least.
-    """
-
-    system: System
-    target: float
-    accuracy: Accuracy
-    steps: Steps
-    patches: Patches
-    penetration: float
-    seen: Patches
-    radius: float
-    rounds: int
-    least: Resolution | None = None
-
-
-Numbers = tuple[
-    float, FloatArray, FloatArray, float, float, float, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray,
-    FloatArray, IntArray, IntArray,
-]  # fmt: skip
-
-
-@dataclass(frozen=True, eq=False)
-class Strides:
-    """Where steps led.
-
-    Attributes
-    ----------
-    verdict : str
-        Status of the descent; or `closing` or `vanishing`: gaps or patches are `gone`, their indices.
-    left, right, seen_left, seen_right : (L,) arrays
-        Edges of the patches, and where they were when crests were last looked at.
-    radius : float
-        Of the trust region.
-    rounds : int
-        That are left.
-    evaluations : int
-        That are not yet booked.
-    numbers : Numbers or None
-        Of the state there, if there is one: penetration, K and dK/dDelta, load and dload/dDelta, elastic energy, edge
-        compliance, edge slope and its derivative, series, skeleton and its derivative, nodes and modes.
-    crests, depth, gap : (n,) arrays or None
-        Of crests that touched.
-    """
-
-    verdict: Verdict
-    left: FloatArray
-    right: FloatArray
-    seen_left: FloatArray
-    seen_right: FloatArray
-    radius: float
-    rounds: int
-    evaluations: int
-    numbers: Numbers | None
-    gone: IntArray
-    crests: FloatArray
-    depth: FloatArray
-    gap: IntArray
-
-
-@mirrored
-def strides(walk: Walk) -> tuple[Any, ...]:
-    """Step until something vanishes, a crest touches, or the descent is at an end: what `Strides` holds.
-
-    1. Evaluate the forces on the edges.
-    2. Where gaps are about to close or patches about to vanish, end.  Where an edge has K <= 0, move edges outward;
-       then evaluate again.
-    3. Choose the step that minimises the quadratic model within the trust radius.  Where the residual is small and the
-       step inside the radius, the descent has converged.
-    4. Try it, and take it where the potential falls about as far as predicted, else shrink the radius.
-    """
-    going = _Going(**vars(walk))
-    verdict: Verdict | Literal["again"] = "again"
-    while verdict == "again":
-        verdict = going.round() if going.rounds > 0 and going.radius >= EQUAL_HEIGHTS else "not_converged"
-        going.rounds -= 1
-    here, edges, low = going.here, (going.patches, going.seen), going.touching
-    numbers = None if here is None else _numbers(here.state)
-    crests = (None, None, None) if low is None else (low.position, low.depth, low.gap)
-    places = [side for patches in edges for side in (patches.left, patches.right)]
-    return verdict, *places, going.radius, going.rounds, 0, numbers, going.gone, *crests
-
-
-def _numbers(state: Evaluation) -> Numbers:
-    """The numbers of a state, in the order of `Strides`."""
-    return (
-        state.penetration, state.stress_intensity, state.stress_intensity_rate, state.load, state.load_rate,
-        state.elastic_energy, state.edge_compliance, state.edge_slope, state.edge_slope_rate, state.series,
-        state.skeleton, state.skeleton_rate, state.resolution.nodes, state.resolution.modes,
-    )  # fmt: skip
-
-
 @dataclass(frozen=True, eq=False)
 class _Step:
     """A trust-region step: the step scale of each edge, the parts of it moved, and the fall that the model predicts."""
@@ -176,26 +66,66 @@ class _Step:
 
 
 @dataclass(eq=False)
-class _Going(Walk):
-    """A walk on the way.
+class Walk:
+    """Descent between two changes of the patches.
 
     Attributes
     ----------
+    system, target, accuracy, steps
+        Arguments of `descend`.
+    patches, penetration
+        Edges now, and the penetration from which load control starts.
+    seen : Patches
+        Edges at which crests ahead were last looked for.
+    radius : float
+        Of the trust region.
+    rounds : int
+        Steps left, refused ones included.
+    least : Resolution or None
+        Lower bound of the resolution of the patches.
     here : Balance or None
-        Forces on the edges; None where they are to be evaluated.
+        Forces on the edges; None where they are not evaluated yet.
     resolution : Resolution or None
-        Of the last evaluation: both sides of a step have the same.
-    gone, touching
-        Patches or gaps that vanish now, and crests that touched.
+        Resolution of the last evaluation, which both sides of a step share.
+    gone : (n,) int array
+        Indices of the patches or gaps that vanish now.
+    touching : GapMinima or None
+        Crests that touched in the last step.
     """
 
+    system: System
+    target: float
+    accuracy: Accuracy
+    steps: Steps
+    patches: Patches
+    penetration: float
+    seen: Patches
+    radius: float
+    rounds: int
+    least: Resolution | None = None
     here: Balance | None = None
     resolution: Resolution | None = None
-    gone: IntArray | None = None
+    gone: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     touching: GapMinima | None = None
 
+    def to_change(self) -> Verdict:
+        """Step until patches vanish, gaps close, a crest touches, or the descent ends.
+
+        1. Evaluate the forces on the edges.
+        2. Where gaps are about to close or patches about to vanish, end.  Where an edge has K <= 0, move edges outward;
+           then evaluate again.
+        3. Choose the step that minimises the quadratic model within the trust radius.  Where the residual is small and
+           the step inside the radius, the descent has converged.
+        4. Try it, and take it where the potential falls about as far as predicted, else shrink the radius.
+        """
+        verdict: Verdict | Literal["again"] = "again"
+        while verdict == "again":
+            verdict = self.round() if self.rounds > 0 and self.radius >= EQUAL_HEIGHTS else "not_converged"
+            self.rounds -= 1
+        return verdict
+
     def round(self) -> Verdict | Literal["again"]:
-        """Evaluate, and take a step or say why none is taken."""
+        """Evaluate, and take a step or return the reason why none is taken."""
         here = self.evaluated()
         if here is None:
             return "ill_conditioned"

@@ -42,7 +42,7 @@ ZOOMS = 8  # derived: 4^-8 = 1.5e-5 of the distance of points is left, and of th
 class Certificate:
     """A-posteriori checks of a state; `min_gap` and `mean_gap_error` in m, the rest dimensionless.
 
-    Each figure is explained in `Demands`.  None: it has no meaning for the state, or its file is older.
+    Each figure is explained in `Demands`.  None: it has no meaning for the state.
 
     Attributes
     ----------
@@ -62,12 +62,12 @@ class Certificate:
         Each demand that is not met, with figure, limit and place.
     """
 
-    closure: float | None
-    min_gap: float | None
-    min_eigenvalue: float | None
-    truncation: float | None
-    hessian_asymmetry: float | None
-    ok: bool
+    closure: float | None = None
+    min_gap: float | None = None
+    min_eigenvalue: float | None = None
+    truncation: float | None = None
+    hessian_asymmetry: float | None = None
+    ok: bool = True
     reasons: tuple[str, ...] = ()
     contact_residual: float | None = None
     mean_gap_error: float | None = None

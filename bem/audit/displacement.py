@@ -259,13 +259,11 @@ class DisplacementField:
     def _inside(self, who: IntArray, n: int) -> FloatArray:
         """int log|x - x'| sigma dx' at the n + 1 extrema of patches with n terms, by the Martensen-Kussmaul rule."""
         q = regular_part(np.stack([self.pressure.charges[i] for i in who]), n)
-        weight = _kress_weights(n)
-        j = np.arange(n + 1)
-        folded = weight[np.abs(j[:, None] - j)] + weight[(j[:, None] + j) % (2 * n)]
-        q[:, [0, -1]] /= 2
+        around = np.concatenate([q, q[:, -2:0:-1]], axis=1)  # at the 2 n angles of the whole circle
         # log|x - x'| = log(r/2) + 1/2 log 4 sin^2((a-b)/2) + 1/2 log 4 sin^2((a+b)/2), 0 <= b <= pi
-        level = np.log(self.radius[who] / (2 * UNIT)) * (np.pi / n) * q.sum(axis=1)
-        return np.asarray(q @ folded / 2 + level[:, None])
+        logs = np.fft.irfft(np.fft.rfft(around) * _kress_factors(n), 2 * n)[:, : n + 1]
+        level = np.log(self.radius[who] / (2 * UNIT)) * (np.pi / (2 * n)) * around.sum(axis=1)
+        return np.asarray(logs / 2 + level[:, None])
 
     def _sources(self, modes: IntArray) -> tuple[FloatArray, FloatArray]:
         """Places from the center and charges (pi/n) q of n nodes of the midpoint rule on every patch, joined."""
@@ -329,12 +327,14 @@ def half_steps(n: int) -> ComplexArray:
     return np.asarray(np.exp(1j * np.arange(n + 1) * (np.pi / (2 * n))))
 
 
-@lru_cache(maxsize=256)
-def _kress_weights(n: int) -> FloatArray:
-    """Weights of int_0^2pi log(4 sin^2(s/2)) f ds at s = k pi / n, (2 n,): -(2 pi/n) sum cos(m s)/m, m = n halved."""
-    spectrum = np.zeros(n + 1)
-    spectrum[1:] = -2 * np.pi / np.arange(1, n + 1)
-    return np.fft.irfft(spectrum, 2 * n)
+def _kress_factors(n: int) -> FloatArray:
+    """Return the discrete Fourier transform of the weights of int_0^2pi log(4 sin^2(s/2)) f ds, (n + 1,).
+
+    The weights at s = k pi / n, k < 2 n, are -(2 pi/n) sum_{m < n} cos(m s)/m - (pi/n^2) cos(n s).
+    """
+    factors = np.zeros(n + 1)
+    factors[1:] = -2 * np.pi / np.arange(1, n + 1)
+    return factors
 
 
 def _joined(first: IntArray, count: IntArray) -> tuple[IntArray, IntArray]:

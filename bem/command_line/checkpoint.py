@@ -18,7 +18,7 @@ from types import FrameType
 from typing import Protocol
 
 from bem.scene.atomic_file import remove_remains
-from bem.scene.result import FINAL_STATUSES, Entry, Result
+from bem.scene.result import Entry, Result, Status
 from bem.scene.result_file import (
     FIELDS_FILE,
     JOURNAL_FILE,
@@ -67,11 +67,6 @@ def stored_result(scene: Scene, folder: Path, resume: bool, overwrite: bool) -> 
             f"{folder}: holds the result of another scene (differs in {', '.join(differing)}); "
             "choose another folder, or --overwrite replaces it"
         )
-    if stored.status not in FINAL_STATUSES and any(state.events is None for state in stored.states):
-        raise OutputFolderError(
-            f"{folder}: holds a result of an earlier version, which did not store the events before each state; "
-            "--overwrite computes it again"
-        )
     return stored
 
 
@@ -88,7 +83,7 @@ class Kept(Protocol):
         """In the order found."""
         ...
 
-    def result(self, status: str) -> Result:
+    def result(self, status: Status) -> Result:
         """All of it."""
         ...
 

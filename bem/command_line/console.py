@@ -1,8 +1,8 @@
 """What a run says on the terminal: progress on stderr, the resolved scene, the effects and the summary.
 
 Progress is a bar over the targets on a terminal, else plain lines: every `LINE_SECONDS`, and when a new target is
-approached, unless the last line is younger than `TARGET_SECONDS`.  What is left is predicted (cost_prediction.py),
-corrected by the pace seen.
+approached, unless the last line is younger than `TARGET_SECONDS`.  The time left is what the way to the last target
+takes at the pace of the way behind.
 """
 
 from __future__ import annotations
@@ -14,20 +14,20 @@ import math
 import os
 import sys
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Protocol, TextIO
 
 from bem.compiled.kernels import IN_USE
-from bem.scene.cost_prediction import Cost
+from bem.scene.memory_estimate import MemoryEstimate
 from bem.scene.plausibility import MEANINGS
 from bem.scene.result import Caution, Effect, Progress, Result
 
 LINE_SECONDS = 5.0  # format: s between lines of progress
 TARGET_SECONDS = 0.5  # format: s, the same at targets
 BAR_SECONDS = 0.2  # format: s between redraws of the bar
-TRUST = 0.05  # format: of the predicted work: until so much is done, the prediction outweighs the pace seen
-INSTANT = 0.1  # format: s to go, of which fewer are not counted
+LEAST_DONE = 0.02  # format: of the way, before which the pace says little
 
 
 def discard_stdout() -> None:
@@ -77,26 +77,37 @@ def described(report: Progress) -> str:
     )
 
 
-class Forecast:
-    """Seconds that a run has still to go, by a clock of seconds: those predicted, by the pace so far."""
+class TimeLeft:
+    """Seconds that a run has still to go, by the pace of the run itself.
 
-    def __init__(self, cost: Cost, clock: Callable[[], float] = time.monotonic) -> None:
-        self.cost, self.clock = cost, clock
-        self.first: tuple[float, float] | None = None  # share done at the first report, large if resumed; and when
+    The way is measured in the controlled quantity, from its value at the first report to the first target and from
+    target to target.  Where the way has no length, targets are counted.
+    """
 
-    def left(self, report: Progress) -> float:
-        """Seconds to go at a report; the prediction counts as much as `TRUST` of the work done at its pace."""
-        done = self.cost.done(report.target_index, report.value)
-        now = self.clock()
-        self.first = self.first or (done, now)
-        predicted, trust = self.cost.seconds, TRUST * self.cost.seconds
-        pace = (now - self.first[1] + trust) / ((done - self.first[0]) * predicted + trust) if trust else 1.0
-        return (1 - done) * predicted * pace
+    def __init__(self, targets: Sequence[float], clock: Callable[[], float] = time.monotonic) -> None:
+        self.targets, self.clock = targets, clock
+        self.first: tuple[float, float, float] | None = None  # controlled value, way done and time at the first report
 
     def words(self, report: Progress) -> str:
-        """What is left, in words."""
-        left = self.left(report)
-        return f"about {left:.2g} s to go" if left >= INSTANT else "almost done"
+        """Return the time left in words, empty at the beginning, where no pace is known yet."""
+        now = self.clock()
+        start = self.first[0] if self.first else report.value
+        done = self._done(report, start)
+        if self.first is None:
+            self.first = start, done, now
+        _, before, begun = self.first
+        if done - before < LEAST_DONE:
+            return ""
+        return f", about {(now - begun) * (1 - done) / (done - before):.2g} s to go"
+
+    def _done(self, report: Progress, start: float) -> float:
+        """Return the share of the way that is done."""
+        stops = [start, *self.targets]
+        legs = [abs(b - a) for a, b in pairwise(stops)]
+        passed = abs(report.value - stops[report.target_index])
+        if not math.isfinite(passed) or sum(legs) == 0:
+            return report.target_index / report.n_targets
+        return (sum(legs[: report.target_index]) + min(passed, legs[report.target_index])) / sum(legs)
 
 
 class SilentReporter:
@@ -113,9 +124,9 @@ class LineReporter:
     """Lines at new targets and every `LINE_SECONDS`, not more often than every `TARGET_SECONDS`."""
 
     def __init__(
-        self, stream: TextIO, clock: Callable[[], float] = time.monotonic, forecast: Forecast | None = None
+        self, stream: TextIO, clock: Callable[[], float] = time.monotonic, left: TimeLeft | None = None
     ) -> None:
-        self.stream, self.clock, self.forecast = stream, clock, forecast
+        self.stream, self.clock, self.left = stream, clock, left
         self.target, self.shown_at = -1, -LINE_SECONDS
 
     def __call__(self, report: Progress) -> None:
@@ -125,7 +136,8 @@ class LineReporter:
         if now - self.shown_at < pause:
             return
         self.target, self.shown_at = report.target_index, now
-        text = f"towards target {report.target_index + 1} of {report.n_targets}: {_told(report, self.forecast)}"
+        left = "" if self.left is None else self.left.words(report)
+        text = f"towards target {report.target_index + 1} of {report.n_targets}: {described(report)}{left}"
         print(text, file=self.stream, flush=True)
 
     def close(self) -> None:
@@ -135,16 +147,17 @@ class LineReporter:
 class BarReporter:
     """A bar over the targets, for a terminal."""
 
-    def __init__(self, stream: TextIO, forecast: Forecast | None = None) -> None:
+    def __init__(self, stream: TextIO, left: TimeLeft | None = None) -> None:
         from tqdm import tqdm
 
-        self.forecast = forecast
+        self.left = left
         self.bar = tqdm(total=None, file=stream, unit="target", mininterval=BAR_SECONDS, dynamic_ncols=True)
 
     def __call__(self, report: Progress) -> None:
         """Move the bar to the target being approached."""
         self.bar.total = report.n_targets
-        self.bar.set_postfix_str(_told(report, self.forecast), refresh=False)
+        left = "" if self.left is None else self.left.words(report)
+        self.bar.set_postfix_str(described(report) + left, refresh=False)
         moved = report.target_index - self.bar.n
         self.bar.update(moved)
         if moved <= 0 and time.time() - self.bar.last_print_t > BAR_SECONDS:
@@ -156,16 +169,12 @@ class BarReporter:
         self.bar.close()
 
 
-def _told(report: Progress, forecast: Forecast | None) -> str:
-    return described(report) + ("" if forecast is None else f", {forecast.words(report)}")
-
-
-def reporter(stream: TextIO, quiet: bool, cost: Cost | None = None) -> Reporter:
-    """The reporter that suits a stream; with the predicted cost it says how long it will take."""
+def reporter(stream: TextIO, quiet: bool, targets: Sequence[float] = ()) -> Reporter:
+    """Return the reporter that suits a stream; with the targets of the scene it says how long the run will take."""
     if quiet:
         return SilentReporter()
-    forecast = None if cost is None else Forecast(cost)
-    return BarReporter(stream, forecast) if stream.isatty() else LineReporter(stream, forecast=forecast)
+    left = TimeLeft(targets) if targets else None
+    return BarReporter(stream, left) if stream.isatty() else LineReporter(stream, left=left)
 
 
 def summary(result: Result, folder: str, targets: int) -> dict[str, Any]:
@@ -261,22 +270,25 @@ def groups_text(groups: Mapping[str, float], cautions: Iterable[Caution]) -> str
     return "\n".join([*lines, *(f"warning: {caution.about}: {caution.message}" for caution in cautions)])
 
 
-def digits_text(seconds: Mapping[float, float]) -> str:
-    """What values of accuracy.tolerance would cost, on one line."""
-    return "by accuracy.tolerance: " + ", ".join(f"{key:g} {value:.2g} s" for key, value in seconds.items())
-
-
 def effects_text(effects: Iterable[Effect]) -> str:
-    """A table of effects: on or off, predicted cost, reason, the total, and the kernels in use."""
+    """Return a table of effects: on or off, and the reason."""
     listed = tuple(effects)
     width = max(len(effect.name) for effect in listed)
-    lines = [
-        f"{effect.name:<{width}}  {'on ' if effect.active else 'off'}  {effect.seconds:9.2f} s  {effect.reason}"
-        for effect in listed
-    ]
     return "\n".join(
-        [*lines, f"predicted cost {sum(effect.seconds for effect in listed):.2g} s on one core, {IN_USE} kernels"]
+        f"{effect.name:<{width}}  {'on ' if effect.active else 'off'}  {effect.reason}" for effect in listed
     )
+
+
+def size_text(estimate: MemoryEstimate) -> str:
+    """Return the unknowns and the memory of a scene, and the kernels in use.
+
+    Examples
+    --------
+    >>> size_text(MemoryEstimate(5128, 1.17e8)).partition(" GB")[0]
+    'about 5,100 unknowns and 0.12'
+    """
+    unknowns = float(f"{estimate.unknowns:.2g}")
+    return f"about {unknowns:,.0f} unknowns and {estimate.bytes / 1e9:.2g} GB of memory, {IN_USE} kernels"
 
 
 def _toml(value: Any) -> str:

@@ -47,10 +47,6 @@ cdef object copied(const void *values, int dimensions, Py_ssize_t n, Py_ssize_t 
     return array
 
 
-cdef object whole(const int64_t *values, Py_ssize_t n):
-    return copied(values, 1, n, 1, np.NPY_INT64)
-
-
 # What the kernels ask of Python.
 
 cdef void begin(Call *call, list held) noexcept:
@@ -80,11 +76,6 @@ cdef int range_of(object held, Py_ssize_t steps, double accuracy, Range *found) 
     expect(of_core[0] == of_core[1] == shape[1] + 2, "core of another size")
     found.count, found.q = shape[0], of_core[0]
     return 0
-
-
-cdef const double *series_of(object held, object potential, Py_ssize_t boxes) except NULL:
-    cdef Py_ssize_t shape[2]
-    return reals(held, potential._series(boxes), 2, shape)
 
 
 cdef int coefficients_of(Py_ssize_t n, double *samples) except -1:

@@ -1,6 +1,6 @@
 /* What stands before and behind the system of the patches: collocation.py, sensitivities.py. */
 
-#include "descent.h"
+#include "kernels.h"
 
 #define MODES_RATIO 1.15 /* collocation.MODES_RATIO */
 #define NODES_RATIO 1.4  /* collocation.NODES_RATIO */

@@ -62,8 +62,6 @@ typedef struct {
     void (*dtrsm)(char *, char *, char *, char *, int *, int *, double *, double *, int *, double *, int *);
     void (*dpotrf)(char *, int *, double *, int *, int *);
     void (*dpstrf)(char *, int *, double *, int *, int *, int *, double *, double *, int *);
-    void (*dsyevr)(char *, char *, char *, int *, double *, int *, double *, double *, int *, int *, double *, int *,
-                   double *, double *, int *, int *, double *, int *, int *, int *, int *);
 } Blas;
 
 extern Blas blas;

@@ -1,6 +1,6 @@
 /* What the gap search evaluates: gap.py. */
 
-#include "descent.h"
+#include "kernels.h"
 
 #define NEGLIGIBLE (-39.0) /* gap.NEGLIGIBLE */
 #define SINE_TERMS 11      /* of its series up to pi/2: (pi/2)^23 / 23! = 1e-18 */

@@ -18,7 +18,6 @@ typedef struct {
 typedef struct {
     int (*table)(PyObject *held, Packing packing, Size n, Table *table);             /* chebyshev.packed_... */
     int (*range)(PyObject *held, Size steps, double accuracy, Range *range);         /* modes_and_core */
-    const double *(*series)(PyObject *held, PyObject *potential, Size boxes);        /* LogarithmicPotential._series */
     int (*coefficients)(Size n, double *samples);                                    /* chebyshev.coefficients */
 } Asked;
 

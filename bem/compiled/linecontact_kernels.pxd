@@ -26,7 +26,6 @@ cdef extern from "core.h":
         void *dtrsm
         void *dpotrf
         void *dpstrf
-        void *dsyevr
     Blas blas
     double *workspace(Py_ssize_t n) except NULL
     bint tables_of(Call *call, Packing packing, const int64_t *sizes, Py_ssize_t count, Table *tables) except 0
@@ -41,7 +40,6 @@ cdef extern from "hierarchical.h":
     ctypedef struct Asked:
         int (*table)(object held, Packing packing, Py_ssize_t n, Table *table) except -1
         int (*range)(object held, Py_ssize_t steps, double accuracy, Range *range) except -1
-        const double *(*series)(object held, object potential, Py_ssize_t boxes) except NULL
         int (*coefficients)(Py_ssize_t n, double *samples) except -1
     Asked asked
     ctypedef struct System:
@@ -60,7 +58,7 @@ cdef extern from "hierarchical.h":
     Status solved_system(System *system, Py_ssize_t patches, Py_ssize_t k, const double *columns,
                          double **made) except? <Status>-1
 
-cdef extern from "descent.h":
+cdef extern from "kernels.h":
     enum: BOX_TERMS
     ctypedef struct Sizes:
         pass
@@ -106,63 +104,3 @@ cdef extern from "descent.h":
         const double *series
         double whole
     double length_up_to(const Length *length, double x)
-    ctypedef struct Setting:
-        Call *call
-        Surface surface
-        double max_height, max_order, rms_slope, tolerance, penetration
-        Sizes lists[2]
-        Py_ssize_t cells
-        double beta, delta, low, high, far_penetration
-        double margins[2]
-        const double *far_charge
-        const double *far_table
-        void *potential
-        Py_ssize_t charges, calls
-        const double *position
-        const double *sources
-        const double *charge
-        double work, slope_scale
-        Length length
-    ctypedef struct State:
-        Py_ssize_t n, unknowns, terms
-        int64_t *nodes
-        int64_t *modes
-        double *series
-        double *compliance
-        double *intensity
-        double *rate
-        double *edge_slope
-        double *edge_slope_rate
-        double *skeleton
-        double *skeleton_rate
-        double load, load_rate, elastic_energy
-
-cdef extern from "walk.h":
-    ctypedef enum Verdict:
-        CONVERGED
-        TOUCHED
-        STUCK
-        ILL_CONDITIONED
-        CLOSING
-        VANISHING
-    ctypedef struct Walk:
-        Setting setting
-        double residual, allowed, largest, radius, wavelength, rms_curvature
-        bint looks_ahead
-        Py_ssize_t n_crests, n_occupied, evaluations, n_gone
-        const double *crests
-        const double *occupied_left
-        const double *occupied_right
-        State floor, here
-        Py_ssize_t n
-        double *left
-        double *right
-        double *seen_left
-        double *seen_right
-        int64_t *gone
-        Py_ssize_t n_touching
-        double *touching
-        double *depth
-        int64_t *in_gap
-    int c_strides "strides"(Walk *walk, Py_ssize_t *rounds) except -1
-    void release_walk(Walk *walk)

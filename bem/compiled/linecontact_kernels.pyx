@@ -15,7 +15,6 @@ from libc.math cimport log
 from libc.string cimport memcpy, memset
 
 include "arrays.pxi"
-include "descents.pxi"
 
 np.import_array()
 
@@ -41,8 +40,7 @@ blas.dsyrk = function("cython_blas", "dsyrk", "cciiddiddi")
 blas.dtrsm = function("cython_blas", "dtrsm", "cccciiddidi")
 blas.dpotrf = function("cython_lapack", "dpotrf", "cidii")
 blas.dpstrf = function("cython_lapack", "dpstrf", "cidiiiddi")
-blas.dsyevr = function("cython_lapack", "dsyevr", "cccididdiididdiidiiii")
-asked.table, asked.range, asked.series, asked.coefficients = table_of, range_of, series_of, coefficients_of
+asked.table, asked.range, asked.coefficients = table_of, range_of, coefficients_of
 
 
 def taylor(table, x, double spacing_inverse, int derivatives):

@@ -1,6 +1,6 @@
 /* Potentials of charges on the circle: logarithmic_potential.py; and Chebyshev series in lanes. */
 
-#include "descent.h"
+#include "kernels.h"
 
 /* sum_j charge_j log|a first_j + b second_j|, added in lanes. */
 VECTORISED static void add_potential(Size n, const double *RESTRICT a, const double *RESTRICT b,

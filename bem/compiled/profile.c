@@ -1,6 +1,6 @@
 /* The profile at given points, and its length: profile.py, adhesion.py. */
 
-#include "descent.h"
+#include "kernels.h"
 
 /* k (k - 1) ... (k - order + 1) */
 static double permutations(int k, int order)

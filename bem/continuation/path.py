@@ -47,7 +47,7 @@ from bem.geometry.patches import Patches
 from bem.loading.assessment import Assessment
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.increments import MAXIMUM_ITERATIONS, Effort, Increments
-from bem.loading.path_events import path_events
+from bem.loading.path_events import PathTension, path_events
 from bem.loading.points_without_edges import Complete, Failed, Separated
 
 LONGEST_STEP = 0.4  # units: the motion of the edges in a step
@@ -80,6 +80,7 @@ class Path:
     flaw: Flaw | None = None
     asked_loads: tuple[float, ...] = ()
     has_history: ClassVar[bool] = True
+    largest_tension: ClassVar[PathTension | None] = None  # not located yet
 
     @property
     def effort(self) -> Effort:

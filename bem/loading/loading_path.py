@@ -12,6 +12,7 @@ from typing import ClassVar, Protocol, TypeVar
 from bem.geometry.patches import Patches
 from bem.loading.assessment import Assessment
 from bem.loading.increments import Effort, Increments
+from bem.loading.path_events import PathTension
 
 P = TypeVar("P")
 Q = TypeVar("Q", contravariant=True)
@@ -36,6 +37,11 @@ class LoadingPath(Protocol[P, Q]):
     @property
     def effort(self) -> Effort:
         """What it has taken so far."""
+        ...
+
+    @property
+    def largest_tension(self) -> PathTension | None:
+        """Least load met on unloading since this path was made; None where nothing was unloaded, or not located."""
         ...
 
     def direction(self, point: P, goal: float, separation: float | None = None) -> float:

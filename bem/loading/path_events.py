@@ -49,6 +49,26 @@ class PathEvent:
     energy_error: float
 
 
+@dataclass(frozen=True)
+class PathTension:
+    """Least load that a path has met on unloading, located like an event.
+
+    Candidates: turns of the load on a branch (dP/dDelta = 0), folds, and both sides of jumps.
+
+    Attributes
+    ----------
+    kind : {"turn", "fold", "jump"}
+    at : EventNumbers
+        The state of least load.
+    error : EventNumbers
+        Bounds of the errors of these numbers.
+    """
+
+    kind: Literal["turn", "fold", "jump"]
+    at: EventNumbers
+    error: EventNumbers
+
+
 def path_events(
     changes: tuple[tuple[str, float], ...],
     at: EventNumbers,

@@ -21,7 +21,7 @@ from bem.geometry.patches import Patches
 from bem.loading.assessment import Assessment
 from bem.loading.control import Control, LoadControl
 from bem.loading.increments import Effort, Increments
-from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, EventNumbers, PathEvent, PathStatus, path_events
+from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, EventNumbers, PathEvent, PathStatus, PathTension, path_events
 from bem.loading.points_without_edges import Complete, Failed, PathPoint, Separated
 from bem.nonadhesive.completed_body import CompletedBody
 from bem.nonadhesive.contact_assessment import assess_contact
@@ -74,6 +74,7 @@ class ConvexPath:
     stop: float | None = None
     effort: Effort = field(default_factory=Effort)
     has_history: ClassVar[bool] = False
+    largest_tension: ClassVar[PathTension | None] = None  # no adhesion, no tension
 
     def direction(self, point: ConvexPoint, goal: float, separation: float | None = None) -> float:
         """Sign of the motion from a point to a goal, which may be the same value but for a rounded separation."""

@@ -1,16 +1,12 @@
-"""The physical and numerical effects a scene calls for, each with its reason and its predicted cost.
+"""Physical and numerical effects of a scene: which ones are active, and the reason.
 
-An effect that is not active is a code path never entered.  What changes the compliance: elastic_tables.py.
-
-The predicted cost (cost_prediction.py) is told apart by effect: the bare targets, what adhesion adds to them on the
-way in and on the way back, what a layer adds to every evaluation, and the outputs.
+An effect that is not active is a code path never entered.  elastic_tables.py lists the effects on the compliance.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from bem.scene.cost_prediction import cost_of, pace
 from bem.scene.elastic_tables import ELASTIC, elastic_effects, negligible
 from bem.scene.result import Effect
 from bem.scene.scene import Scene
@@ -22,19 +18,11 @@ EFFECTS = (
     *OUTPUTS,
 )
 
-OUTPUT = 1e-4  # prediction: s for each harmonic: fields, spectra or a distribution at one target
-
 
 def effects_of(scene: Scene) -> tuple[Effect, ...]:
-    """Every effect of the vocabulary, in the order of `EFFECTS`."""
+    """Return every effect of the vocabulary, in the order of `EFFECTS`."""
     reasons = dict(_reasons(scene))
-    seconds = _seconds(scene, {name for name, (active, _) in reasons.items() if active})
-    return tuple(Effect(name, *reasons[name], seconds=seconds.get(name, 0.0)) for name in EFFECTS)
-
-
-def predicted_seconds(scene: Scene) -> float:
-    """Predicted cost of the scene on one core, s."""
-    return sum(effect.seconds for effect in effects_of(scene))
+    return tuple(Effect(name, *reasons[name]) for name in EFFECTS)
 
 
 def _reasons(scene: Scene) -> Iterator[tuple[str, tuple[bool, str]]]:
@@ -86,25 +74,4 @@ def _legs(scene: Scene) -> list[bool]:
 
 def _outputs(scene: Scene, name: str) -> int:
     """Number of targets at which an output is asked for."""
-    return sum(scene.wants(name, target) for target in scene.loading.targets)
-
-
-def _seconds(scene: Scene, active: set[str]) -> dict[str, float]:
-    """Predicted cost of each active effect, s."""
-    cost, legs = cost_of(scene), _legs(scene)
-    size = max(scene.profile.orders) if scene.profile.orders else int(scene.profile.harmonics or 1)
-    layer, bare = cost.layer_share * cost.seconds, min(1.0, cost.bare / (cost.evaluations or 1.0))
-    plain = cost.seconds - layer
-    way = [leg.evaluations for leg in cost.legs if leg.start != leg.stop]
-    back = sum(spent for spent, unloads in zip(way, legs, strict=False) if unloads) / (sum(way) or 1.0)
-    elastic = plain if "adhesion" not in active else bare * plain
-    kept = [name for name in ELASTIC if name in active]  # in one kernel
-    seconds = {
-        **{name: (layer + elastic) / len(kept) for name in kept},
-        "half_space": layer + elastic,
-        "adhesion": (1 - back) * (plain - elastic),
-        "unloading": back * (plain - elastic),
-    }
-    for name in OUTPUTS:
-        seconds[name] = _outputs(scene, name) * OUTPUT * size * pace()
-    return {name: value for name, value in seconds.items() if name in active}
+    return sum(scene.wants(name, index) for index in range(len(scene.loading.targets)))

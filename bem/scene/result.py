@@ -1,25 +1,47 @@
-"""States, events and results of a loading path: what every number means, and its unit.
+"""States, events and results of a loading path, with the meaning and the unit of every number.
 
-Units: m, Pa, J/m^2 of nominal area, Pa m^1/2, Pa/m, s.  The files that hold them: result_file.py.
+Units: m, Pa, J/m^2 of nominal area, Pa m^1/2, Pa/m, s.  A `Number` is NaN where none exists; files hold null there.
+The files: result_file.py.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Annotated, Any, Literal, get_args
 
 from numpy.typing import NDArray
+from pydantic import BeforeValidator, Field, PlainValidator
 
 from bem.audit.certificate import Certificate
 from bem.scene.result_views import Views
 
-FINAL_STATUSES = ("converged", "separated", "complete_contact")
-STATUSES = (*FINAL_STATUSES, "unreachable", "not_converged", "interrupted")
+Branch = Literal["loading", "unloading"]
+FinalStatus = Literal["converged", "separated", "complete_contact"]
+Status = Literal[FinalStatus, "unreachable", "not_converged", "interrupted"]
+EventKind = Literal[
+    "first_touch",
+    "new_contact",
+    "coalescence",
+    "detachment",
+    "pull_off",
+    "complete_contact",
+    "opening",
+    "bifurcation",
+]
+FINAL_STATUSES: tuple[str, ...] = get_args(FinalStatus)
+STATUSES: tuple[str, ...] = get_args(Status)
 
 
-class NotFiniteError(ArithmeticError):
+def _nan_of_null(value: Any) -> Any:
+    return math.nan if value is None else value
+
+
+Number = Annotated[float, BeforeValidator(_nan_of_null)]
+
+
+class NotFiniteError(ArithmeticError, ValueError):
     """A number of a state came out as NaN or infinite: such a state does not exist."""
 
 
@@ -32,17 +54,17 @@ UNPHYSICAL = NotFiniteError, EnergyGainedError
 
 @dataclass(frozen=True)
 class Effect:
-    """An effect of the vocabulary, whether a scene calls for it, why, and its predicted cost in s."""
+    """Effect of the vocabulary: whether it is active in a scene, and why; `seconds` is null, as no run measures it."""
 
     name: str
     active: bool
     reason: str
-    seconds: float
+    seconds: float | None = None
 
 
 @dataclass(frozen=True)
 class Caution:
-    """What is out of the ordinary in a scene: the key or group concerned, and the probable cause."""
+    """A warning: the key, group or state concerned, and the probable cause."""
 
     about: str
     message: str
@@ -64,20 +86,33 @@ class ErrorEstimate:
     contact_stiffness: float | None = None
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, kw_only=True)
 class State:
     """An equilibrium on the path; energies in J/m^2 of nominal area, edges in m, `contact_stiffness` in Pa/m.
 
-    Every number is finite.  Two may say that none exists: an estimated error is infinite where the corrected edges
-    overlap; `mean_pressure` is NaN (null in the file) where any would do, in complete contact under a prescribed
-    separation, and where the state asked for does not exist.  `total_displacement` is None there on a compressible
-    layer.  `events` is the number of events up to this state; None in results that did not store it.  The status is
-    `not_converged` where the certificate is not ok.  `peak_pressure` (Pa) and `largest_gap` (m), of samples
-    of pressure and gap, are known at targets alone; there is no peak without contact.
+    The defaults are those of surfaces apart.  Every number is finite, with two exceptions.  An estimated error is
+    infinite where the corrected edges overlap.  `mean_pressure` is NaN where any pressure would do: in complete contact
+    under a prescribed separation.  `total_displacement` is None there on a compressible layer.
 
-    A target that was not met has its row too, `unreachable` or `not_converged`, and `certificate.reasons` says why.  It
-    is that of surfaces apart where no contact carries a tension.  Where no state was found, only the quantity under
-    control is a number, and all others are NaN (null in the file).
+    A target that was not met has a row too, with status `unreachable` or `not_converged`, and `certificate.reasons`
+    say why.  Its numbers are those of surfaces apart where no contact carries the tension asked for; elsewhere the
+    quantity under control is a number, and all others are NaN.
+
+    Attributes
+    ----------
+    target : bool
+        Whether the scene asks for this state.
+    index : int or None
+        Index of the target: in loading.targets, then in loading.at_mean_pressures, then stop_at_mean_pressure
+        (`asked_for`).  None between targets.
+    stored : int or None
+        The k of its arrays x_k, ... in fields.npz; None where none are stored.
+    events : int
+        Number of events up to this state.
+    peak_pressure, largest_gap : float or None
+        Pa and m, of samples of pressure and gap; known at targets alone.  There is no peak without contact.
+    unknowns, evaluations, cpu_seconds
+        Unknowns of the system; evaluations and CPU seconds since the state before.
 
     Raises
     ------
@@ -85,30 +120,32 @@ class State:
         Another number is NaN or infinite.
     """
 
-    branch: str
-    penetration: float
-    separation: float
-    total_displacement: float | None
-    mean_pressure: float
-    contact_fraction: float
-    n_patches: int
-    edges: tuple[tuple[float, float], ...]
-    elastic_energy: float
-    adhesion_energy: float
-    total_energy: float
-    stress_intensity_max: float | None
-    contact_stiffness: float | None
-    stable_at_fixed_load: bool | None
-    error_estimate: ErrorEstimate
-    certificate: Certificate
-    unknowns: int
-    evaluations: int
-    cpu_seconds: float
-    status: str
-    target: bool
-    events: int | None = None
+    branch: Branch = "loading"
+    target: bool = False
+    index: int | None = None
+    status: Status
+    penetration: Number
+    separation: Number
+    total_displacement: float | None = None
+    mean_pressure: Number = 0.0
+    contact_fraction: Number = 0.0
+    n_patches: int = 0
+    edges: tuple[tuple[float, float], ...] = ()
+    elastic_energy: Number = 0.0
+    adhesion_energy: Number = 0.0
+    total_energy: Number = 0.0
+    stress_intensity_max: float | None = None
+    contact_stiffness: float | None = None
+    stable_at_fixed_load: bool | None = None
     peak_pressure: float | None = None
     largest_gap: float | None = None
+    error_estimate: ErrorEstimate = field(default_factory=ErrorEstimate)
+    certificate: Certificate = field(default_factory=Certificate)
+    events: int = 0
+    stored: int | None = None
+    unknowns: int = 0
+    evaluations: int = 0
+    cpu_seconds: float = 0.0
 
     def __repr__(self) -> str:
         if not self.found:
@@ -121,11 +158,11 @@ class State:
 
     @property
     def found(self) -> bool:
-        """Whether the state was asked for, or passed on the way: not the row of a target that was not met."""
+        """Existence of the state: False in the row of a target that was not met."""
         return self.status != "unreachable" and not math.isnan(self.contact_fraction)
 
     def __post_init__(self) -> None:
-        unknown = math.isnan(self.contact_fraction) and self.target and not self.edges
+        unknown = math.isnan(self.contact_fraction) and not self.edges
         if unknown and self.status in ("unreachable", "not_converged"):
             return
         numbers = {name: value for name, value in vars(self).items() if isinstance(value, float)}
@@ -154,32 +191,66 @@ class EventError:
 class Event:
     """A change of topology or stability; `position` in m, `energy_released` in J/m^2; kinds: bem/README.md, section 5.
 
-    Penetration and mean pressure are those of the equilibrium from which the contact jumps.  The pressure is NaN (null
-    in the file) where the last gap closes, or the first opens, under a given separation: the tension there has no
+    Penetration and mean pressure are those of the equilibrium from which the contact jumps.  The pressure is NaN
+    where the last gap closes, or the first opens, under a given separation: the tension there has no
     bound.  The energy of an avalanche stands with its first event; it is None if the surfaces part under a held load.
     """
 
-    kind: str
+    kind: EventKind
     penetration: float
-    mean_pressure: float
+    mean_pressure: Number
     position: float | None
     energy_released: float | None
     error_estimate: EventError
 
 
+@dataclass(frozen=True)
+class TensionError:
+    """Bound on the error of the largest tension, Pa."""
+
+    mean_pressure: float
+
+
+@dataclass(frozen=True)
+class LargestTension:
+    """The least mean pressure on unloading, with its place on the path.
+
+    Candidates are the turns of the load (dP/dDelta = 0 on a branch), folds, and both sides of jumps, each located
+    like an event.  A stored state is no candidate of its own.  The path provides the numbers as
+    `LoadingPath.largest_tension`, a `bem.loading.path_events.PathTension` in the units of the path; certified_states.py
+    converts them once.
+
+    Attributes
+    ----------
+    mean_pressure : float
+        Pa, negative.
+    penetration, separation : float
+        m.
+    kind : {"turn", "fold", "jump"}
+    error_estimate : TensionError
+    """
+
+    mean_pressure: float
+    penetration: float
+    separation: float
+    kind: Literal["turn", "fold", "jump"]
+    error_estimate: TensionError
+
+
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """What a path adds to a result at once: a state, events and warnings since the last one, and fields, if any."""
+    """A state with the events, warnings and largest tension since the state before, and its arrays, if any."""
 
     events: tuple[Event, ...]
     state: State
     fields: dict[str, NDArray[Any]] = field(default_factory=dict)
     warnings: tuple[Caution, ...] = ()
+    tension: LargestTension | None = None
 
 
 @dataclass(frozen=True)
 class Progress:
-    """Where a running solution stands; pressure in Pa, `target_index` counts from 0, `value` is what is controlled."""
+    """Progress of a solution; pressure in Pa, `target_index` counts from 0, `value` is that of the control."""
 
     mean_pressure: float
     contact_fraction: float
@@ -190,6 +261,13 @@ class Progress:
     target_index: int
     n_targets: int
     value: float = math.nan
+
+
+def _refused(value: Any) -> Any:
+    raise ValueError("arrays are not stored here but in fields.npz")
+
+
+Arrays = Annotated[dict[str, NDArray[Any]], Field(exclude=True), PlainValidator(_refused)]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -216,9 +294,9 @@ class Result(Views):
         The dimensionless groups that decide, and the scales they are made with (plausibility.py).
     warnings : tuple of Caution
     profile_preparation : tuple of dict
-        What was done to the samples of a scan, step by step (scan_preparation.py).
-    cut_sensitivity : tuple of dict
-        What half and twice the cut of a scan change of the contact fraction at the first target (cut_sensitivity.py).
+        Steps by which the samples of a scan were prepared (scan_preparation.py).
+    largest_tension : LargestTension, optional
+        None where nothing is unloaded, where there is no tension, or where contact stays complete for want of a flaw.
     """
 
     scene: dict[str, Any]
@@ -226,23 +304,25 @@ class Result(Views):
     provenance: dict[str, Any]
     states: tuple[State, ...]
     events: tuple[Event, ...]
-    status: str
-    fields: dict[str, NDArray[Any]] = field(default_factory=dict)
+    status: Status
+    fields: Arrays = field(default_factory=dict)
     failure: str | None = None
-    groups: dict[str, float] = field(default_factory=dict)
+    groups: dict[str, Number] = field(default_factory=dict)
     warnings: tuple[Caution, ...] = ()
     profile_preparation: tuple[dict[str, Any], ...] = ()
-    cut_sensitivity: tuple[dict[str, Any], ...] = ()
+    largest_tension: LargestTension | None = None
 
     def with_entries(self, entries: Iterable[Entry]) -> Result:
-        """The same with these states, their events and their fields beside its own."""
-        kept = tuple(entries)
+        """Return a result with the states, events, warnings and largest tension of entries, and their arrays added."""
+        parts = tuple(entries)
+        tensions = [entry.tension for entry in parts if entry.tension is not None]
         return replace(
             self,
-            states=tuple(entry.state for entry in kept),
-            events=tuple(event for entry in kept for event in entry.events),
-            fields=self.fields | {name: values for entry in kept for name, values in entry.fields.items()},
-            warnings=(*self.warnings, *(warning for entry in kept for warning in entry.warnings)),
+            states=tuple(entry.state for entry in parts),
+            events=tuple(event for entry in parts for event in entry.events),
+            fields=self.fields | {name: values for entry in parts for name, values in entry.fields.items()},
+            warnings=(*self.warnings, *(warning for entry in parts for warning in entry.warnings)),
+            largest_tension=min(tensions, key=lambda tension: tension.mean_pressure, default=None),
         )
 
     @property
@@ -253,12 +333,27 @@ class Result(Views):
         """
         missed = [state for state in self.states if not state.found]
         pulled = [k for k, event in enumerate(self.events) if event.kind == "pull_off"]
-        behind = [
-            state.status == "unreachable" and bool(pulled) and pulled[0] < (state.events or 0) for state in missed
-        ]
+        behind = [state.status == "unreachable" and bool(pulled) and pulled[0] < state.events for state in missed]
         return self.status in FINAL_STATUSES or (self.status == "unreachable" and any(behind) and all(behind))
 
     @property
     def targets(self) -> tuple[State, ...]:
-        """The states at targets, one row each, whether it was met or not."""
+        """The states at targets, one row each, met or not."""
         return tuple(state for state in self.states if state.target)
+
+
+def asked_for(loading: Mapping[str, Any], index: int) -> tuple[str, float]:
+    """Return the quantity and the value (m or Pa) of the target with an index, of a resolved [loading].
+
+    Examples
+    --------
+    >>> loading = {"control": "separation", "targets": [2e-6], "at_mean_pressures": [5e4], "stop_at_mean_pressure": 1e5}
+    >>> asked_for(loading, 0), asked_for(loading, 2)
+    (('separation', 2e-06), ('mean_pressure', 100000.0))
+    """
+    targets = loading["targets"]
+    if index < len(targets):
+        return loading["control"], targets[index]
+    stop = loading.get("stop_at_mean_pressure")
+    pressures = [*loading["at_mean_pressures"], *([] if stop is None else [stop])]
+    return "mean_pressure", pressures[index - len(targets)]

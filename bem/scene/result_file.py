@@ -1,14 +1,16 @@
-"""The files that hold a result: result.json and fields.npz of one that is written, journal.jsonl of one in the making.
+"""Files of a result: result.json and fields.npz of a finished run, journal.jsonl of a run in the making.
 
-`result.json` holds everything but arrays; `fields.npz` the fields asked for.  Both are written under a
-temporary name, flushed to disk and renamed, so that a reader finds the old or the new file, never a part.
-`checksum` is the SHA-256 of `json.dumps(content, sort_keys=True)` of the content without that field; the digest of
-fields.npz stands in the provenance.
+`result.json` holds everything but arrays, as the dataclasses of result.py have it (pydantic); null stands for NaN and
+infinity, and all other numbers come back bit for bit.  `fields.npz` holds the arrays asked for (stored_arrays.py).
+Both are written under a temporary name, flushed to disk and renamed, so that a reader finds the old or the new file,
+never a part.  `checksum` is the SHA-256 of `json.dumps(content, sort_keys=True)` of the content without that field; the
+digest of fields.npz stands in the provenance.
 
-A run appends to `journal.jsonl` a line for every state, with the events on the way to it, its fields and a checksum of
-its own: what a line holds is there whole or not at all, whatever happens to the process and to the two other files.
+A run appends to `journal.jsonl` a line for every state, with the events on the way to it, its fields and a checksum.
 The first line holds what all states share.  While there is a journal it is the result of its folder; `write_result`
-ends it.  A last line without its end is a write that was cut off, and does not count.
+removes it.  A last line without its end is a write that was cut off, and does not count.
+
+Results of linecontact 0.2.0 (schema 1), whose states do not name their targets, are refused.
 """
 
 from __future__ import annotations
@@ -18,30 +20,50 @@ import hashlib
 import json
 import os
 import platform
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from functools import cache
 from importlib import metadata
 from pathlib import Path
-from typing import Any, Literal, get_args, get_origin
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import TypeAdapter, ValidationError
 
 from bem.scene.atomic_file import write_atomically
-from bem.scene.result import Caution, Entry, Event, Result, State
-from bem.scene.result_content import CorruptResultError as CorruptResultError
-from bem.scene.result_content import packed, plain, typed, unpacked
-from bem.scene.scene_tables import TABLES
+from bem.scene.result import Caution, Entry, Event, LargestTension, Result, State
+from bem.scene.scene_tables import REQUIRED_TABLES, TABLES
+from bem.scene.stored_arrays import CorruptArraysError, check_arrays, packed, unpacked
 
-SCHEMA = "linecontact-result/1"
+SCHEMA, FORMER = "linecontact-result/2", "linecontact-result/1"
 RESULT_FILE, FIELDS_FILE, JOURNAL_FILE = "result.json", "fields.npz", "journal.jsonl"
-SHAPE = ("x", "displacement", "gap", "pressure", "patch")  # arrays of a stored shape, each with its index
+SHOWN = 64  # format: characters of a value in an error
+
+Kind = TypeVar("Kind")
+
+
+class CorruptResultError(ValueError):
+    """A stored result that cannot be trusted: damaged, incomplete or of another schema."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line of the journal: an entry, with its arrays as the base64 text of an npz file."""
+
+    events: tuple[Event, ...]
+    state: State
+    warnings: tuple[Caution, ...]
+    tension: LargestTension | None
+    fields: str
+
+
+_RESULT, _LINE = TypeAdapter(Result), TypeAdapter(Line)
 
 
 def digest(content: Mapping[str, Any]) -> str:
-    """SHA-256 of a mapping as JSON with sorted keys.
+    """Return the SHA-256 of a mapping as JSON with sorted keys.
 
     Examples
     --------
@@ -53,7 +75,7 @@ def digest(content: Mapping[str, Any]) -> str:
 
 @cache
 def installed_version() -> str:
-    """Version of this package, as it is installed: `bem.__version__`."""
+    """Return the version of this package, as it is installed: `bem.__version__`."""
     try:
         return metadata.version("linecontact")
     except metadata.PackageNotFoundError:
@@ -61,7 +83,7 @@ def installed_version() -> str:
 
 
 def provenance(resolved_scene: Mapping[str, Any]) -> dict[str, Any]:
-    """Versions, kernels, Python, platform, date (UTC) and digest of the scene; no path, no host name."""
+    """Return versions, kernels, Python, platform, date (UTC) and digest of the scene; no path, no host name."""
     import scipy  # which reading a result does without
 
     from bem.compiled.kernels import IN_USE
@@ -79,7 +101,7 @@ def provenance(resolved_scene: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def write_result(result: Result, folder: Path) -> None:
-    """Write result.json and, when there are fields, fields.npz, and end the journal; make the folder if need be.
+    """Write result.json and, when there are fields, fields.npz, and remove the journal; make the folder if need be.
 
     Raises
     ------
@@ -91,82 +113,53 @@ def write_result(result: Result, folder: Path) -> None:
     content = _content(result, hashlib.sha256(arrays).hexdigest() if arrays else None)
     if arrays:
         write_atomically(folder / FIELDS_FILE, arrays)
-    write_atomically(folder / RESULT_FILE, _lines(content))
+    write_atomically(folder / RESULT_FILE, _text_of(content))
     if not arrays:
         (folder / FIELDS_FILE).unlink(missing_ok=True)
     (folder / JOURNAL_FILE).unlink(missing_ok=True)
 
 
 def write_states(result: Result, folder: Path) -> None:
-    """Write result.json alone, of a run that goes on: fields are written with its end.
-
-    Raises
-    ------
-    OSError
-        As `write_result`.
-    """
-    write_atomically(folder / RESULT_FILE, _lines(_content(result, None)))
+    """Write result.json alone, of a run that goes on: fields are written at its end.  OSError as `write_result`."""
+    write_atomically(folder / RESULT_FILE, _text_of(_content(result, None)))
     (folder / FIELDS_FILE).unlink(missing_ok=True)
 
 
 def read_result(folder: Path | str) -> Result:
-    """Read what `write_result` wrote, or what a run has kept in its journal so far, and verify it.
-
-    Parameters
-    ----------
-    folder : Path or str
-        The folder, or its result.json.
+    """Read the result of a folder, which may be given by its result.json, or the journal of an unfinished run.
 
     Raises
     ------
     FileNotFoundError
         No result there.
     CorruptResultError
-        Not JSON, another schema, wrong checksum, a value of another type, a scene of an unknown kind, fields.npz
-        missing, not the one written with it, or with a part of a shape.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> kept = Result({}, (), {}, (), (), "interrupted", failure="stopped by the user")
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_result(kept, Path(folder))
-    ...     read_result(folder).failure
-    'stopped by the user'
+        The file, and the key or array that is damaged, missing, of another type, or does not match the others.
     """
     folder = Path(folder)
     if folder.name == RESULT_FILE and not folder.is_dir():
         folder = folder.parent
-    try:
+    if (folder / JOURNAL_FILE).exists():
         return Journal(folder).read()
-    except FileNotFoundError:
-        pass
     path = folder / RESULT_FILE
     try:
-        content = _loaded(path.read_bytes(), str(path))
+        content = _verified(path.read_bytes(), str(path))
     except FileNotFoundError as error:
         raise FileNotFoundError(f"{path}: no result of a run there") from error
-    if content.get("schema") != SCHEMA:
-        raise CorruptResultError(f"{path}: schema {content.get('schema')!r} is not {SCHEMA!r}")
-    result, fields_sha256 = _result(_verified(content, str(path)), str(path))
-    fields = _fields(folder / FIELDS_FILE, fields_sha256)
-    _whole(fields, str(folder / FIELDS_FILE))
-    return replace(result, fields=fields)
+    result, sha256 = _result(content, str(path))
+    if sha256 is None:
+        return result
+    path = folder / FIELDS_FILE
+    if not path.exists():
+        raise CorruptResultError(f"{path}: missing, but result.json was written with it")
+    raw = path.read_bytes()
+    if hashlib.sha256(raw).hexdigest() != sha256:
+        raise CorruptResultError(f"{path}: corrupt, or not the file written with result.json")
+    return _with_arrays(result, _arrays(raw, str(path)), str(path))
 
 
 @dataclass(frozen=True)
 class Journal:
-    """The journal of a folder.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     journal = Journal(Path(folder))
-    ...     journal.begin(Result({}, (), {}, (), (), "interrupted"), [])
-    ...     journal.read().status
-    'interrupted'
-    """
+    """The journal of a folder."""
 
     folder: Path
 
@@ -184,44 +177,31 @@ class Journal:
         OSError
             Disk full, folder not writable or gone.
         """
-        begun = replace(begun, states=(), events=(), status="interrupted", failure=None)
-        first = {"begun": _content(begun, None), "fields": _text(packed(begun.fields))}
+        begun = replace(begun, states=(), events=(), status="interrupted", failure=None, largest_tension=None)
+        first = {"begun": _content(begun, None), "fields": _encoded(begun.fields)}
         write_atomically(self.path, _line(first) + b"".join(map(_entry_line, entries)))
 
     def add(self, entry: Entry) -> None:
-        """Append an entry.
-
-        Raises
-        ------
-        OSError
-            Disk full; no journal there, as where the folder was removed.
-        """
+        """Append an entry; OSError where the disk is full, or no journal is there, as where the folder was removed."""
         line = _entry_line(entry)
         with os.fdopen(os.open(self.path, os.O_WRONLY | os.O_APPEND), "ab") as file:
             file.write(line)
 
     def read(self) -> Result:
-        """What it holds, as an interrupted result.
-
-        Raises
-        ------
-        FileNotFoundError
-            There is none.
-        CorruptResultError
-            A line other than a last one without end is damaged.
-        """
+        """Return its entries as an interrupted result; CorruptResultError names a line that is damaged."""
         *lines, _ = self.path.read_bytes().split(b"\n")
-        place = [f"line {number}" for number in range(1, len(lines) + 1)]
         try:
-            first = _verified(_loaded(lines[0], place[0]), place[0])
-            begun, _ = _result(first["begun"], place[0])
-            begun = replace(begun, fields=unpacked(_bytes(first["fields"]), place[0]))
-            held = begun.with_entries(map(_entry, lines[1:], place[1:]))
-            _whole(held.fields, "fields")
-            return held
-        except (IndexError, KeyError, TypeError, ValueError) as error:
-            kept = "remove this line and all after it, and the run continues from the lines before"
-            raise CorruptResultError(f"{self.path}: corrupt ({error}); {kept}") from error
+            if not lines:
+                raise CorruptResultError("line 1: missing")
+            first = _verified(lines[0], "line 1")
+            begun, _ = _result(first.get("begun"), "line 1: begun")
+            shared = _decoded(first.get("fields"), "line 1")
+            result = replace(begun, fields=shared).with_entries(_entries(lines[1:]))
+            _check_states(result, "states of all lines")
+            return _with_arrays(result, result.fields, "fields of all lines")
+        except CorruptResultError as error:
+            remedy = "remove this line and all after it, and the run continues from the lines before"
+            raise CorruptResultError(f"{self.path}: {error}; {remedy}") from error
 
     @property
     def path(self) -> Path:
@@ -230,122 +210,160 @@ class Journal:
 
 
 def _content(result: Result, fields_sha256: str | None) -> dict[str, Any]:
-    """A result without its arrays in types of JSON."""
-    return {
-        "schema": SCHEMA,
-        "scene": plain(result.scene),
-        "effects": plain(result.effects),
-        "warnings": plain(result.warnings),
-        "groups": plain(result.groups),
-        "profile_preparation": plain(result.profile_preparation),
-        "cut_sensitivity": plain(result.cut_sensitivity),
-        "provenance": plain(result.provenance) | {"fields_sha256": fields_sha256},
-        "states": plain(result.states),
-        "events": plain(result.events),
-        "status": result.status,
-        "failure": result.failure,
-    }
+    """Return a result without its arrays in types of JSON."""
+    content: dict[str, Any] = {"schema": SCHEMA} | json.loads(_RESULT.dump_json(result))
+    content["provenance"]["fields_sha256"] = fields_sha256
+    return content
 
 
-def _loaded(raw: bytes, place: str) -> dict[str, Any]:
-    """A mapping stored with its checksum, as it is."""
+def _verified(raw: bytes, place: str) -> dict[str, Any]:
+    """Return a stored mapping without its checksum, after verifying schema and checksum."""
     try:
         content = json.loads(raw)
+        if not isinstance(content, dict):
+            raise ValueError(f"it holds a {type(content).__name__}; allowed: a table")
+        if "schema" in content:
+            _verify_schema(content, place)
+        checksum = content.pop("checksum", None)
+        if checksum != digest(content):  # ValueError for NaN, which is never written
+            raise CorruptResultError(f"{place}: corrupt, its checksum does not match its content")
+    except CorruptResultError:
+        raise
     except (ValueError, RecursionError) as error:
         raise CorruptResultError(f"{place}: corrupt, not JSON of a result ({error})") from error
-    if not isinstance(content, dict):
-        raise CorruptResultError(f"{place}: corrupt, it holds a {type(content).__name__} where a result is a table")
     return content
 
 
-def _verified(content: dict[str, Any], place: str) -> dict[str, Any]:
-    """The same without its checksum, which matches."""
-    stored = content.pop("checksum", None)
+def _verify_schema(content: Mapping[str, Any], place: str) -> None:
+    """Raise CorruptResultError for content of another schema."""
+    schema = content.get("schema")
+    if schema == FORMER:
+        raise CorruptResultError(
+            f"{place}: a result of linecontact 0.2.0, which this version does not read; run its scene again"
+        )
+    if schema != SCHEMA:
+        raise CorruptResultError(f"{place}: schema is {schema!r}; allowed: {SCHEMA!r}")
+
+
+def _typed(adapter: TypeAdapter[Kind], content: Any, place: str) -> Kind:
+    """Return content of JSON as a dataclass; CorruptResultError names the first key that is wrong."""
     try:
-        sound = stored == digest(content)
-    except (ValueError, RecursionError):  # NaN or a depth that this module never writes
-        sound = False
-    if not sound:
-        raise CorruptResultError(f"{place}: corrupt, its checksum does not match its content")
-    return content
+        return adapter.validate_json(json.dumps(content), strict=True, extra="forbid")
+    except ValidationError as error:
+        raise CorruptResultError(f"{place}: {_first_mistake(error)}") from error
+
+
+def _first_mistake(error: ValidationError) -> str:
+    """Return the first key that is wrong, its value and what is allowed."""
+    first = error.errors(include_url=False)[0]
+    key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in first["loc"]).lstrip(".")
+    if first["type"].startswith("missing"):
+        return f"{key} is missing"
+    shown = repr(first["input"])
+    return f"{key} is {shown if len(shown) <= SHOWN else f'{shown[:SHOWN]}...'}: {first['msg']}"
 
 
 def _result(content: Any, place: str) -> tuple[Result, str | None]:
-    """The result of a content, without fields, and the digest of these."""
-    try:
-        stored = {name: value for name, value in content.items() if name not in ("schema", "checksum")}
-        result = typed(Result, stored, "result")
-        facts = dict(result.provenance)
-        sha256 = facts.pop("fields_sha256")
-    except (KeyError, AttributeError, CorruptResultError) as error:
-        raise CorruptResultError(f"{place}: incomplete ({error})") from error
-    for name, table in result.scene.items():
-        _known(name, table, place)
+    """Return the result of a content, without fields, and the digest of these."""
+    if not isinstance(content, dict):
+        raise CorruptResultError(f"{place} is {type(content).__name__}; allowed: a table")
+    _verify_schema(content, place)
+    result = _typed(_RESULT, {name: value for name, value in content.items() if name != "schema"}, place)
+    facts = dict(result.provenance)
+    sha256 = facts.pop("fields_sha256", None)
+    if not isinstance(sha256, str | None):
+        raise CorruptResultError(f"{place}: provenance.fields_sha256 is {sha256!r}; allowed: a text or null")
+    _check_scene(result.scene, place)
+    _check_states(result, place)
     return replace(result, provenance=facts), sha256
 
 
-def _known(name: str, table: Any, place: str) -> None:
-    """Refuse a table of a scene in which a key has a word that it does not allow."""
-    if name not in TABLES or not isinstance(table, dict):
-        return
-    keys = TABLES[name].model_fields
-    for key in keys.keys() & table.keys():
-        words = get_args(keys[key].annotation) if get_origin(keys[key].annotation) is Literal else None
-        if words is not None and table[key] not in words:
-            raise CorruptResultError(f"{place}: scene.{name}.{key} is {table[key]!r}, not one of {', '.join(words)}")
+def _check_scene(scene: Mapping[str, Any], place: str) -> None:
+    """Raise CorruptResultError where a scene lacks a table, or a key of a table has a value that is not allowed."""
+    for name, model in TABLES.items():
+        table = scene.get(name, "missing")
+        if table is None and name not in REQUIRED_TABLES:
+            continue
+        if not isinstance(table, dict):
+            raise CorruptResultError(f"{place}: scene.{name} is {str(table)[:SHOWN]}; allowed: a table")
+        known = {key: value for key, value in table.items() if key in model.model_fields and key != "initial"}
+        try:
+            model.model_validate(known)
+        except ValidationError as error:
+            raise CorruptResultError(f"{place}: scene.{name}.{_first_mistake(error)}") from error
 
 
-def _whole(fields: Mapping[str, NDArray[Any]], place: str) -> None:
-    """Refuse a shape of which an array is missing."""
-    for name in fields:
-        kind, _, index = name.rpartition("_")
-        for other in SHAPE if kind in SHAPE and index.isdigit() else ():
-            if f"{other}_{index}" not in fields:
-                raise CorruptResultError(f"{place}: corrupt, it holds {name} without {other}_{index}")
+def _check_states(result: Result, place: str) -> None:
+    """Raise CorruptResultError where a state does not match the targets, the events or its edges."""
+    loading = result.scene["loading"]
+    asked = len(loading["targets"]) + len(loading.get("at_mean_pressures", ()))
+    asked += loading.get("stop_at_mean_pressure") is not None
+    events, stored = 0, 0
+    for k, state in enumerate(result.states):
+        named = state.index is not None and 0 <= state.index < asked
+        for key, right, allowed in (
+            ("index", named if state.target else state.index is None, f"0 to {asked - 1} at a target, else null"),
+            ("events", events <= state.events <= len(result.events), f"{events} to {len(result.events)}"),
+            ("n_patches", state.n_patches == len(state.edges), f"{len(state.edges)}, the number of edges"),
+            ("stored", state.stored in (None, stored), f"{stored} or null"),
+        ):
+            if not right:
+                raise CorruptResultError(f"{place}: states[{k}].{key} is {getattr(state, key)}; allowed: {allowed}")
+        events, stored = state.events, stored + (state.stored is not None)
 
 
-def _fields(path: Path, sha256: str | None) -> dict[str, NDArray[Any]]:
-    """The fields written with a result."""
-    if sha256 is None:
-        return {}
+def _with_arrays(result: Result, arrays: dict[str, NDArray[Any]], place: str) -> Result:
+    """Return a result with its arrays, which must be those that its states have."""
     try:
-        raw = path.read_bytes()
-    except FileNotFoundError as error:
-        raise CorruptResultError(f"{path}: missing, but result.json was written with it") from error
-    if hashlib.sha256(raw).hexdigest() != sha256:
-        raise CorruptResultError(f"{path}: corrupt, or not the file written with result.json")
-    return unpacked(raw, str(path))
+        check_arrays(arrays, [state.stored for state in result.states if state.stored is not None])
+    except CorruptArraysError as error:
+        raise CorruptResultError(f"{place}: corrupt, {error}") from error
+    return replace(result, fields=arrays)
 
 
-def _line(content: dict[str, Any]) -> bytes:
-    """A line of the journal, with its checksum."""
-    return (json.dumps(content | {"checksum": digest(content)}, allow_nan=False) + "\n").encode()
+def _arrays(raw: bytes, place: str) -> dict[str, NDArray[Any]]:
+    """Return the arrays of an npz file."""
+    try:
+        return unpacked(raw)
+    except CorruptArraysError as error:
+        raise CorruptResultError(f"{place}: corrupt, {error}") from error
+
+
+def _entries(lines: Iterable[bytes]) -> Iterator[Entry]:
+    """Yield the entries of the lines of a journal behind its first one."""
+    for number, raw in enumerate(lines, 2):
+        place = f"line {number}"
+        line = _typed(_LINE, _verified(raw, place), place)
+        yield Entry(line.events, line.state, _decoded(line.fields, place), line.warnings, line.tension)
 
 
 def _entry_line(entry: Entry) -> bytes:
-    fields = _text(packed(entry.fields))
-    return _line(plain({"events": entry.events, "state": entry.state, "warnings": entry.warnings}) | {"fields": fields})
+    """Return an entry as a line of the journal."""
+    line = Line(entry.events, entry.state, entry.warnings, entry.tension, _encoded(entry.fields))
+    return _line(json.loads(_LINE.dump_json(line)))
 
 
-def _entry(line: bytes, place: str) -> Entry:
-    """What a line of the journal holds."""
-    content = _verified(_loaded(line, place), place)
-    events = typed(tuple[Event, ...], content["events"], f"{place}, events")
-    state = typed(State, content["state"], f"{place}, state")
-    warnings = typed(tuple[Caution, ...], content["warnings"], f"{place}, warnings")
-    return Entry(events, state, unpacked(_bytes(content["fields"]), place), warnings)
+def _line(content: dict[str, Any]) -> bytes:
+    """Return a line of the journal, with its checksum."""
+    return (json.dumps(content | {"checksum": digest(content)}, allow_nan=False) + "\n").encode()
 
 
-def _text(raw: bytes) -> str | None:
-    return base64.b64encode(raw).decode() if raw else None
+def _encoded(arrays: Mapping[str, NDArray[Any]]) -> str:
+    """Return arrays as the base64 text of an npz file."""
+    return base64.b64encode(packed(arrays)).decode()
 
 
-def _bytes(text: str | None) -> bytes:
-    return b"" if text is None else base64.b64decode(text, validate=True)
+def _decoded(text: Any, place: str) -> dict[str, NDArray[Any]]:
+    """Return the arrays of the base64 text of an npz file."""
+    try:
+        raw = base64.b64decode(text, validate=True)
+    except (ValueError, TypeError) as error:
+        raise CorruptResultError(f"{place}: fields are no text of base64 ({error})") from error
+    return _arrays(raw, place)
 
 
-def _lines(content: dict[str, Any]) -> str:
-    """JSON of a mapping and its checksum: a line for each value, and for each entry of a list."""
+def _text_of(content: dict[str, Any]) -> str:
+    """Return JSON of a mapping and its checksum: a line for each value, and for each entry of a list."""
     parts = []
     for name, value in (content | {"checksum": digest(content)}).items():
         entries = [json.dumps(entry, allow_nan=False) for entry in value] if isinstance(value, list) else None

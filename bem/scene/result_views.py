@@ -9,9 +9,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, is_dataclass
-from html import escape
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Literal, get_type_hints
+from typing import TYPE_CHECKING, Any, Literal, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +45,6 @@ SAMPLED = {  # fields of fields.npz on points of their own, by the name of these
     **dict.fromkeys(("scan_x", "scan_h"), "scan_point"),
     **dict.fromkeys(("profile_x", "profile_h"), "profile_point"),
 }
-SHOWN = 10  # format: states of a view in a notebook
 
 
 @dataclass(frozen=True)
@@ -157,26 +155,6 @@ class Views:
             words.append(f"last at {last.mean_pressure:.6g} Pa, contact fraction {last.contact_fraction:.6g}")
         return f"<Result {self.status}: {', '.join(words)}>"
 
-    def _repr_html_(self) -> str:
-        """For a notebook: the states at targets."""
-        targets = [state for state in self.states if state.target]
-        head = "".join(
-            f"<th>{name}</th>" for name in ("separation / m", "mean pressure / Pa", "contact fraction", "ok")
-        )
-        rows = "".join(
-            f"<tr><td>{state.separation:.6g}</td>"
-            + "".join(
-                f"<td>{getattr(state, name):.9g} ± {getattr(state.error_estimate, name) or 0.0:.1g}</td>"
-                for name in ("mean_pressure", "contact_fraction")
-            )
-            + f"<td>{'yes' if state.certificate.ok else 'no'}</td></tr>"
-            for state in targets[:SHOWN]
-        )
-        more = f"<p>and {len(targets) - SHOWN} more</p>" if len(targets) > SHOWN else ""
-        failure = "" if self.failure is None else f" ({self.failure})"
-        said = escape(f"{self.scene.get('title') or 'untitled'}: {self!r}{failure}")
-        return f"<p>{said}</p><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>{more}"
-
 
 def _answers(states: Sequence[Any], loading: dict[str, Any]) -> dict[str, NDArray[Any]]:
     """The columns of the answer; `target` is what was asked for, or held at a pressure on the way."""
@@ -223,8 +201,8 @@ def _columns(kind: type, records: Sequence[Any], prefix: str = "") -> dict[str, 
         values = [getattr(record, name) for record in records]
         if is_dataclass(hint):
             found |= _columns(hint, values, f"{prefix}{name}_")  # type: ignore[arg-type]
-        elif hint in (str, int, bool):
-            found[prefix + name] = np.array(values, dtype=hint)
+        elif hint in (str, int, bool) or get_origin(hint) is Literal:
+            found[prefix + name] = np.array(values, dtype=hint if isinstance(hint, type) else str)
         elif hint in (float, float | None, int | None, bool | None):
             found[prefix + name] = np.array([np.nan if value is None else value for value in values], dtype=np.float64)
     return found

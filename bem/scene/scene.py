@@ -29,6 +29,7 @@ from bem.scene.result import State
 from bem.scene.scene_rules import (
     QUESTIONS,
     RANGE,
+    REMOVED,
     SAMPLED_HARMONICS,
     SceneError,
     loading_mistakes,
@@ -122,10 +123,12 @@ class Scene:
         tables = {name: getattr(self, name) for name in TABLES if name not in QUESTIONS}
         return {name: table for name, table in tables.items() if table is not None}
 
-    def wants(self, output: str, target: float) -> bool:
-        """Whether `output` ("shapes", "spectra", ...) is asked for at this target."""
+    def wants(self, output: str, index: int) -> bool:
+        """Return whether `output` ("shapes", "spectra", ...) is asked for at the target with an index."""
         asked = self.shape_targets if output == "shapes" else getattr(self.output, output)
-        return asked if isinstance(asked, bool) else found(target, asked) is not None
+        if isinstance(asked, bool):
+            return asked
+        return index < len(self.loading.targets) and found(self.loading.targets[index], asked) is not None
 
     def resolved(self) -> dict[str, Any]:
         """Everything as plain values, defaults included; a file is given by its name and digest."""
@@ -239,7 +242,10 @@ def _split(
     for key, wrong in items.items():
         path = f"{name}.{key}"
         if key not in model.model_fields:
-            mistakes.append(Mistake(path, f"= {shown(raw[key])} is unknown", unknown_key(key, model.model_fields)))
+            gone = REMOVED.get(path)
+            said = "unknown" if gone is None else "no longer a key"
+            known = gone or unknown_key(key, model.model_fields)
+            mistakes.append(Mistake(path, f"= {shown(raw[key])} is {said}", known))
             continue
         allowed = str(said_of(model, key)["allowed"])
         if key not in raw:
@@ -337,9 +343,6 @@ def _output_mistakes(scene: Scene, shapes: tuple[float, ...], missed: tuple[floa
         if shape in missed:
             value = scene.output.shapes[k]
             yield Mistake(f"output.shapes[{k}]", f"= {value:g} is never met", "a value the loading path passes")
-    if scene.output.cut_sensitivity and (scene.scan is None or scene.start_state is not None):
-        allowed = "false; true needs a scan in [profile] and a path that does not begin at a stored state"
-        yield Mistake("output.cut_sensitivity", "= true", allowed)
     for name in OUTPUTS[1:]:
         asked = getattr(scene.output, name)
         for k, value in enumerate(() if isinstance(asked, bool) else asked):

@@ -64,6 +64,9 @@ def as_said(limit: float) -> float:
     return float(f"{limit:g}")
 
 
+REMOVED = {"output.cut_sensitivity": "leave it out: `linecontact study scene` solves the scene with other cuts"}
+
+
 def unknown_key(name: str, known: Collection[str]) -> str:
     """What is allowed instead of an unknown key: the closest one, or all."""
     close = difflib.get_close_matches(name, known, n=1, cutoff=0.4)

@@ -348,18 +348,9 @@ class OutputTable(Table):
     contact_slopes: Annotated[
         bool | Numbers, _about("Mean square slope of the profile where it is touched.", TARGETS_OF, True)
     ] = False
-    cut_sensitivity: Annotated[
-        bool | None,
-        _about(
-            "Whether half and twice the cut of a scan are solved too, at the first target.",
-            "true or false, of a scan",
-            False,
-            absent="true of a scan without adhesion",
-        ),
-    ] = None
 
 
-OUTPUTS = tuple(name for name in OutputTable.model_fields if name != "cut_sensitivity")  # at targets
+OUTPUTS = tuple(OutputTable.model_fields)
 
 
 TABLES: dict[str, type[Table]] = {

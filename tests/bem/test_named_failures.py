@@ -8,7 +8,7 @@ from rough_surfaces import rough_scene
 
 from bem import certified_states, record, solver
 from bem.elastic.hierarchical import IllConditionedSystemError
-from bem.missed import NUMERICAL_FAILURES, no_point, said_of
+from bem.missed import NUMERICAL_FAILURES, no_point, sentence
 from bem.solver import solve
 
 TARGETS = [70e-6, 50e-6, 60e-6]
@@ -77,7 +77,7 @@ def test_complete_contact_of_an_incompressible_layer_has_a_total_displacement():
 )
 def test_what_to_try_is_told_in_order(control, has_history, remedies):
     error = no_point("not_converged", 1.0, control, has_history)
-    said = said_of(error, "target 1 of 1", control, 1.0)
+    said = sentence(error, "target 1 of 1", control, 1.0)
     marks = [f"({k}) {remedy}" for k, remedy in enumerate(error.remedies, 1)] if remedies > 1 else []
     places = [said.index(mark) for mark in marks]
     assert places == sorted(places)

@@ -101,5 +101,5 @@ def test_constants_are_recognised():
 
 
 def test_reasons_are_those_of_the_page():
-    assert REASONS == ["derived", "speed", "limit", "format", "prediction"]
+    assert REASONS == ["derived", "speed", "limit", "format"]
     assert constants_of("A = 1  # speedy: no reason") == {"A": "1"}

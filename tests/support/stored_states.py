@@ -30,6 +30,7 @@ def stored_state(**changes):
         "cpu_seconds": 0.5,
         "status": "converged",
         "target": True,
+        "index": 0,
     }
     return State(**(fields | changes))
 

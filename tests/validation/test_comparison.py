@@ -16,7 +16,7 @@ from validation.command_line import comparison
 from validation.command_line.comparison import LIMIT, Apart, _numbers, compare_reports, compare_results
 from validation.command_line.front_door import main
 from validation.harness.schema import CaseRecord, Report, with_checksum
-from validation.report.render import ReportError
+from validation.report.pages import ReportError
 
 SCENE = {
     "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from validation.report.render import filled
+from validation.report.pages import filled
 
 ROOT = Path(__file__).parents[2]
 SECTION = (ROOT / "bem" / "README.md").read_text("utf-8").partition("## 10. Limits of the model")[2]

@@ -166,7 +166,7 @@ def test_map_files_are_vectors(tmp_path):
 
 
 def test_executor_of_a_study_that_has_none_is_refused(tmp_path):
-    words = ["study", "cost", "--executor", "dask://127.0.0.1:1", "--out", str(tmp_path)]
+    words = ["study", "convergence", "--executor", "dask://127.0.0.1:1", "--out", str(tmp_path)]
     assert command_line.main(words) == 2
 
 

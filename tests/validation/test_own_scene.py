@@ -16,7 +16,7 @@ from validation.harness import store
 from validation.harness.execution import Ended
 from validation.references.closed_forms import Sinusoid
 from validation.references.one_patch import OnePatch
-from validation.report.render import ReportError
+from validation.report.pages import ReportError
 from validation.report.study_page import render_study
 from validation.studies.own_scene import own_scene
 from validation.studies.own_scene.findings import findings_of, finest_of, node_rate, offs
@@ -242,7 +242,7 @@ def studied(tmp_path_factory):
 
 def test_a_study_says_what_it_will_cost_and_what_it_found(studied, capsys):
     _, folder, notes = studied
-    assert "settings" in notes[0] and "s of one core predicted; at most 600 s" in notes[0]
+    assert "settings" in notes[0] and "at most 600 s of one core" in notes[0]
     assert any("to go by the pace so far" in note for note in notes)
     content = json.loads((folder / "study.json").read_text())
     assert content["status"] == "done"
@@ -337,8 +337,8 @@ def test_a_scene_that_does_not_converge_as_it_is_fails_by_name(tmp_path, in_proc
         pytest.param(("scene", "bad.toml"), "solid.poisson_ratio = 0.7", id="refused"),
         pytest.param(("scene", "bad.toml", "--peers"), "--peers: study scene does not take it", id="peers"),
         pytest.param(("scene", "bad.toml", "--executor", "dask://a:1"), "on this machine only", id="executor"),
-        pytest.param(("cost", "bad.toml"), "scene: study cost does not take it", id="another study"),
-        pytest.param(("cost", "--budget", "5"), "budget: study cost does not take it", id="budget"),
+        pytest.param(("convergence", "bad.toml"), "scene: study convergence does not take it", id="another study"),
+        pytest.param(("convergence", "--budget", "5"), "budget: study convergence does not take it", id="budget"),
     ],
 )
 def test_bad_input_is_refused_by_name_and_nothing_is_written(words, said, tmp_path, capsys, monkeypatch):

@@ -91,15 +91,6 @@ def test_everything_is_on_the_page(page, result):
     assert result.provenance["scene_sha256"] in page
 
 
-def test_what_another_cut_changes_stands_in_the_answer(result, page):
-    half = {"key": "harmonics", "value": 20, "status": "converged", "contact_fraction": 0.0313, "change": 0.004}
-    told = "the contact fraction at the first target is 0.0313 (+0.004) with harmonics = 20"
-    cut = render_run(replace(result, cut_sensitivity=(half,)))
-    assert told in cut.partition('<section id="answer">')[2].partition("</section>")[0]
-    assert "half and twice the cut" in cut
-    assert "half and twice the cut" not in page
-
-
 def test_curves_have_error_bars_of_the_estimated_errors(result):
     area = next(figure for figure in figures_of(result) if figure.id == "area")
     bars = next(series for series in area.solution.series if series.style == "bars")

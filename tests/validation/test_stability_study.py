@@ -280,7 +280,7 @@ def test_command_line_takes_random_scenes(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "words", [["cost", "--random", "3"], ["stability", "--seed", "3"]], ids=["another study", "seed alone"]
+    "words", [["convergence", "--random", "3"], ["stability", "--seed", "3"]], ids=["another study", "seed alone"]
 )
 def test_random_scenes_where_there_are_none_are_bad_input(words, tmp_path, capsys):
     assert command_line.main(["study", *words, "--out", str(tmp_path)]) == 2

@@ -10,7 +10,6 @@ from validation.harness.execution import Ended
 from validation.harness.route import Answer
 from validation.harness.runner import failed_record
 from validation.harness.store import Store
-from validation.studies.cost import Cost
 from validation.studies.faults.fault_injection import Examined
 from validation.studies.work_precision.methods import Timed
 
@@ -39,10 +38,9 @@ FOUND = Answer(values={"gap_at": [0.1 + 0.2, None]}, unknowns=3, parts={"setup":
     [
         (Measured, Measured(0.1 + 0.2, (1 / 3, -0.0))),
         (list[Timed], [Timed("1e-06", found=FOUND, repeats=2), Timed("2", "ArithmeticError: no")]),
-        (Cost, Cost(1, 100, 0.05, None, "converged", contact_fractions=(0.1, 0.2))),
         (list[str], []),
     ],
-    ids=["data-class", "nested", "defaults", "empty"],
+    ids=["data-class", "nested", "empty"],
 )
 def test_answer_comes_back_as_it_was(answers, form, answer):
     answers.keep(form, answer, "a task", 1)

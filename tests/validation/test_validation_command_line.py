@@ -18,7 +18,7 @@ from validation.command_line import front_door
 from validation.harness import baseline
 from validation.harness.schema import Table
 from validation.report import render
-from validation.studies import cost
+from validation.studies import convergence
 from validation.studies.bench import none_of, study_case
 from validation.studies.own_scene import BUDGET, SEEDS
 
@@ -184,10 +184,10 @@ def exit_code(words):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["cost", "--peers"], "--peers: study cost does not take it, work-precision does"),
+        (["convergence", "--peers"], "--peers: study convergence does not take it, work-precision does"),
         (["work-precision", "--peers"], "not installed: pip install"),
         (["work-precision", "--executor", "dask://host:1"], "runs on this machine only"),
-        (["cost", "--jobs", "2"], "study cost runs in one process"),
+        (["convergence", "--jobs", "2"], "study convergence runs in one process"),
         (["stability", "--random", "2", "--quick"], "--quick: has no meaning with --random"),
         (["scene", "one-wave.toml", "--json"], "--json: study scene does not take it"),
         (["other"], "invalid choice"),
@@ -317,18 +317,19 @@ def test_study_is_a_report_of_its_cases(monkeypatch, tmp_path, capsys, words, qu
 
     def cases(bench):
         seen.append((bench.folder, bench.quick, bench.jobs))
-        return [study_case("cost", lambda: iter(yielded), "What?", "none", "carbone2009")]
+        return [study_case("convergence", lambda: iter(yielded), "What?", "none", "carbone2009")]
 
-    monkeypatch.setattr(cost, "cases", cases)
-    assert main(["study", "cost", "--out", str(tmp_path), *words]) == code
+    monkeypatch.setattr(convergence, "cases", cases)
+    assert main(["study", "convergence", "--out", str(tmp_path), *words]) == code
     assert seen == [(tmp_path, quick, 1)]
     assert (
-        report_of(tmp_path)["command"] == f"python -m validation study cost{' --quick' * quick} --out {tmp_path.name}"
+        report_of(tmp_path)["command"]
+        == f"python -m validation study convergence{' --quick' * quick} --out {tmp_path.name}"
     )
     assert "runs that fail" in (tmp_path / "report.html").read_text("utf-8")
     told = capsys.readouterr()
     assert told.out.startswith("All.\nn\n8\n")
-    assert ("FAILED cost: runs that fail: deviates, seed 1" in told.err) == bool(code)
+    assert ("FAILED convergence: runs that fail: deviates, seed 1" in told.err) == bool(code)
 
 
 @pytest.mark.parametrize("words", [[], ["dance"], ["study", "dance"], ["run"], ["baseline", "update", "a"]])

@@ -49,7 +49,6 @@ ENTRANTS = (
             {f"P{p}, {n} cells": (p, n, 14) for p, n in ((2, 6), (2, 12), (4, 6))}),
     Entrant("the paper's method", "paper_method", {f"{n} cells": n for n in (4, 8, 16)}),
     Entrant("Persson's theory", "persson_theory", {"as published": "published"}),
-    Entrant("Persson's theory, corrected", "persson_theory", {"calibrated in one direction": "corrected"}),
     Entrant("ContactMechanics and Adhesion", "cohesive_grid", _grids(256, 512, 1024, 2048),
             ("ContactMechanics", "Adhesion"), grids=True),
     Entrant("tamaas", "tamaas_grid", _grids(512, 1024, 2048, 4096), ("tamaas",), grids=True),

@@ -22,7 +22,7 @@ from validation.__main__ import REPORT_FILE, read_report
 from validation.harness.baseline import quantities_of
 from validation.harness.schema import Report, is_intact
 from validation.harness.verdict import case_verdicts
-from validation.report.render import ReportError
+from validation.report.pages import ReportError
 
 SAME = 1e-6  # of the largest target: two states are at the same one
 LIMIT = 2.0  # of the combined uncertainty of two estimates

@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
 from validation.report.figures import COLOURS, inline_svg, styled
-from validation.report.render import filled
+from validation.report.pages import filled
 from validation.report.tick_labels import label_plainly
 
 HUES = (*COLOURS, "#b0306a", "#2f8f9d", "#6b8e23", "#a0522d")

@@ -21,7 +21,7 @@ from markupsafe import Markup
 
 from bem.scene.atomic_file import write_atomically
 from validation.harness.schema import Figure, Panel, Series
-from validation.report.verification.typesetting import printable
+from validation.report.pages import printable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

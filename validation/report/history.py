@@ -25,7 +25,8 @@ from validation.harness.figure_data import axes, drawn, semilogy, trace
 from validation.harness.schema import Figure, Report, Series
 from validation.harness.verdict import counts
 from validation.report.figures import COLOURS, svg_of
-from validation.report.render import filled, number, short
+from validation.report.pages import filled, number
+from validation.report.render import short
 
 Kind = Literal["error", "count"]
 Key = tuple[str, str, Kind]  # case, quantity

@@ -10,7 +10,7 @@ import tempfile
 from pathlib import Path
 
 from bem.scene.atomic_file import write_atomically
-from validation.report.render import PAGE, ReportError
+from validation.report.pages import PAGE, ReportError
 
 PRINTED = "report.pdf"
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge")

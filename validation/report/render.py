@@ -4,15 +4,12 @@ import hashlib
 import json
 import math
 import re
-from base64 import b64encode
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import date
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from bem.scene.atomic_file import write_atomically
@@ -20,18 +17,14 @@ from validation.harness.case import Case
 from validation.harness.compare import combined_tolerance, error_of, error_over_tolerance
 from validation.harness.execution import answers_in_order
 from validation.harness.schema import CaseRecord, Figure, Report, Row, is_intact
-from validation.harness.verdict import GATING, VERDICTS, case_verdicts, counted, counts, fails, verdict_of
+from validation.harness.verdict import GATING, VERDICTS, case_verdicts, counts, fails, verdict_of
 from validation.report.figures import panels_of, svg_of
+from validation.report.pages import PAGE, ReportError, asset, filled, number
 from validation.report.verification import first_screen, matrix
 from validation.report.verification.allowances import LOOSE, budget_of, loose, unstated
-from validation.report.verification.typesetting import printable, subscripts, typeset, unset, with_links
+from validation.report.verification.typesetting import typeset, unset, with_links
 
-PAGE = "report.html"
 MANY = 12  # figures from which processes of their own draw them sooner
-POLICY = (  # attributes with a style are those of figures
-    "default-src 'none'; script-src {script}; style-src {style}; style-src-attr 'unsafe-inline'; img-src data:; "
-    "base-uri 'none'; form-action 'none'"
-)
 MARKS = {
     "agrees": "✓",
     "marginal": "≲",
@@ -42,10 +35,6 @@ MARKS = {
     "error": "✗",
     "not run": "–",
 }
-
-
-class ReportError(ValueError):
-    """A report that cannot be read or rendered."""
 
 
 Line = dict[str, Any]  # of the tables
@@ -82,7 +71,13 @@ def render(report: Report, jobs: int = 1) -> str:
     drawn, overview = _drawn(report.cases, jobs), first_screen.scatter(report)
     return filled(
         "page.jinja",
-        {"short": short, "error": error_of, "sha256": lambda text: hashlib.sha256(text.encode()).hexdigest()},
+        {
+            "typeset": typeset,
+            "with_links": with_links,
+            "short": short,
+            "error": error_of,
+            "sha256": lambda text: hashlib.sha256(text.encode()).hexdigest(),
+        },
         report=report,
         sentence=first_screen.first_sentence(report),
         passed=not fails(report) and is_intact(report),
@@ -116,59 +111,6 @@ def render(report: Report, jobs: int = 1) -> str:
         case_verdict={case.id: _worst(case) for case in report.cases},
         bibliography=bibliography(report.cases),
     )
-
-
-def filled(template: str, filters: Mapping[str, Callable[..., Any]] | None = None, **values: Any) -> str:
-    """A page from its template, with the style and the script of all pages: nothing undefined, everything escaped.
-
-    What is not escaped is `Markup` that this package has set; no template marks a value as safe.  The browser runs that
-    one script and that one style sheet, by their digests, whatever else stands in the page.
-    """
-    made = Environment(
-        loader=PackageLoader("validation.report", "."),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    made.filters |= {"number": number, "typeset": typeset, "with_links": with_links}
-    made.filters |= {"subscripts": subscripts, "counted": counted, "judgement": judgement, "sorted_by": sorted_by}
-    made.filters |= dict(filters or {})
-    style, script = Markup(asset("style.css")), Markup(asset("sort.js"))
-    policy = Markup(POLICY).format(script=_source_of(script), style=_source_of(style))
-    return printable(made.get_template(template).render(style=style, script=script, policy=policy, **values))
-
-
-def _source_of(inline: str) -> Markup:
-    """What a policy calls an element with this text."""
-    return Markup("'sha256-{}'").format(b64encode(hashlib.sha256(inline.encode()).digest()).decode())
-
-
-def number(value: Any) -> str:
-    """A number with the digits a reader needs, None as a dash; other values as they are.
-
-    Examples
-    --------
-    >>> number(1.23456789e-12), number(0.25), number(3), number(None)
-    ('1.235e-12', '0.25', '3', '–')
-    """
-    if value is None:
-        return "–"
-    if isinstance(value, bool) or not isinstance(value, float):
-        return str(value)
-    if math.isnan(value):
-        return "not a number"
-    return f"{value:.4g}"
-
-
-def judgement(good: Any) -> tuple[str, str]:
-    """The verdict and the mark of what holds, or does not."""
-    return ("agrees", "✓") if good else ("deviates", "✗")
-
-
-def sorted_by(value: Any) -> Any:
-    """What a cell is sorted by: nothing where its number is not known."""
-    return "" if value is None else value
 
 
 def failures(report: Report) -> list[tuple[str, str]]:
@@ -291,8 +233,3 @@ def refuse_unset(cases: Iterable[Case]) -> None:
     found = [f"case {case.id!r}: {why}" for case in cases for why in unset(case.equations)]
     if found:
         raise ReportError(f"an equation cannot be set: {'; '.join(found)}")
-
-
-def asset(name: str) -> str:
-    """A file that lies beside the templates."""
-    return resources.files("validation.report").joinpath(name).read_text("utf-8")

@@ -3,15 +3,14 @@
 A branch ends at the equilibrium from which the contact jumps, and goes on where it arrives; a dashed line joins them.
 Of an event the separation is known, but not the contact fraction: there the jump begins at the state before it.
 
-The theory, with and without the correction, follows from what the result alone holds.  It is that of a half-space under
-compression; the corrected one is drawn within its calibration alone.  With adhesion separations take a ladder of loads,
-and are left out.
+Persson's theory and the fitted law of the area follow from the result alone, for a half-space under compression.  The
+fitted law is drawn inside its domain.  Separations with adhesion need a ladder of loads and are left out.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -21,7 +20,6 @@ from bem.command_line.answer_table import axis_unit
 from bem.scene.result import Event, Result, State
 from bem.scene.scene_rules import surface_of
 from persson import DiscreteSpectrum
-from persson import corrected as corrected_theory
 from validation.harness.figure_data import axes, bars, drawn, marks, semilogx, trace
 from validation.harness.schema import Figure, Panel, Series
 
@@ -43,7 +41,7 @@ def curves_of(result: Result) -> Iterator[Figure]:
     if not result.states:
         return
     theories = theories_of(result)
-    beyond = " The corrected theory is not calibrated here." if len(theories) == 1 else ""
+    beyond = " The fitted law of the area does not apply here." if len(theories) == 1 else ""
     for figure, name, known in (
         ("area", "contact_fraction", theories),
         ("approach", "separation", [theory for theory in theories if theory.separations]),
@@ -147,11 +145,8 @@ def finite(error: float | None) -> float:
 
 
 MANY, FEW = 40, 8  # loads, where one takes no time and where it takes some
-LEAST, MOST = 0.003, 0.6  # contact fractions of the theory among which the corrected one is tried
+LEAST, MOST = 0.003, 0.6  # contact fractions of the theory among which the fitted law is tried
 SPAN = 50.0  # largest load drawn over the smallest
-
-
-Solved = persson.NonadhesiveContact | persson.AdhesiveContact | corrected_theory.CorrectedContact
 
 
 @dataclass(frozen=True)
@@ -174,7 +169,7 @@ def spectrum_of(result: Result) -> DiscreteSpectrum | None:
 
 
 def theories_of(result: Result) -> list[Theory]:
-    """The theory and the corrected one; none on a layer, without compression, or of two flat surfaces."""
+    """Return the theory and the fitted area; nothing on a layer, without compression, or of two flat surfaces."""
     most = max((state.mean_pressure for state in result.states if state.mean_pressure > 0), default=0.0)
     if result.scene["layer"] is not None or most == 0 or not result.groups.get("rms_slope"):
         return []
@@ -187,19 +182,13 @@ def theories_of(result: Result) -> list[Theory]:
         given["work_of_adhesion"] = adhesion["work_of_adhesion"]
     adhesive = adhesion is not None
     loads = np.geomspace(most / SPAN, most, FEW if adhesive else MANY).tolist()
-    plain = [persson.solve(spectrum, load, with_separation=not adhesive, **given) for load in loads]
-    found = [_curve("Persson's theory", loads, plain)]
-    partial = [load for load, state in zip(loads, plain, strict=True) if LEAST < state.contact_fraction < MOST]
-    chosen = partial[:: -(-len(partial) // FEW) or 1]
-    corrected = [corrected_theory.solve(spectrum, load, **given, with_separation=not adhesive) for load in chosen]
-    inside = [k for k, state in enumerate(corrected) if not state.outside_calibration]
-    if len(inside) > 1:
-        found.append(_curve("the corrected theory", [chosen[k] for k in inside], [corrected[k] for k in inside]))
-    return found
-
-
-def _curve(label: str, loads: list[float], states: Sequence[Solved]) -> Theory:
-    """States as a curve."""
-    known = [state.separation for state in states if state.separation is not None]
+    states = [persson.solve(spectrum, load, with_separation=not adhesive, **given) for load in loads]
     fractions = [state.contact_fraction for state in states]
-    return Theory(label, loads, fractions, known if len(known) == len(states) else [])
+    known = [state.separation for state in states if state.separation is not None]
+    theories = [Theory("Persson's theory", loads, fractions, known if len(known) == len(states) else [])]
+    partial = [load for load, fraction in zip(loads, fractions, strict=True) if LEAST < fraction < MOST]
+    areas = [(load, persson.contact_area(spectrum, load, **given)) for load in partial]
+    fitted = [(load, area.contact_fraction) for load, area in areas if area.status == "in_domain"]
+    if len(fitted) > 1:
+        theories.append(Theory("fitted area", [load for load, _ in fitted], [area for _, area in fitted], []))
+    return theories

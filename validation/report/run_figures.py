@@ -15,7 +15,6 @@ from validation.report.run_curves import curves_of, finite
 from validation.report.scan_figure import preparation_figure, spectrum_figure
 
 MOST_SHAPES = 8
-SAME = 1e-6  # relative distance within which a state is one at which a shape is asked for
 
 Array = NDArray[Any]
 
@@ -33,26 +32,14 @@ def figures_of(result: Result) -> Iterator[Figure]:
     yield from _shapes(result)
 
 
-def shape_states(result: Result) -> dict[str, State | None]:
-    """The names of the stored shapes, each with its state; None where it does not follow from the path."""
-    return {name: state for name, state in stored_states(result).items() if f"x_{name}" in result.fields}
+def shape_states(result: Result) -> dict[str, State]:
+    """Return the states of which the shape is stored, by the k of its arrays."""
+    return {k: state for k, state in stored_states(result).items() if f"x_{k}" in result.fields}
 
 
-def stored_states(result: Result) -> dict[str, State | None]:
-    """The indices of the stored states, each with its state; None where it does not follow from the path."""
-    stems = (name.rpartition("_") for name in result.fields)
-    names = sorted({index for _, _, index in stems if index.isdigit()}, key=int)
-    control = result.scene["loading"]["control"].replace("penetration", "separation")
-    asked = result.scene["output"].values()
-    states = [state for state in result.targets if any(_asked(wanted, getattr(state, control)) for wanted in asked)]
-    return dict(zip(names, states, strict=True)) if len(names) == len(states) else dict.fromkeys(names)
-
-
-def _asked(wanted: Any, value: float) -> bool:
-    """Whether an output is asked for at a target: everywhere, or at those listed."""
-    if isinstance(wanted, bool):
-        return wanted
-    return any(abs(value - target) <= SAME * abs(target) for target in wanted)
+def stored_states(result: Result) -> dict[str, State]:
+    """Return the states of which arrays are stored, by the k of these."""
+    return {str(state.stored): state for state in result.states if state.stored is not None}
 
 
 def _errors(result: Result) -> Panel:
@@ -78,10 +65,10 @@ def _shapes(result: Result) -> Iterator[Figure]:
         length, along = axis_unit(float(np.max(np.abs(x))), "m")
         height, upward = axis_unit(float(np.nanmax(np.abs([profile, displacement]))), "m")
         lift, unit = axis_unit(float(np.max(np.abs(carried))), "Pa")
-        where = "" if state is None else (
+        where = (
             f" at {quantity(state.mean_pressure, 'Pa')} while {state.branch}, separation "
             f"{quantity(state.separation, 'm')}, contact fraction {state.contact_fraction:.4g}"
-        )  # fmt: skip
+        )
         above = axes(f"x / {along}", f"height / {upward}", _line("rigid profile", length * x, height * profile),
                      _line("deformed surface", length * x, height * displacement))  # fmt: skip
         below = axes(f"x / {along}", f"pressure / {unit}", _line("pressure", length * x, lift * carried))
@@ -96,7 +83,7 @@ def distributions_of(result: Result) -> Iterator[Figure]:
         widest = max(float(fields[f"{of}_width_{name}"][-1]) for name, _ in widths for of in ("patch", "gap"))
         factor, unit = axis_unit(widest, "m")
         series = [
-            trace(f"{said} at {_where(state, name)}", factor * fields[f"{of}_width_{name}"],
+            trace(f"{said} at {_where(state)}", factor * fields[f"{of}_width_{name}"],
                   fields[f"{of}_share_{name}"], style, hue=k)
             for k, (name, state) in enumerate(widths)
             for of, said, style in (("patch", "contacts", "line"), ("gap", "gaps", "dashed"))
@@ -111,16 +98,16 @@ def distributions_of(result: Result) -> Iterator[Figure]:
         for name, state in pressures:
             sigma, density = fields[f"sigma_{name}"], fields[f"P_{name}"]
             shown = sigma >= -abs(most)  # the tail of adhesive edges goes on without bound
-            series.append(trace(f"at {_where(state, name)}", factor * sigma[shown], density[shown] / factor))
+            series.append(trace(f"at {_where(state)}", factor * sigma[shown], density[shown] / factor))
         yield drawn("pressures", "Distribution of the contact pressure over the nominal length, what is open left out.",
                     axes(f"pressure / {unit}", f"density / (1/{unit})", *series))  # fmt: skip
 
 
-def _where(state: State | None, name: str) -> str:
+def _where(state: State) -> str:
     """Where on the path a stored state is."""
-    if state is not None and math.isnan(state.mean_pressure):
+    if math.isnan(state.mean_pressure):
         return f"complete contact, {state.branch}"
-    return f"state {name}" if state is None else f"{readable(state.mean_pressure, 'Pa', 3)}, {state.branch}"
+    return f"{readable(state.mean_pressure, 'Pa', 3)}, {state.branch}"
 
 
 def _line(label: str, x: Array, y: Array) -> Series:

@@ -13,13 +13,12 @@ from typing import Any
 
 from bem.command_line.answer_table import Cell, Inputs, csv_text, heads, pull_off_words, quantity, rows, share
 from bem.command_line.console import scene_text
-from bem.cut_sensitivity import in_words
 from bem.scene.atomic_file import write_atomically
 from bem.scene.plausibility import MEANINGS
 from bem.scene.result import FINAL_STATUSES, Result, State
 from bem.scene.result_file import read_result
 from validation.report.figures import svg_of
-from validation.report.render import PAGE, ReportError, filled, judgement, number
+from validation.report.pages import PAGE, ReportError, filled, judgement, number
 from validation.report.run_figures import MOST_SHAPES, figures_of, shape_states
 from validation.report.run_words import outcome, scene_in_words, succeeded
 from validation.report.study_page import DOUBTFUL
@@ -85,7 +84,6 @@ def render_run(result: Result, inputs: Inputs | None = None) -> str:
         columns=heads(result),
         answer=list(rows(result, inputs))[:MOST_ROWS],
         pull_off=pull_off_words(result),
-        cut=in_words(result.cut_sensitivity) if result.cut_sensitivity else "",
         words=scene_in_words(result.scene),
         toml=scene_text(result.scene),
         meanings=defaultdict(str, MEANINGS),

@@ -8,7 +8,7 @@ from bem.command_line.console import scene_text
 from bem.scene.atomic_file import write_atomically
 from validation.harness.schema import Figure
 from validation.report.figures import svg_of
-from validation.report.render import filled
+from validation.report.pages import filled
 from validation.report.run_words import scene_in_words
 
 FILE, PAGE = "study.json", "study.html"

@@ -3,25 +3,65 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from statistics import median
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from bem.scene.atomic_file import write_atomically
-from validation.harness.schema import Figure, Panel, Series
+from validation.harness.schema import Figure
 from validation.report.figures import svg_of
+from validation.report.pages import PAGE, filled
+
+REPORT = "report.json"
+PASSED = ("passed", "skipped")
 
 
 def write(folder: Path, content: Mapping[str, Any]) -> None:
     """Write report.json, and report.html from it."""
     text = json.dumps(content, indent=1, allow_nan=False) + "\n"
-    write_atomically(folder / "report.json", text)
-    write_atomically(folder / "report.html", page(json.loads(text)))
+    write_atomically(folder / REPORT, text)
+    write_atomically(folder / PAGE, page(json.loads(text)))
+
+
+def page(content: Mapping[str, Any]) -> str:
+    """Return the page of a report.json."""
+    rows = [row | {"target": f"row-{number}"} for number, row in enumerate(content["rows"], 1)]
+    cases = [_case(case, f"case-{number}", rows) for number, case in enumerate(content["cases"], 1)]
+    groups: dict[str, list[dict[str, Any]]] = {}
+    for case in cases:
+        groups.setdefault(case["title"], []).append(case)
+    compared = {row["quantity"] for row in rows if row["kind"] == "accuracy"}
+    return filled(
+        "verification.jinja",
+        {"class": lambda text: text.replace(" ", "-"), "digits": digits, "share": share},
+        report=dict(content) | {"cases": cases},
+        groups=groups,
+        anchors={row["case"]: "not-run" for row in rows} | {case["case"]: case["anchor"] for case in cases},
+        failures=[row for row in rows if row["failed"]],
+        matrix=matrix(rows),
+        quantities=[quantity for quantity in content["quantities"] if quantity in compared],
+        passed=PASSED,
+        draw=drawing,
+    )
+
+
+def _case(case: Mapping[str, Any], anchor: str, rows: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return a case as the page shows it: its rows of accuracy, the others, and its figures."""
+    own = [row for row in rows if row["case"] == case["case"]]
+    file, _, name = case["case"].rpartition("::")
+    figures = [{"front": False} | figure for figure in case["figures"]]
+    return dict(case) | {
+        "anchor": anchor,
+        "short": name.removeprefix("test_"),
+        "title": case["method"].split("\n\n")[0].rstrip(".") or file or "Study",
+        "accuracy": [row for row in own if row["kind"] == "accuracy" and row["routes"]],
+        "others": [row for row in own if row["kind"] != "accuracy"],
+        "figures": figures,
+        "has_front": any(figure["front"] for figure in figures),
+    }
 
 
 def matrix(rows: Iterable[Mapping[str, Any]]) -> dict[str, dict[str, dict[str, Any]]]:
@@ -34,43 +74,27 @@ def matrix(rows: Iterable[Mapping[str, Any]]) -> dict[str, dict[str, dict[str, A
 
 
 def _cell(rows: list[Mapping[str, Any]]) -> dict[str, Any]:
-    shares = [math.inf if row["share"] is None else row["share"] for row in rows]
-    return {"median": median(shares), "largest": max(shares), "many": len(rows),
-            "verdict": max(rows, key=lambda row: (row["failed"], row["share"] or 0.0))["verdict"]}  # fmt: skip
-
-
-def page(content: Mapping[str, Any]) -> str:
-    """Return the page of a report.json."""
-    environment = Environment(loader=PackageLoader("validation.report", "."), autoescape=True,
-                              undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)  # fmt: skip
-    environment.filters |= {"number": _number, "short": _short}
-    rows: dict[str, list[Mapping[str, Any]]] = {}
-    for row in content["rows"]:
-        rows.setdefault(row["case"], []).append(row)
-    compared = {row["quantity"] for row in content["rows"] if row["kind"] == "accuracy"}
-    quantities = [quantity for quantity in content["quantities"] if quantity in compared]
-    return environment.get_template("verification.jinja").render(
-        report=content, rows=rows, matrix=matrix(content["rows"]), quantities=quantities,
-        failures=[row for row in content["rows"] if row["failed"]],
-        drawing=drawing, names={case["case"]: case["question"].split("\n\n")[0] for case in content["cases"]},
-    )  # fmt: skip
+    worst = max(rows, key=lambda row: (row["failed"], row["share"] or 0.0))
+    shares = [row["share"] for row in rows if row["share"] is not None]
+    return {
+        "median": median(shares) if shares else None,
+        "largest": max(shares, default=None),
+        "many": len(rows),
+        "verdict": worst["verdict"],
+        "target": worst["target"],
+    }
 
 
 def drawing(figure: Mapping[str, Any], prefix: str) -> Markup:
-    """Return curves as SVG."""
-    scale = {axis: "log" if axis in figure["log"] else "linear" for axis in "xy"}
-    styles = ("line", "points", "dashed")
-    series = [Series(label=label, x=x, y=y, style="line" if number == 0 else styles[number % 3])
-              for number, (label, (x, y)) in enumerate(figure["curves"].items())]  # fmt: skip
-    panel = Panel(xlabel=figure["x"], ylabel=figure["y"], xscale=scale["x"], yscale=scale["y"], series=series)
-    return svg_of(Figure(id="figure", caption=figure["title"] or "figure", solution=panel), prefix)
+    """Return a figure as SVG whose ids begin with the prefix."""
+    return svg_of(Figure.model_validate({key: value for key, value in figure.items() if key != "front"}), prefix)
 
 
-def _number(value: float | int | str | None) -> str:
-    if value is None or isinstance(value, str):
-        return value or "–"
-    return str(value) if isinstance(value, int) else f"{value:.9g}"
+def digits(value: float | None) -> str:
+    """Return a number as compared, with nine digits."""
+    return "–" if value is None else f"{value:.9g}"
 
 
-def _short(value: float | None) -> str:
+def share(value: float | None) -> str:
+    """Return an error, an uncertainty or a share, with two digits."""
     return "–" if value is None else f"{value:.2g}"

@@ -1,7 +1,7 @@
-"""Persson's theory for roughness in one direction, as published and corrected for partial contact.
+"""Persson's theory for roughness in one direction, as published.
 
-It knows the load, not the path: loading alone, rough profiles on a half-space, and no places.  At a given separation
-the load is found at which the theory has it.
+The theory knows the load, not the path: loading alone, rough profiles on a half-space, and no places.  At a given
+separation the route finds the load at which the theory has this separation.
 """
 
 from dataclasses import replace
@@ -14,7 +14,6 @@ from scipy.optimize import brentq
 from persson import AdhesiveContact, DiscreteSpectrum
 from persson import solve as solve_plain
 from persson.adhesive import Route
-from persson.corrected import solve as solve_corrected
 from validation.harness.route import Answer, Laps, Problem
 from validation.references.posed_contacts import highest
 
@@ -24,8 +23,8 @@ WITHIN = 1e-4  # of a load
 
 
 def solve(problem: Problem, version: str) -> Answer:
-    """Areas, separations or loads, and energies, by the theory as published or as corrected."""
-    return solve_by(problem, {"published": solve_plain, "corrected": solve_corrected}[version])
+    """Return areas, separations or loads, and energies; the only version is "published"."""
+    return solve_by(problem, {"published": solve_plain}[version])
 
 
 def solve_by(problem: Problem, entry: Any) -> Answer:

@@ -1,5 +1,7 @@
 """The displacement of a given pressure against adaptive integration of its defining integral."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -158,6 +160,18 @@ def test_points_taken_in_blocks_are_points_taken_together(monkeypatch):
     apart = DisplacementField(TWO).in_gaps(points), DisplacementField(TWO).in_contact(x, owner)
     for some, all_of_them in zip(apart, together, strict=True):
         np.testing.assert_allclose(some, all_of_them, rtol=0, atol=1e-15)  # measured 4e-16
+
+
+def test_memory_grows_with_the_terms_of_a_patch_not_with_their_square():
+    terms = 8000
+    pressure = PatchPressure(np.array([0.1]), np.array([6.2]), (np.cos(np.arange(terms)) / np.arange(1, terms + 1),))
+    field = DisplacementField(pressure)
+    x = 3.15 + 3.05 * np.cos(np.arange(terms + 1) * (np.pi / terms))
+    tracemalloc.start()
+    field.in_contact(x, np.zeros(terms + 1, dtype=int))
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 8 * terms * 500  # measured 2.3 MB; a table of all pairs takes 512 MB
 
 
 def test_layer_scales_the_modes_of_the_pressure():

@@ -15,10 +15,10 @@ from stored_states import stored_state
 import bem.__main__ as command_line
 from bem.audit import certificate
 from bem.command_line.checkpoint import Checkpoint
-from bem.command_line.console import LineReporter, reporter, summary, summary_line
-from bem.record import Record
+from bem.command_line.console import LineReporter, TimeLeft, reporter, summary, summary_line
+from bem.record import Record, entries_of
 from bem.scene.result import Progress, Result
-from bem.scene.result_file import read_result, write_result
+from bem.scene.result_file import read_result
 from bem.scene.scene import load_scene
 
 PROGRESS = Progress(1e3, 0.1, 3, 10, 1, 40, 0, 3)
@@ -44,12 +44,13 @@ class FakeSolver:
 
     def __call__(self, scene, progress=None, on_state=None, resume=None, jobs=None):
         self.jobs = jobs
-        record, states = Record(scene), [] if resume is None else list(resume.states)
-        for state in states:
-            record.add(state, {})
-        targets = scene.loading.targets
+        record = Record(scene)
+        if resume is not None:
+            record.entries = list(entries_of(resume, record.begun))
+        targets, x = scene.loading.targets, np.linspace(0, 0.01, 5)
+        shape = {"x_0": x, "displacement_0": x, "gap_0": x, "pressure_0": x, "patch_0": np.zeros(5)}
         status = "converged"
-        for index in range(len(states), len(targets)):
+        for index in range(len(record.entries), len(targets)):
             if index == self.stop_at:
                 if isinstance(self.how, BaseException):
                     raise self.how
@@ -57,11 +58,9 @@ class FakeSolver:
                 break
             progress(replace(PROGRESS, target_index=index, n_targets=len(targets)))
             self.visited.append(targets[index])
-            record.add(fake_state(targets[index]), {})
+            record.add(fake_state(targets[index]), {} if index else shape, index=index)
             on_state(record)
-        x = np.linspace(0, 0.01, 5)
-        fields = {"x_0": x, "displacement_0": x, "gap_0": x, "pressure_0": x, "patch_0": np.zeros(5)}
-        return replace(record.result(status), fields=fields)
+        return record.result(status)
 
 
 @pytest.fixture
@@ -83,20 +82,20 @@ def files(folder):
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
-def test_check_prints_scene_effects_and_cost(scene, capsys):
+def test_check_prints_scene_effects_and_memory(scene, capsys):
     assert command_line.main(["check", str(scene)]) == 0
     printed = capsys.readouterr().out
     assert "hurst = 0.7" in printed
     assert "slope_term" in printed
-    assert "predicted cost" in printed
-    assert "by accuracy.tolerance: 0.01 " in printed
+    assert "GB of memory" in printed
 
 
 def test_check_as_json(scene, capsys):
     assert command_line.main(["check", str(scene), "--json"]) == 0
     content = json.loads(capsys.readouterr().out)
     assert content["scene"] == load_scene(scene).resolved()
-    assert content["seconds"] == pytest.approx(sum(effect["seconds"] for effect in content["effects"]))
+    assert 8e7 < content["memory"] < 1e8
+    assert content["unknowns"] > 0
 
 
 def test_check_lists_every_mistake(scene, capsys):
@@ -240,15 +239,12 @@ def test_corrupt_result_is_refused_and_kept(scene, tmp_path, solver, capsys):
     assert files(tmp_path / "out") == before
 
 
-def test_resume_of_an_earlier_version_is_refused(scene, tmp_path, solver, capsys):
-    """It cannot be reported which events came before the last target."""
-    solver(stop_at=2)
-    run(scene, tmp_path / "out")
-    stored = read_result(tmp_path / "out")
-    old = replace(stored, states=tuple(replace(state, events=None) for state in stored.states))
-    write_result(old, tmp_path / "out")
+def test_resume_of_an_earlier_version_is_refused(scene, tmp_path, capsys):
+    """Its states do not name their targets."""
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "result.json").write_text('{"schema": "linecontact-result/1"}')
     assert run(scene, tmp_path / "out", "--resume") == 2
-    assert "an earlier version" in capsys.readouterr().err
+    assert "a result of linecontact 0.2.0, which this version does not read" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("status", ["unreachable", "not_converged"])
@@ -383,21 +379,21 @@ def test_a_folder_that_is_removed_while_a_run_writes_there_is_one_error(scene, t
 
 
 @pytest.mark.parametrize("words", [["check"], ["run", "--out", "out"]])
-def test_hours_and_gigabytes_are_said_before_anything_is_computed(words, tmp_path, monkeypatch, capsys):
-    scene = SCENE.format(harmonics=4000, targets="20e-6") + "[layer]\nthickness = 1e-6\n"  # 2.8 days
+def test_a_scene_that_needs_more_memory_than_there_is_is_refused(words, tmp_path, monkeypatch, capsys):
+    pressed = SCENE.format(harmonics=100_000, targets="3e7").replace('"separation"', '"mean_pressure"')
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "scene.toml").write_text(scene)
-    monkeypatch.setattr(command_line, "solve", FakeSolver())
-    command_line.main([words[0], "scene.toml", *words[1:]])
-    (said,) = [line for line in capsys.readouterr().err.splitlines() if line.startswith("warning: cost: ")]
-    assert " hours of one core and " in said or " days of one core and " in said
-    assert " GB of memory are predicted" in said
+    (tmp_path / "scene.toml").write_text(pressed.replace("[output]\nshapes = [50e-6]\n", ""))
+    assert command_line.main([words[0], "scene.toml", *words[1:]]) == 2
+    assert "profile.harmonics 100000 need about " in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
 
 
-def test_nothing_is_said_of_a_cost_that_is_none(tmp_path, monkeypatch, capsys):
-    (tmp_path / "scene.toml").write_text(SCENE.format(harmonics=20, targets="60e-6"))
-    command_line.main(["check", str(tmp_path / "scene.toml")])
-    assert "warning: cost" not in capsys.readouterr().err
+def test_the_time_left_is_that_of_the_way_left_at_the_pace_so_far():
+    times = iter([0.0, 1.0, 3.0])
+    left = TimeLeft((2e-5, 4e-5, 0.0), clock=lambda: next(times))
+    values = (0, 0.0), (0, 2e-5), (2, 2e-5)
+    said = [left.words(replace(PROGRESS, target_index=index, value=value)) for index, value in values]
+    assert said == ["", ", about 3 s to go", ", about 1 s to go"]
 
 
 def test_check_and_run_refuse_the_same_flaw(tmp_path, capsys):

@@ -105,7 +105,7 @@ def test_many_that_come_and_go_are_never_inside_together(tmp_path):
     [
         (bem_main, ["run", "none.toml", "--overwrite"]),
         (validation_main, ["run", "--only", "nothing"]),
-        (validation_main, ["study", "cost"]),
+        (validation_main, ["study", "convergence"]),
     ],
     ids=["bem-run", "validation-run", "validation-study"],
 )

@@ -1,11 +1,11 @@
-"""Effects: which ones a scene calls for, why, and what they cost."""
+"""Effects: which ones a scene calls for, and why."""
 
 import copy
 
 import numpy as np
 import pytest
 
-from bem.scene.effects import EFFECTS, effects_of, predicted_seconds
+from bem.scene.effects import EFFECTS, effects_of
 from bem.scene.scene import parse_scene
 
 BASE = {
@@ -87,17 +87,3 @@ def test_default_cut_of_a_scan_is_noted(tmp_path):
     np.savetxt(tmp_path / "scan.txt", np.column_stack([x, np.cos(x)]))
     data = BASE | {"profile": {"kind": "samples", "file": "scan.txt", "unit_x": "m", "unit_h": "m"}}
     assert "profile.harmonics = 7 by default for 16 samples" in reason(parse_scene(data, tmp_path), "half_space")
-
-
-def test_effects_left_out_cost_nothing():
-    assert all(effect.seconds == 0 for effect in effects_of(scene_with(adhesion=None)) if not effect.active)
-
-
-def test_predicted_cost_grows_with_harmonics():
-    small = scene_with(profile=BASE["profile"] | {"harmonics": 250})
-    assert predicted_seconds(small) < 0.25 * predicted_seconds(parse_scene(BASE))  # faster than linear; 0.203
-
-
-def test_predicted_cost_of_the_way_back_is_told_apart():
-    back = effects_of(scene_with(**loading(targets=[6e-5, 3e-5, 6e-5])))
-    assert next(effect.seconds for effect in back if effect.name == "unloading") > 1

@@ -16,21 +16,42 @@ from hypothesis import strategies as st
 from stored_states import stored_state
 
 from bem.scene import result_file
-from bem.scene.result import Effect, Entry, ErrorEstimate, Event, EventError, NotFiniteError, Result, State
+from bem.scene.result import (
+    Effect,
+    Entry,
+    ErrorEstimate,
+    Event,
+    EventError,
+    LargestTension,
+    NotFiniteError,
+    Result,
+    State,
+    TensionError,
+)
 from bem.scene.result_file import CorruptResultError, Journal, provenance, read_result, write_result
+from bem.scene.scene import parse_scene
 
-SCENE = {"title": "é", "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.1 + 0.2}}
+SCENE = parse_scene(
+    {
+        "title": "é",
+        "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.1 + 0.2},
+        "profile": {"kind": "harmonics", "period": 0.01, "orders": [1], "amplitudes": [1e-5], "phases": [0.0]},
+        "loading": {"control": "separation", "targets": [2e-5, 1e-5]},
+    }
+).resolved()
 STATE = stored_state(
     penetration=1e-5 / 3,
     mean_pressure=-0.1,
     contact_stiffness=None,
     error_estimate=ErrorEstimate(mean_pressure=1e-9, contact_fraction=None),
+    stored=0,
+    events=1,
 )
 RESULT = Result(
     scene=SCENE,
     effects=(Effect("half_space", True, "no [layer]", 1.5),),
     provenance=provenance(SCENE),
-    states=(STATE, replace(STATE, target=False)),
+    states=(STATE, replace(STATE, target=False, index=None, stored=None, events=2)),
     events=(
         Event("first_touch", 0.0, 0.0, 0.003, 1e-9, EventError(1e-15, 1e-9, 1e-16)),
         Event("pull_off", 0.0, -1.0, None, None, EventError(1e-15, None, None)),
@@ -38,15 +59,17 @@ RESULT = Result(
     status="converged",
     fields={
         **{name: np.linspace(0, 1, 5) for name in ("x_0", "displacement_0", "gap_0")},
-        "pressure_0": np.array([np.nan, 1.0]),
-        "patch_0": np.array([0, 1]),
+        "pressure_0": np.array([np.nan, 1.0, 2.0, 1.0, np.nan]),
+        "patch_0": np.array([-1, 0, 0, 0, -1]),
     },
+    largest_tension=LargestTension(-0.3, 1e-6, 2.9e-5, "fold", TensionError(1e-9)),
 )
 
 
 def assert_same(one, other):
     assert (one.scene, one.effects, one.provenance) == (other.scene, other.effects, other.provenance)
     assert (one.states, one.events, one.status) == (other.states, other.events, other.status)
+    assert one.largest_tension == other.largest_tension
     assert sorted(one.fields) == sorted(other.fields)
     for name, values in one.fields.items():
         np.testing.assert_array_equal(values, other.fields[name], strict=True)
@@ -60,7 +83,7 @@ def test_result_comes_back_bit_for_bit(tmp_path):
 @given(value=st.floats(allow_nan=False, allow_infinity=False))
 def test_any_finite_number_comes_back_exactly(value, tmp_path_factory):
     folder = tmp_path_factory.mktemp("result")
-    write_result(replace(RESULT, states=(replace(STATE, penetration=value),), fields={}), folder)
+    write_result(replace(RESULT, states=(replace(STATE, penetration=value, stored=None),), fields={}), folder)
     stored = read_result(folder).states[0].penetration
     assert (stored, math.copysign(1, stored)) == (value, math.copysign(1, value))
 
@@ -103,13 +126,6 @@ def test_no_part_of_a_state_holds_nan(change):
         replace(STATE, **change)
 
 
-def test_numpy_values_are_stored_as_plain_numbers(tmp_path):
-    state = replace(STATE, n_patches=np.int64(2), mean_pressure=np.float64(0.1), target=np.bool_(True))
-    write_result(replace(RESULT, states=(state,)), tmp_path)
-    stored = read_result(tmp_path).states[0]
-    assert (stored.n_patches, stored.mean_pressure, stored.target) == (2, 0.1, True)
-
-
 def test_checksum_is_that_of_the_file_without_it_keys_sorted(tmp_path):
     write_result(RESULT, tmp_path)
     content = json.loads((tmp_path / "result.json").read_text())
@@ -121,7 +137,8 @@ def test_keys_of_the_file(tmp_path):
     write_result(RESULT, tmp_path)
     content = json.loads((tmp_path / "result.json").read_text())
     known = {"schema", "scene", "effects", "provenance", "states", "events", "status", "failure", "checksum"}
-    assert set(content) == known | {"groups", "warnings", "profile_preparation", "cut_sensitivity"}
+    known |= {"groups", "warnings", "profile_preparation", "largest_tension"}
+    assert set(content) == known
 
 
 def test_changed_number_is_corruption(tmp_path):
@@ -142,13 +159,19 @@ def test_truncated_file_is_corruption(tmp_path):
 
 def test_other_schema_is_refused(tmp_path):
     (tmp_path / "result.json").write_text('{"schema": "other/1"}')
-    with pytest.raises(CorruptResultError, match="schema 'other/1'"):
+    with pytest.raises(CorruptResultError, match="schema is 'other/1'"):
+        read_result(tmp_path)
+
+
+def test_a_result_of_an_earlier_version_is_refused_by_its_version(tmp_path):
+    (tmp_path / "result.json").write_text('{"schema": "linecontact-result/1", "states": []}')
+    with pytest.raises(CorruptResultError, match=r"linecontact 0\.2\.0, which this version does not read"):
         read_result(tmp_path)
 
 
 def test_a_list_is_no_result(tmp_path):
     (tmp_path / "result.json").write_text("[]")
-    with pytest.raises(CorruptResultError, match="corrupt, it holds a list"):
+    with pytest.raises(CorruptResultError, match="it holds a list"):
         read_result(tmp_path)
 
 
@@ -156,9 +179,9 @@ def test_state_without_a_key_is_told(tmp_path):
     write_result(RESULT, tmp_path)
     path = tmp_path / "result.json"
     content = json.loads(path.read_text())
-    del content["states"][0]["edges"], content["checksum"]
+    del content["states"][0]["penetration"], content["checksum"]
     path.write_text(json.dumps(content | {"checksum": result_file.digest(content)}))
-    with pytest.raises(CorruptResultError, match=r"incomplete.*edges"):
+    with pytest.raises(CorruptResultError, match=r"states\[0\]\.penetration is missing"):
         read_result(tmp_path)
 
 
@@ -182,7 +205,7 @@ def test_missing_fields_are_told(tmp_path):
 
 def test_fields_of_an_older_result_do_not_stay(tmp_path):
     write_result(RESULT, tmp_path)
-    write_result(replace(RESULT, fields={}), tmp_path)
+    write_result(replace(RESULT, states=(), fields={}), tmp_path)
     assert not (tmp_path / "fields.npz").exists()
 
 
@@ -226,23 +249,36 @@ def restated(folder, change):
 
 
 WRONG = {
-    "states[0] is 5, not a table": lambda c: c["states"].insert(0, 5),
-    "states is {}, not a list": lambda c: c.update(states={}),
-    "states[0].edges is 'x', not a list": lambda c: c["states"][0].update(edges="x"),
-    "states[0].edges[0][1] is [], not a number": lambda c: c["states"][0].update(edges=[[0.1, []]]),
-    "states[0].penetration is '1', not a number": lambda c: c["states"][0].update(penetration="1"),
-    "states[0].target is 1, not true or false": lambda c: c["states"][0].update(target=1),
-    "states[0].n_patches is 2.5, not an integer": lambda c: c["states"][0].update(n_patches=2.5),
-    "states[0].separation is an integer too large": lambda c: c["states"][0].update(separation=10**400),
-    "states[0] has an unknown key, 'more'": lambda c: c["states"][0].update(more=1),
-    "states[0].certificate is None, not a table": lambda c: c["states"][0].update(certificate=None),
-    "events[0].kind is None, not a text": lambda c: c["events"][0].update(kind=None),
-    "scene is [], not a table": lambda c: c.update(scene=[]),
-    "scene.loading.control is 'time', not one of separation": lambda c: c["scene"].update(loading={"control": "time"}),
-    "scene.profile.kind is 5, not one of self_affine": lambda c: c["scene"].update(profile={"kind": 5}),
-    "provenance is 3, not a table": lambda c: c.update(provenance=3),
-    "groups.a is 'b', not a number": lambda c: c.update(groups={"a": "b"}),
-    "status is None, not a text": lambda c: c.update(status=None),
+    "states[0] is 5": lambda c: c["states"].insert(0, 5),
+    "states is {}": lambda c: c.update(states={}),
+    "states[0].edges is 'x'": lambda c: c["states"][0].update(edges="x"),
+    "states[0].edges[0][1] is []": lambda c: c["states"][0].update(edges=[[0.1, []]]),
+    "states[0].penetration is '1'": lambda c: c["states"][0].update(penetration="1"),
+    "states[0].target is 1": lambda c: c["states"][0].update(target=1),
+    "states[0].n_patches is 2.5": lambda c: c["states"][0].update(n_patches=2.5),
+    "states[0].n_patches is 1; allowed: 2": lambda c: c["states"][0].update(n_patches=1),
+    "states[0].separation is 1000": lambda c: c["states"][0].update(separation=10**400),
+    "states[0].more is 1": lambda c: c["states"][0].update(more=1),
+    "states[0].certificate is None": lambda c: c["states"][0].update(certificate=None),
+    "states[0].status is 'fine'": lambda c: c["states"][0].update(status="fine"),
+    "states[0].index is 2; allowed: 0 to 1": lambda c: c["states"][0].update(index=2),
+    "states[0].index is None": lambda c: c["states"][0].update(index=None),
+    "states[1].events is 3; allowed: 1 to 2": lambda c: c["states"][1].update(events=3),
+    "states[0].stored is 1; allowed: 0": lambda c: c["states"][0].update(stored=1),
+    "states[0] is {": lambda c: c["states"][0].update(elastic_energy=None),  # NaN, which a converged state has not
+    "events[0].kind is None": lambda c: c["events"][0].update(kind=None),
+    "largest_tension.kind is 'top'": lambda c: c["largest_tension"].update(kind="top"),
+    "fields is {}": lambda c: c.update(fields={}),
+    "scene is []": lambda c: c.update(scene=[]),
+    "scene.loading is missing": lambda c: c["scene"].pop("loading"),
+    "scene.loading.control is 'time'": lambda c: c["scene"]["loading"].update(control="time"),
+    "scene.loading.targets is 5": lambda c: c["scene"]["loading"].update(targets=5),
+    "scene.profile.kind is 5": lambda c: c["scene"]["profile"].update(kind=5),
+    "scene.solid is None": lambda c: c["scene"].update(solid=None),
+    "provenance is 3": lambda c: c.update(provenance=3),
+    "provenance.fields_sha256 is 3": lambda c: c["provenance"].update(fields_sha256=3),
+    "groups.a is 'b'": lambda c: c.update(groups={"a": "b"}),
+    "status is None": lambda c: c.update(status=None),
 }
 
 
@@ -254,7 +290,7 @@ def test_a_value_of_another_type_is_named_whatever_the_checksum(said, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "text", ["[" * 100_000, '{"schema": "linecontact-result/1", "a": ' + "[" * 900 + "]" * 900 + "}"]
+    "text", ["[" * 100_000, '{"schema": "linecontact-result/2", "a": ' + "[" * 900 + "]" * 900 + "}"]
 )
 def test_deep_nesting_is_corruption(text, tmp_path):
     (tmp_path / "result.json").write_text(text)
@@ -267,6 +303,23 @@ def test_a_shape_that_lacks_an_array_is_named(lacking, tmp_path):
     fields = {name: values for name, values in RESULT.fields.items() if name != lacking}
     write_result(replace(RESULT, fields=fields), tmp_path)
     with pytest.raises(CorruptResultError, match=f"without {lacking}"):
+        read_result(tmp_path)
+
+
+OTHER_ARRAYS = {
+    "x_7 is no array of a state": lambda fields: {name.replace("_0", "_7"): a for name, a in fields.items()},
+    "height is no array of a state": lambda fields: fields | {"height": np.ones(3)},
+    "x_0 is empty": lambda fields: {name: values[:0] for name, values in fields.items()},
+    "gap_0 has 4 values, x has 5": lambda fields: fields | {"gap_0": np.ones(4)},
+    "profile_q has 3 values, profile_amplitude has none": lambda fields: fields | {"profile_q": np.ones(3)},
+    "holds no array of the stored state 0": lambda _: {"profile_q": np.ones(3), "profile_amplitude": np.ones(3)},
+}
+
+
+@pytest.mark.parametrize("said", OTHER_ARRAYS)
+def test_arrays_that_are_not_those_of_the_states_are_named(said, tmp_path):
+    write_result(replace(RESULT, fields=OTHER_ARRAYS[said](RESULT.fields)), tmp_path)
+    with pytest.raises(CorruptResultError, match=rf"fields\.npz.*{re.escape(said)}"):
         read_result(tmp_path)
 
 
@@ -290,6 +343,7 @@ ARCHIVES = {
     "deflated": ({"x_0.npy": (npy(np.zeros(10**6)), zipfile.ZIP_DEFLATED)}, "compressed"),
     "lzma": ({"x_0.npy": (PLAIN, zipfile.ZIP_LZMA)}, "compressed"),
     "no array": ({"x_0.npy": (b"abc", zipfile.ZIP_STORED)}, "corrupt"),
+    "another dimension": ({"q.npy": (npy(np.ones((2, 2))), zipfile.ZIP_STORED)}, "q has the shape"),
     "another name": ({"../x.npy": (PLAIN, zipfile.ZIP_STORED)}, "no name of an array"),
     "no ending": ({"x_0": (PLAIN, zipfile.ZIP_STORED)}, "no name of an array"),
     "a larger shape": ({"x_0.npy": (PLAIN.replace(b"(3,)", b"(9,)"), zipfile.ZIP_STORED)}, "its bytes are not numbers"),
@@ -309,18 +363,21 @@ def test_fields_are_looked_at_before_they_are_unpacked(kind, tmp_path):
 
 def test_a_journal_is_the_result_of_its_folder_but_for_a_line_cut_off(tmp_path):
     journal = Journal(tmp_path)
-    journal.begin(RESULT, [Entry((), replace(STATE, events=0), {"C_u_0": np.arange(2.0)})])
-    journal.add(Entry(RESULT.events, replace(STATE, events=2), {}))
+    shared = {"profile_q": np.arange(2.0), "profile_amplitude": np.arange(2.0)}
+    journal.begin(replace(RESULT, fields=shared), [Entry((), replace(STATE, events=0), RESULT.fields)])
+    tension = replace(RESULT.largest_tension, mean_pressure=-0.2)
+    journal.add(Entry(RESULT.events, replace(STATE, events=2, stored=None), tension=tension))
     kept = read_result(tmp_path)
     assert (kept.status, len(kept.states), kept.events) == ("interrupted", 2, RESULT.events)
-    assert set(kept.fields) == {*RESULT.fields, "C_u_0"}
+    assert set(kept.fields) == {*RESULT.fields, *shared}
+    assert kept.largest_tension == tension
     journal.path.write_bytes(journal.path.read_bytes()[:-9])
     assert len(read_result(tmp_path).states) == 1
 
 
 def test_a_damaged_line_of_a_journal_is_named(tmp_path):
     journal = Journal(tmp_path)
-    journal.begin(RESULT, [Entry((), STATE)] * 3)
+    journal.begin(replace(RESULT, fields={}), [Entry((), replace(STATE, stored=None))] * 3)
     raw = journal.path.read_bytes().split(b"\n")
     journal.path.write_bytes(b"\n".join([*raw[:2], raw[2].replace(b"0.1", b"0.2"), *raw[3:]]))
     with pytest.raises(CorruptResultError, match=r"line 3.*checksum"):

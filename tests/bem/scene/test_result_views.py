@@ -44,7 +44,6 @@ def test_a_result_without_states_has_the_same_columns(result):
     empty = bem.Result(result.scene, (), {}, (), (), "interrupted")
     assert list(empty.to_table()) == list(result.to_table())
     assert "0 states" in repr(empty)
-    assert empty._repr_html_()
 
 
 def test_dataset(result):
@@ -108,41 +107,9 @@ def test_states_scenes_and_results_are_told_on_a_line(result):
     assert repr(missed).startswith("<State unreachable: ")
 
 
-def test_an_ensemble_is_one_table(result):
-    table = bem.ensemble_table([result, result])
-    assert list(table) == ["member", *result.to_table()]
-    assert table["member"].tolist() == [0] * len(result.states) + [1] * len(result.states)
-    assert table["mean_pressure"].tolist() == 2 * result.to_table()["mean_pressure"].tolist()
-    events = bem.ensemble_table({"first": result, "second": result}, "events")
-    assert events["member"].tolist() == ["first"] * len(result.events) + ["second"] * len(result.events)
-
-
-def test_profiles_of_an_ensemble_are_one_table():
-    profiles = [bem.Profile.self_affine(0.01, 0.8, 1e-6, 20, seed) for seed in (1, 2)]
-    table = bem.ensemble_table(profiles)
-    assert len({column.size for column in table.values()}) == 1
-    for k, profile in enumerate(profiles):
-        mine = table["member"] == k
-        assert np.std(table["height"][mine]) == pytest.approx(profile.rms_height, rel=1e-12)
-
-
-@pytest.mark.parametrize("kinds", ["none", "both"])
-def test_an_ensemble_is_of_one_kind(kinds, result):
-    members = [result, bem.Profile.from_harmonics(0.01, [1], [1e-6])] if kinds == "both" else []
-    with pytest.raises(ValueError, match="at least one Result, or at least one Profile"):
-        bem.ensemble_table(members)
-
-
 def test_words_are_few(result):
     assert repr(result).startswith(f"<Result converged: {len(result.states)} states, 3 at targets, ")
     assert "\n" not in repr(result)
-
-
-def test_notebook_view_shows_targets_and_escapes_what_users_wrote(result):
-    html = result._repr_html_()
-    assert html.count("<tr>") == 1 + 3
-    assert "a &lt;wave&gt;" in html
-    assert "<wave>" not in html
 
 
 def test_neither_library_is_imported_before_it_is_used():

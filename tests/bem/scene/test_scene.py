@@ -214,6 +214,11 @@ def test_unknown_key_suggests_the_closest(path, suggested):
     assert mistake.allowed == f'did you mean "{suggested}"?'
 
 
+def test_a_removed_key_says_what_to_do_instead():
+    (mistake,) = mistakes_of(scene_with("output.cut_sensitivity", True))
+    assert str(mistake).startswith("output.cut_sensitivity = true is no longer a key; allowed: leave it out")
+
+
 def test_defaults():
     scene = parse_scene(BASE)
     assert (scene.profile.seed, scene.adhesion.slope_term, scene.loading.initial) == (0, False, "separated")
@@ -260,14 +265,14 @@ def test_shapes_of_penetration_control_are_separations():
     scene = parse_scene(data)
     # the crest is at 5e-5 m; measured difference 0
     np.testing.assert_allclose(scene.loading.targets, (2e-5, 4e-5), rtol=1e-14)
-    assert scene.wants("shapes", scene.loading.targets[0])
-    assert not scene.wants("shapes", scene.loading.targets[1])
+    assert scene.wants("shapes", 0)
+    assert not scene.wants("shapes", 1)
 
 
 def test_outputs_are_wanted_at_the_targets_listed():
     scene = parse_scene(scene_with("output", {"spectra": [30e-6], "pressure_distribution": True}))
-    assert [scene.wants("spectra", target) for target in scene.loading.targets] == [False, True]
-    assert all(scene.wants("pressure_distribution", target) for target in scene.loading.targets)
+    assert [scene.wants("spectra", index) for index in (0, 1)] == [False, True]
+    assert all(scene.wants("pressure_distribution", index) for index in (0, 1))
 
 
 def test_resolved_scene_parses_to_itself():

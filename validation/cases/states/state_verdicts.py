@@ -28,7 +28,7 @@ import bem
 from bem.adhesive.equilibrium import System, balance
 from bem.adhesive.equilibrium_assessment import assess_equilibrium
 from bem.audit.certificate import Certificate, Demands, certify
-from bem.certified_states import Cost, Place, equilibrium_state
+from bem.certified_states import equilibrium_state
 from bem.elastic.collocation import evaluate
 from bem.geometry.patches import Patches, PatchPressure
 from bem.nonadhesive.contact_assessment import assess_contact
@@ -137,7 +137,7 @@ class PosedState:
             state, assessment = here.state, assess_equilibrium(system, here, depth, finest)
         if self.eigenvalue is not None:
             assessment = replace(assessment, min_eigenvalue=self.eigenvalue)
-        stored = equilibrium_state(problem, state, assessment, 1e-10, Place("loading", True, Cost(0, 0, 0.0)))
+        stored = equilibrium_state(problem, state, assessment, 1e-10, target=True)
         return stored.certificate.ok
 
 

@@ -1,15 +1,10 @@
-"""What accuracy costs by every route, what each effect of a scene costs, and whether the cost of a scene is foretold.
+"""What accuracy costs by every route, and what each effect of a scene costs.
 
 Error against seconds, on a smooth and two rough contacts, comes from the stored study (corpus/accuracy_costs.py); the
 boundary elements solve the contacts again here, so that stored and present stand beside each other, the paper's profile
 event by event and in leaps.  Seconds are of one thread and gate nothing.
-
-What `check` predicts of a scene is to hold within a factor of 3 for nine of ten: measured costs of many scenes are
-stored (corpus/cost_scenes.py), predictions are made anew.  A few of the quick scenes are solved again: their
-evaluations must still be the stored ones, to the 20 % in which counts of work may change.
 """
 
-import math
 import time
 from collections.abc import Iterable
 
@@ -20,11 +15,10 @@ import fem_reference
 from bem.scene.result import Result
 from bem.scene.scene import parse_scene
 from validation.cases.finite_elements.fem_closed_forms import given
-from validation.cases.shared.checks import OVER_STATES, Against, Found, case, column, work
+from validation.cases.shared.checks import OVER_STATES, Against, Found, case, work
 from validation.corpus.accuracy_costs import CostPoint, stored
-from validation.corpus.cost_scenes import KERNELS, PARTS, cost_scenes, judged, measure, outside
 from validation.corpus.effects import EFFECTS, Times, costs_of, loaded_alone, rough
-from validation.harness.figure_data import digits, drawn, loglog, marks, table, trace
+from validation.harness.figure_data import drawn, loglog, marks, trace
 from validation.harness.schema import Cells, Figure, Series, Table
 from validation.references.closed_forms import Sinusoid
 from validation.references.posed_contacts import Posed, answer_of, exact_sinusoid, scene_tables, scenes
@@ -46,14 +40,6 @@ ROUTES = {  # of the stored points: their label and colour, in the order of the 
 }
 DASHED = ("bem, dense", "fem (4", "fft, c = 16")
 HARMONICS, RUNS = 30, 3
-FACTOR, ALLOWED = 3.0, 0.1  # of predictions: a worse one is too bad, and how many may be
-LISTED = 12
-AGAIN = ("examples/one-wave", "cases/layer_two_crests", "two-crests", "two-waves", "micro-128", "bare-250")
-JUDGED = (  # kernels, place of the ratio, quantity, measured: of 54 none, one, one
-    (KERNELS[0], 0, "evaluations", 0.0),
-    (KERNELS[0], 1, "seconds, compiled kernels", 0.019),
-    (KERNELS[1], 1, "seconds, NumPy", 0.019),
-)
 
 
 def curves_of(points: Iterable[CostPoint]) -> tuple[list[Series], str]:
@@ -192,37 +178,6 @@ def _prices() -> Found:
     yield {f"evaluations, {name}": cost.evaluations for name, cost in found.items()}
 
 
-def _foretold() -> Found:
-    found = judged()
-    for kernels, which, quantity, measured in JUDGED:  # scenes that did not calibrate anything
-        ratios = [one.ratios[which] for one in found if one.kernels == kernels and one.part != PARTS[0]]
-        yield Against("self", f"measured cost of {len(ratios)} scenes").row(
-            f"share of scenes beyond a factor of {FACTOR:g}: {quantity}", "", 0.0, outside(ratios, FACTOR), measured,
-            "absolute", required=ALLOWED)  # fmt: skip
-    known, all_scenes = {one.name: one.evaluations for one in found}, cost_scenes()
-    ratios = [measure(all_scenes[name][1])["evaluations"] / float(known[name]) for name in AGAIN]
-    yield Against("self", "stored counts of the same scenes").row(
-        "evaluations over those stored", "", [1.0] * len(AGAIN), ratios, 0.02, required=0.2
-    )
-    compiled = [one for one in found if one.kernels == KERNELS[0]]
-    ends = [f(one.seconds for one in compiled) for f in (min, max)]
-    parts = {part: [one for one in compiled if one.part == part] for part in PARTS}
-    lines = (("equal", 1.0, "line"), ("three times", FACTOR, "dashed"), ("a third", 1 / FACTOR, "dashed"))
-    yield drawn(
-        "predicted-cost",
-        "Predicted against measured seconds, compiled kernels: scenes that calibrated the prediction, and others.",
-        loglog("measured / s", "predicted / s",
-               *(marks(part, column(of, "seconds"), column(of, "predicted_seconds")) for part, of in parts.items()),
-               *(trace(label, ends, [factor * end for end in ends], style, hue=5)
-                 for label, factor, style in lines)))  # fmt: skip
-    worst = sorted(found, key=lambda one: -max(abs(math.log(ratio)) for ratio in one.ratios))[:LISTED]
-    yield table(f"The {LISTED} worst of {len(found)} predictions; all are in validation/corpus/cost_measured.json.",
-                {"scene": column(worst, "name"), "part": column(worst, "part"), "kernels": column(worst, "kernels"),
-                 "evaluations": column(worst, "evaluations"),
-                 "predicted": map(round, column(worst, "predicted_evaluations")), "seconds": column(worst, "seconds"),
-                 "predicted seconds": digits(column(worst, "predicted_seconds"), 3)})  # fmt: skip
-
-
 CASES = (
     case("what-accuracy-costs", "convergence", _costs,
          "How many seconds does a digit cost, by every route, on a smooth and on rough contacts?",
@@ -232,8 +187,4 @@ CASES = (
          "What does each effect of a scene cost, and does one that is absent cost nothing?",
          "CPU seconds and evaluations of the scene with the effect, over those without",
          "carbone2009", "half_space layer adhesion slope_term", code="suite"),
-    case("predicted-cost", "cost", _foretold,
-         "Does the cost that is predicted for a scene hold within a factor of 3, for nine scenes of ten?",
-         "evaluations = 3.8 increments (under load half) + 16.1 crests + 10 waves that edges pass + 5.7 targets",
-         "persson2001", "half_space adhesion", code="suite"),
 )  # fmt: skip

@@ -294,7 +294,7 @@ def _moved(made: Copy, period: float, ours: Sequence[Event], theirs: Sequence[Ev
 
 def _changes(avalanche: Sequence[Event]) -> list[str]:
     """Kinds of an avalanche, sorted; whether it began at a broken symmetry or at the fold next to it does not count."""
-    kinds = sorted(event.kind for event in avalanche)
+    kinds: list[str] = sorted(event.kind for event in avalanche)
     return [kind for kind in kinds if kind != "bifurcation"] or kinds
 
 

@@ -30,7 +30,6 @@ _APPLIED = re.compile(rf"((?:<msup>{_NAME}<mn>\d</mn></msup>)|{_NAME})(?=<m(?!o|
 _REFERENCE = re.compile(
     r"(?P<doi>doi:(?P<number>10\.\d{4,9}/[^\s,;]*[^\s,;.)]))|(?P<arxiv>arXiv:(?P<paper>\d{4}\.\d{4,5}))"
 )
-_NO_PAGE_HOLDS = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
 class TypesettingError(ValueError):
@@ -68,17 +67,6 @@ def unset(text: str) -> list[str]:
             except TypesettingError as error:
                 found.append(str(error))
     return found
-
-
-def printable(text: str) -> str:
-    r"""A text without what no page can hold: control characters and halves of surrogate pairs by their escapes.
-
-    Examples
-    --------
-    >>> printable("a\x00b\udc80\n")
-    'a\\x00b\\udc80\n'
-    """
-    return _NO_PAGE_HOLDS.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
 
 
 def _pieces(text: str) -> Iterator[tuple[str, str | None]]:
@@ -137,14 +125,3 @@ def with_links(text: str) -> Markup:
         found += escape(text[end : match.start()]) + Markup('<a href="{}">{}</a>').format(where, match[0])
         end = match.end()
     return found + escape(text[end:])
-
-
-def subscripts(text: str) -> Markup:
-    """A text with what follows an underscore set below the line, everything else escaped.
-
-    Examples
-    --------
-    >>> subscripts("2 u_val & more")
-    Markup('2 u<sub>val</sub> &amp; more')
-    """
-    return Markup(re.sub(r"_(\w+)", r"<sub>\1</sub>", str(escape(text))))

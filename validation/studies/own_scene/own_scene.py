@@ -1,9 +1,9 @@
 """What accuracy costs for one's own scene, and what its question leaves open: `study scene SCENE --out DIR`.
 
 The scene is solved as it is, then with the finest numerical settings, then with all others (settings.py), each in a
-process of its own and kept as soon as it is there (harness/store.py): the same command continues.  Before anything runs
-the seconds are predicted; after the scene as it is, by its pace.  What would go beyond the budget is left out, a run
-that takes far longer than predicted is stopped, a setting that the scene refuses is a row with the reason.
+process of its own and kept as soon as it is there (harness/store.py): the same command continues.  Every setting is
+expected to take the seconds of the scene as it is.  What would go beyond the budget is left out, a run that takes far
+longer than expected is stopped, a setting that the scene refuses is a row with the reason.
 
 DIR gets study.json (findings.py) and study.html (validation/report/study_page.py), rendered from the former alone.
 """
@@ -16,14 +16,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from bem.scene.effects import predicted_seconds
 from bem.scene.result_file import digest
 from bem.scene.scene import SceneError, load_scene, parse_scene
 from validation.harness.execution import Listener, Note
 from validation.harness.executors import local_processes
 from validation.harness.provenance import provenance
 from validation.harness.store import Store, store_in, write_json
-from validation.report.render import ReportError
+from validation.report.pages import ReportError
 from validation.report.study_page import FILE, PAGE, write_study_page
 from validation.studies.own_scene import BUDGET, SEEDS
 from validation.studies.own_scene.findings import findings_of
@@ -33,8 +32,7 @@ from validation.studies.own_scene.words import content_of, sentence, table_text
 
 SCHEMA = "linecontact-scene-study/1"
 PARTS = "parts"  # of a scan
-SLACK, LEAST_LIMIT = 10.0, 60.0  # times the prediction, and s: when a run is stopped
-LEAST_SECONDS = 1e-3  # shorter runs say nothing about the pace
+SLACK, LEAST_LIMIT = 30.0, 60.0  # times the seconds expected, and s: when a run is stopped
 
 
 @dataclass(frozen=True)
@@ -69,7 +67,7 @@ def run(path: Path, folder: Path, options: Options, report: Listener) -> int:
         _write(folder, head | {"status": "failed", "sentence": why})
         report(Note(f"FAILED: {why}"))
         return 1
-    found = findings_of([(setting, answer) for setting, answer, _ in answered])
+    found = findings_of(answered)
     _write(folder, head | {"status": "done", "provenance": facts} | content_of(found, answered))
     write_study_page(folder)
     print(table_text(found))
@@ -119,42 +117,40 @@ class Desk:
     report: Listener
 
 
-def _answered(settings: Sequence[Setting], desk: Desk) -> list[tuple[Setting, Solved, float]]:
-    """All settings with what came of them, and the seconds predicted."""
-    predicted = {setting: _predicted(setting, desk.base) for setting in settings}
-    known = {setting: cost for setting, cost in predicted.items() if isinstance(cost, float)}
-    found = {setting: cost for setting, cost in predicted.items() if isinstance(cost, Solved)}
-    first, total = settings[0], sum(known.values())
-    budget = desk.options.budget
-    desk.report(Note(f"{len(known)} settings, {total:.3g} s of one core predicted; at most {budget:g} s"))
-    found |= _solve_all({first: known[first]}, math.inf, desk)
+def _answered(settings: Sequence[Setting], desk: Desk) -> list[tuple[Setting, Solved]]:
+    """Return all settings with their answers."""
+    refused = {setting: why for setting in settings if (why := _refusal(setting, desk.base)) is not None}
+    known = [setting for setting in settings if setting not in refused]
+    found = dict(refused)
+    first, budget = settings[0], desk.options.budget
+    desk.report(Note(f"{len(known)} settings; at most {budget:g} s of one core"))
+    found |= _solve_all({first: 0.0}, math.inf, desk)
     if not found[first].good:
-        return [(setting, found.get(setting, Solved("not run", "")), math.nan) for setting in settings]
+        return [(setting, found.get(setting, Solved("not run", ""))) for setting in settings]
     took = found[first].seconds
-    pace = max(took, LEAST_SECONDS) / max(known[first], LEAST_SECONDS)
-    expected = {setting: pace * cost for setting, cost in known.items() if setting != first}
-    rest = sum(expected.values())
-    desk.report(Note(f"as it is: {took:.3g} s for {known[first]:.3g} s predicted; by that {rest:.3g} s for the others"))
+    expected = {setting: took for setting in known if setting != first}
+    desk.report(Note(f"as it is: {took:.3g} s; by that {sum(expected.values()):.3g} s for the others"))
     chosen, spent = dict[Setting, float](), took
     for setting, cost in expected.items():
         if spent + cost > budget:
-            found[setting] = Solved("left out", f"{cost:.3g} s predicted, beyond the budget of {budget:g} s")
+            found[setting] = Solved("left out", f"{cost:.3g} s expected, beyond the budget of {budget:g} s")
             desk.report(Note(f"{setting.title}: left out, {found[setting].failure}"))
         else:
             spent += cost
             chosen[setting] = cost
     found |= _solve_all(chosen, LEAST_LIMIT, desk)
-    return [(setting, found[setting], pace * known.get(setting, math.nan)) for setting in settings]
+    return [(setting, found[setting]) for setting in settings]
 
 
-def _predicted(setting: Setting, base: Path) -> float | Solved:
-    """Seconds that a setting is predicted to take, or why it cannot be solved."""
+def _refusal(setting: Setting, base: Path) -> Solved | None:
+    """Return why a setting cannot be solved, if it cannot."""
     if setting.why_not:
         return Solved("does not apply", setting.why_not)
     try:
-        return predicted_seconds(parse_scene(setting.tables, base))
+        parse_scene(setting.tables, base)
     except SceneError as error:
         return Solved("refused", str(error))
+    return None
 
 
 def _solve_all(expected: Mapping[Setting, float], least_limit: float, desk: Desk) -> dict[Setting, Solved]:

@@ -78,7 +78,7 @@ def table_text(found: Findings) -> str:
     return text_table(["digits", "use", "evaluations", "seconds", "error", "left open by"], rows)
 
 
-def content_of(found: Findings, answered: Sequence[tuple[Setting, Solved, float]]) -> dict[str, Any]:
+def content_of(found: Findings, answered: Sequence[tuple[Setting, Solved]]) -> dict[str, Any]:
     """What study.json holds besides scene and provenance."""
     base = answered[0][1]
     compared = {one.setting: one for one in (*found.numerical, *found.others)}
@@ -92,7 +92,7 @@ def content_of(found: Findings, answered: Sequence[tuple[Setting, Solved, float]
         "sources": list(_sources(found)),
         "settings": [_setting(*one, compared.get(one[0])) for one in answered],
         "nodes": [_node(curve) for curve in base.nodes],
-        "seconds": sum(solved.seconds for _, solved, _ in answered),
+        "seconds": sum(solved.seconds for _, solved in answered),
         "figure": _figure(found, base).model_dump(mode="json"),
     }
 
@@ -147,7 +147,7 @@ def _sources(found: Findings) -> Iterator[dict[str, Any]]:
         }
 
 
-def _setting(setting: Setting, solved: Solved, predicted: float, off: Compared | None) -> dict[str, Any]:
+def _setting(setting: Setting, solved: Solved, off: Compared | None) -> dict[str, Any]:
     """One setting, what it took and what it changed."""
     return {
         "kind": setting.kind,
@@ -155,7 +155,6 @@ def _setting(setting: Setting, solved: Solved, predicted: float, off: Compared |
         "name": setting.name,
         "status": solved.status,
         "why": solved.failure,
-        "predicted_seconds": predicted,
         "seconds": solved.seconds,
         "evaluations": solved.evaluations,
         "unknowns": solved.unknowns,

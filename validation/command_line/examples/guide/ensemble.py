@@ -12,14 +12,14 @@ PRESSURES = [10e3, 20e3, 40e3]  # Pa
 SOLID = bem.Solid(youngs_modulus=1e6, poisson_ratio=0.5)
 
 
-def main() -> dict[str, np.ndarray]:
-    """Solve all members, and print a line for each pressure; the table of all states."""
+def main() -> np.ndarray:
+    """Solve all members, print a line for each pressure, and return the contact fractions, a row for each member."""
     faces = [bem.Profile.self_affine(0.01, 0.8, 20e-6, 60, seed) for seed in SEEDS]
     loading = {"control": "mean_pressure", "targets": PRESSURES}
-    table = bem.ensemble_table([bem.solve(solid=SOLID, profile=face, loading=loading) for face in faces])
-    for k, pressure in enumerate(PRESSURES):
-        here = np.arange(table["member"].size) % len(PRESSURES) == k
-        fractions, errors = table["contact_fraction"][here], table["error_estimate_contact_fraction"][here]
+    tables = [bem.solve(solid=SOLID, profile=face, loading=loading).to_table("targets") for face in faces]
+    table = np.array([member["contact_fraction"] for member in tables])
+    largest = np.array([member["error_estimate_contact_fraction"] for member in tables])
+    for pressure, fractions, errors in zip(PRESSURES, table.T, largest.T, strict=True):
         scatter = fractions.std(ddof=1)
         print(
             f"{pressure / 1e3:.0f} kPa: contact fraction {fractions.mean():.4f} +- {scatter / len(SEEDS) ** 0.5:.4f} "

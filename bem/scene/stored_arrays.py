@@ -1,0 +1,142 @@
+"""Arrays of fields.npz: bytes of an npz file and back, with every name, shape and type checked.
+
+Arrays are stored as they are: an archive that is compressed, or whose headers promise more than it holds, is refused
+before anything is unpacked.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+import zipfile
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+GROUPS = (  # arrays of a stored state k, each named with "_k"; a group is complete or absent
+    ("x", "displacement", "gap", "pressure", "patch"),
+    ("C_u", "C_sigma"),
+    ("sigma", "P", "sigma_bounds", "outside_contact", "tail_coefficient"),
+    ("patch_width", "patch_share", "gap_width", "gap_share"),
+    ("contact_slope", "slope_own", "slope_kept"),
+)
+SHARED = {  # arrays without k, with those of the same length
+    "q": "C_h",
+    "C_h": "q",
+    "slope_q": "slope_q",
+    "scan_x": "scan_h",
+    "scan_h": "scan_x",
+    "scan_wavelength": "scan_density",
+    "scan_density": "scan_wavelength",
+    "profile_x": "profile_h",
+    "profile_h": "profile_x",
+    "profile_q": "profile_amplitude",
+    "profile_amplitude": "profile_q",
+}
+AS_LONG = {  # arrays of a state, and an array of the same length: of the state, or without k
+    **dict.fromkeys(("displacement", "gap", "pressure", "patch"), "x"),
+    **dict.fromkeys(("C_u", "C_sigma"), "q"),
+    **{"P": "sigma", "patch_share": "patch_width", "gap_share": "gap_width"},
+    **dict.fromkeys(("slope_own", "slope_kept"), "slope_q"),
+}
+SCALARS = ("outside_contact", "tail_coefficient", "contact_slope")
+MAYBE_EMPTY = ("patch_width", "patch_share", "gap_width", "gap_share")  # without an edge
+NUMBERS = "biuf"  # kinds of arrays that a result holds
+LONGEST_NAME = 64  # format: characters of the name of an array
+
+
+class CorruptArraysError(ValueError):
+    """Arrays that cannot be those of a result."""
+
+
+def packed(arrays: Mapping[str, NDArray[Any]]) -> bytes:
+    """Return arrays as the bytes of an npz file, not compressed; no bytes without arrays."""
+    if not arrays:
+        return b""
+    buffer = io.BytesIO()
+    np.savez(buffer, allow_pickle=False, **arrays)
+    return buffer.getvalue()
+
+
+def unpacked(raw: bytes) -> dict[str, NDArray[Any]]:
+    """Return the arrays of an npz file, after checking what the archive and the headers of its arrays promise.
+
+    Raises
+    ------
+    CorruptArraysError
+        Not such an archive: which array, and why.
+    """
+    if not raw:
+        return {}
+    try:
+        with zipfile.ZipFile(io.BytesIO(raw)) as archive:
+            return {member.filename.removesuffix(".npy"): _array(archive, member) for member in archive.infolist()}
+    except (ValueError, EOFError, zipfile.BadZipFile, NotImplementedError, RuntimeError) as error:
+        raise CorruptArraysError(str(error)) from error
+
+
+def check_arrays(arrays: Mapping[str, NDArray[Any]], stored: Iterable[int]) -> None:
+    """Raise CorruptArraysError unless arrays are those of the states `stored` and have matching lengths."""
+    states = {str(k) for k in stored}
+    for name in arrays:
+        stem, k = split(name)
+        group: tuple[str, ...] = next((names for names in GROUPS if stem in names), ())
+        if (not group or k not in states) if k else name not in SHARED:
+            raise CorruptArraysError(f"{name} is no array of a state of this result")
+        for other in group:
+            if f"{other}_{k}" not in arrays:
+                raise CorruptArraysError(f"holds {name} without {other}_{k}")
+        _check_length(arrays, name, stem, k)
+    for k in states - {split(name)[1] for name in arrays}:
+        raise CorruptArraysError(f"holds no array of the stored state {k}")
+
+
+def split(name: str) -> tuple[str, str]:
+    """Return the stem of the name of an array, and the index of its state; no index without one.
+
+    Examples
+    --------
+    >>> split("C_sigma_12"), split("C_h")
+    (('C_sigma', '12'), ('C_h', ''))
+    """
+    match = re.fullmatch(r"(.+)_([0-9]+)", name)
+    return (match[1], match[2]) if match else (name, "")
+
+
+def _check_length(arrays: Mapping[str, NDArray[Any]], name: str, stem: str, k: str) -> None:
+    """Raise CorruptArraysError where an array is empty, has another dimension, or not the length of its partner."""
+    values = arrays[name]
+    if values.ndim != (stem not in SCALARS):
+        raise CorruptArraysError(f"{name} has the shape {values.shape}")
+    if values.size == 0 and stem not in MAYBE_EMPTY:
+        raise CorruptArraysError(f"{name} is empty")
+    partner = AS_LONG.get(stem) if k else SHARED[name]
+    if partner is None:
+        return
+    other = arrays.get(f"{partner}_{k}", arrays.get(partner))
+    if other is None or other.size != values.size:
+        size = "none" if other is None else other.size
+        raise CorruptArraysError(f"{name} has {values.size} values, {partner} has {size}")
+
+
+def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[Any]:
+    """Return an array of an archive; ValueError where it is compressed, not named or not as large as it says."""
+    name = member.filename.removesuffix(".npy")
+    if name == member.filename or not name.isascii() or not name.isidentifier() or len(name) > LONGEST_NAME:
+        raise ValueError(f"{member.filename[:LONGEST_NAME]!r} is no name of an array")
+    if member.compress_type != zipfile.ZIP_STORED or member.file_size != member.compress_size:
+        raise ValueError(f"{member.filename} is compressed")
+    raw = archive.read(member)
+    stream = io.BytesIO(raw)
+    versions = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
+    version = np.lib.format.read_magic(stream)
+    if version not in versions:
+        raise ValueError(f"{member.filename} has a format of version {version}")
+    shape, _, kind = versions[version](stream)
+    if kind.kind not in NUMBERS or math.prod(shape) * kind.itemsize != len(raw) - stream.tell():
+        raise ValueError(f"{member.filename}: its bytes are not numbers of shape {shape} and type {kind}")
+    stream.seek(0)
+    return np.asarray(np.lib.format.read_array(stream, allow_pickle=False))

@@ -1,0 +1,64 @@
+"""Estimated memory and unknowns beside those of solved scenes."""
+
+import numpy as np
+import pytest
+
+from bem.scene.memory_estimate import memory_estimate
+from bem.scene.scene import parse_scene
+from bem.solver import solve
+
+E_STAR = 5e6 / (1 - 0.49**2)
+ROUGH = {"kind": "self_affine", "period": 0.008, "hurst": 0.8, "rms_height": 4.6e-7, "seed": 1}
+
+
+def scene_of(harmonics, control, target, adhesion=0.0):
+    """Target over E* times the rms slope, or over the rms height; adhesion over E* times the rms height's square."""
+    data = {
+        "solid": {"youngs_modulus": 5e6, "poisson_ratio": 0.49},
+        "profile": ROUGH | {"harmonics": harmonics},
+        "loading": {"control": control, "targets": [1.0]},
+    }
+    surface = parse_scene(data).surface()
+    unit = E_STAR * surface.rms_slope if control == "mean_pressure" else surface.rms_height
+    data["loading"]["targets"] = [target * unit]
+    if adhesion:
+        data["adhesion"] = {"work_of_adhesion": adhesion * E_STAR * surface.rms_height**2 / 0.008}
+    return parse_scene(data)
+
+
+@pytest.mark.parametrize(
+    ("harmonics", "control", "target", "adhesion", "peak"),
+    [
+        (1000, "mean_pressure", 0.3, 0.0, 105e6),
+        (1000, "mean_pressure", 1.2, 0.0, 116e6),
+        (2000, "mean_pressure", 1.5, 0.0, 253e6),
+        (2000, "mean_pressure", 1.7, 0.0, 1015e6),
+        (4000, "mean_pressure", 1.0, 0.0, 202e6),
+        (4000, "mean_pressure", 2.0, 0.0, 6645e6),
+        (8000, "mean_pressure", 1.5, 0.0, 712e6),
+        (8000, "mean_pressure", 1.7345, 0.0, 3508e6),
+        (1000, "separation", 1.0, 0.0, 87e6),
+        (16000, "separation", 1.5, 0.0, 241e6),
+        (2000, "separation", 1e-4, 0.0, 171e6),
+        (300, "separation", 0.5, 1.0, 129e6),
+        (500, "separation", 1e-5, 0.1, 399e6),
+    ],
+)
+def test_memory_is_within_a_factor_of_two_of_the_peak_that_was_measured(harmonics, control, target, adhesion, peak):
+    estimate = memory_estimate(scene_of(harmonics, control, target, adhesion)).bytes
+    assert 0.5 < estimate / peak < 2
+
+
+@pytest.mark.parametrize(("control", "target"), [("mean_pressure", 0.3), ("mean_pressure", 1.0), ("separation", 0.5)])
+def test_unknowns_are_within_a_factor_of_two(control, target):
+    scene = scene_of(300, control, target)
+    solved = max(state.unknowns for state in solve(scene).states)
+    assert 0.5 < memory_estimate(scene).unknowns / solved < 2
+
+
+def test_a_flat_profile_has_no_unknowns():
+    tables = {"kind": "harmonics", "period": 0.008, "orders": [1], "amplitudes": [0.0], "phases": [0.0]}
+    solid, loading = {"youngs_modulus": 5e6, "poisson_ratio": 0.49}, {"control": "mean_pressure", "targets": [1.0]}
+    flat = parse_scene({"solid": solid, "profile": tables, "loading": loading})
+    assert memory_estimate(flat).unknowns == 0
+    assert np.isfinite(memory_estimate(flat).bytes)

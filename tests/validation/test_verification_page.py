@@ -1,0 +1,115 @@
+"""The page of a verification run and its report.json: kinds apart, failures first, hostile text, a real browser."""
+
+import json
+import math
+import re
+
+import pytest
+from browser import BROWSER
+from devtools import tab
+
+from validation.plugin.rows import Code, Quantity, Rows
+from validation.plugin.study_report import Part, write_study
+
+HOSTILE = "<script>alert(1)</script> \"' & <img src=x onerror=alert(2)> {{ 7*7 }} \x00"
+DEAD_LINKS = """[...document.querySelectorAll("a[href]")].map((a) => a.getAttribute("href"))
+.filter((to) => !to.startsWith("#") || !document.getElementById(to.slice(1)))"""
+REPEATED_IDS = (
+    """[...document.querySelectorAll("[id]")].map((e) => e.id).filter((id, k, all) => all.indexOf(id) != k)"""
+)
+AREA = {"of": Code.BEM, "by": Code.FEM, "quantity": Quantity.AREA, "uncertainty": (1e-3, 0.0)}
+
+
+def parts(text="text"):
+    good, bad = Rows(), Rows()
+    good.compare(f"area {text}", [1.0, 1.0], [1.0, 1.0005], **AREA, source=text, unit=text)
+    good.compare("load", 1.0, 1.0008, **AREA | {"quantity": Quantity.PRESSURE})
+    good.known("gap", 2.2, 2.0, band=(1.05, 1.2), cause=text, **AREA | {"by": Code.THEORY, "uncertainty": (0.1, 0.1)})
+    good.compare("closure", 1.0, 1.0, required=1e-9, because="its tolerance", kind="construction", of=Code.BEM,
+                 by=Code.IDENTITY, quantity=Quantity.INTENSITY)  # fmt: skip
+    good.count("steps", 12, of=Code.BEM)
+    good.curves(
+        f"curve {text}", text, "y", {text: ([1.0, 2.0], [1.0, 4.0])}, log="xy", below=("e", {"a": ([1, 2], [0, 1])})
+    )
+    good.table(text, [text, "b"], [[text, 1.5], [None, 2]])
+    good.cost("smooth wave", Code.BEM, "1e-6", 1e-7, 0.25, 0.01)
+    bad.compare("area", math.nan, 1.0, **AREA)
+    bad.compare("energy", 1.0, 2.0, **AREA | {"quantity": Quantity.ENERGY})
+    return [
+        Part("good", f"Is it so? {text}", good, text),
+        Part("bad", "Is it?", bad),
+        Part("broken", "?", message=text),
+    ]
+
+
+@pytest.fixture
+def written(tmp_path):
+    statements = [{"statement": "area grows linearly", "printed": 3.3, "ours": 3.4, "uncertainty": 0.2,
+                   "verdict": "reproduced"}]  # fmt: skip
+
+    def write(text="text"):
+        write_study(tmp_path, "a command", parts(text), statements=statements)
+        return json.loads((tmp_path / "report.json").read_text()), (tmp_path / "report.html").read_text()
+
+    return write
+
+
+def test_kinds_of_rows_are_counted_apart_and_accuracy_makes_the_headline(written):
+    content, page = written()
+    assert content["counts"] == {
+        "accuracy": {"agrees": 2, "expected deviation": 1, "deviates": 1, "error": 2},
+        "regression": {"agrees": 1},
+        "construction": {"agrees": 1},
+    }
+    assert content["headline"] == "3 of 5 independent comparisons agree; 2 of 3 cases failed"
+    assert re.search("<h1>Failed: 3 of 5 independent comparisons agree; 2 of 3 cases failed</h1>", page)
+
+
+def test_a_row_holds_what_other_programs_read(written):
+    content, _ = written()
+    row = content["rows"][0]
+    assert {name: row[name] for name in ("case", "quantity", "unit", "kind", "value", "value_uncertainty", "reference",
+            "reference_uncertainty", "routes", "allowed", "reason", "verdict", "seconds")} == {
+        "case": "good", "quantity": "contact fraction", "unit": "text", "kind": "accuracy", "value": 1.0,
+        "value_uncertainty": 1e-3, "reference": 1.0005, "reference_uncertainty": 0.0, "routes": ["bem", "fem"],
+        "allowed": 1e-3, "reason": "U of both sides", "verdict": "agrees", "seconds": 0.0,
+    }  # fmt: skip
+    assert content["statements"][0]["verdict"] == "reproduced"
+    assert content["costs"][0] == {"problem": "smooth wave", "route": "bem", "setting": "1e-6", "error": 1e-7,
+                                   "seconds": 0.25, "spread": 0.01}  # fmt: skip
+    assert content["provenance"]["commit"]
+
+
+def test_json_has_no_numbers_that_are_none(written, tmp_path):
+    written()
+    json.loads((tmp_path / "report.json").read_text(), parse_constant=lambda name: pytest.fail(name))
+
+
+def test_failures_come_before_everything_else_and_cells_count_what_they_hold(written):
+    _, page = written()
+    order = [page.index(f'id="{name}"') for name in ("failures", "centre", "paper", "costs", "others", "case-1")]
+    assert order == sorted(order)
+    failures = page[order[0] : order[1]]
+    assert failures.count("<tr>") == 1 + 3
+    cells = re.findall(r'<td data-label="(contact fraction|energy)">.*?<small>(.*?)</small>', page[order[1] : order[2]])
+    assert cells == [("contact fraction", "0.5; 2"), ("energy", "1e+03; 1"), ("contact fraction", "0.33; 1")]
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium here (Debian: apt-get install chromium)")
+def test_a_browser_shows_hostile_text_as_text_and_follows_every_link(written, tmp_path):
+    written(HOSTILE)
+    with tab(tmp_path / "report.html") as page:
+        page.show(1280, 800)
+        assert page.find("document.querySelector('h3').textContent").startswith(f"Is it so? {HOSTILE[:20]}")
+        assert page.find("document.querySelectorAll('script').length") == 1
+        assert page.find("document.querySelectorAll('main img').length") == 0
+        assert page.find(DEAD_LINKS) == []
+        assert page.find(REPEATED_IDS) == []
+        assert page.find(
+            "[...document.querySelectorAll('figure svg')].every((f) => f.getBoundingClientRect().height > 50)"
+        )
+        assert page.find("document.documentElement.scrollWidth <= window.innerWidth")
+        page.show(390, 844)
+        assert page.find("document.documentElement.scrollWidth <= window.innerWidth")
+        assert page.console == []
+        assert page.requests == []

@@ -1,0 +1,221 @@
+"""Controller's part of a run: what was planned and found, rows.jsonl, progress, stored errors, the report.
+
+Every finished case is appended to DIR/rows.jsonl at once, so that a run that was killed continues with --resume.  The
+first line of rows.jsonl is the fingerprint of everything that a row depends on.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import platform
+import sys
+import time
+from collections.abc import Iterable
+from importlib import metadata
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from validation.plugin import stored
+from validation.plugin.content import content_of
+from validation.plugin.rows import KINDS, PASSING, Row
+
+RECORD = "rows.jsonl"
+PACKAGES = ("bem", "fem_reference", "persson", "validation", "linecontact_kernels")
+SUFFIXES = (".py", ".pyx", ".pxd", ".c", ".h", ".so", ".pyd", ".toml", ".json", ".csv", ".npz", ".jinja")
+LIBRARIES = ("numpy", "scipy", "scikit-fem", "meshio", "pydantic")
+EMPTY: dict[str, Any] = {"question": "", "method": "", "source": "", "level": "", "rows": [], "figures": [],
+                         "tables": [], "costs": [], "stored_in": "", "key": ""}  # fmt: skip
+INTERRUPTED = 2  # exit status of pytest
+
+
+class Ledger:
+    """Record of a run; registered as a plugin of pytest in the controller alone."""
+
+    def __init__(self, config: pytest.Config) -> None:
+        self.config = config
+        self.folder: Path | None = config.option.report
+        self.begun = time.monotonic()
+        self.cases: dict[str, dict[str, Any]] = {}
+        self.planned: list[str] = []
+        self.setups: dict[str, float] = {}  # seconds of fixtures, by case
+        self.unstored = 0
+        places = [Path(str(argument).partition("::")[0]) for argument in config.args]
+        self.fingerprint = fingerprint(places, without=self.folder)
+        self.resumed = self._kept() if config.option.resume else {}
+        if config.option.store:
+            try:
+                stored.refuse_changes(config.rootpath)
+            except stored.StoreError as error:
+                raise pytest.UsageError(str(error)) from error
+        if self.folder and not config.option.collectonly:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            lines = [{"fingerprint": self.fingerprint}, *self.resumed.values()]
+            (self.folder / RECORD).write_text("".join(json.dumps(line) + "\n" for line in lines), "utf-8")
+
+    def _kept(self) -> dict[str, dict[str, Any]]:
+        """Return the cases that passed in an earlier run with the present sources; a torn last line is left out."""
+        assert self.folder is not None
+        path, lines = self.folder / RECORD, list[dict[str, Any]]()
+        for text in path.read_text("utf-8").splitlines() if path.exists() else []:
+            try:
+                line = json.loads(text)
+            except ValueError:
+                continue
+            if isinstance(line, dict):
+                lines.append(line)
+        if not lines or lines[0].get("fingerprint") != self.fingerprint:
+            return {}
+        return {line["case"]: line for line in lines[1:] if line.get("outcome") == "passed"}
+
+    @pytest.hookimpl(optionalhook=True)
+    def pytest_configure_node(self, node: Any) -> None:
+        """Tell every worker what is finished, so that all collect alike, also one that replaces a dead one."""
+        node.workerinput["validation_finished"] = list(self.resumed)
+
+    def pytest_collection_finish(self, session: pytest.Session) -> None:
+        """Note what is planned in a run without workers."""
+        self.planned = self.planned or [item.nodeid for item in session.items]
+
+    @pytest.hookimpl(optionalhook=True)
+    def pytest_xdist_node_collection_finished(self, node: Any, ids: list[str]) -> None:
+        """Note what is planned, as a worker collected it."""
+        self.planned = list(ids)
+
+    def pytest_collectreport(self, report: pytest.CollectReport) -> None:
+        """Record a file that cannot be imported or read as a case that failed."""
+        if report.failed:
+            self._record({"case": report.nodeid, "outcome": "error", "seconds": 0.0,
+                          "message": report.longreprtext, **EMPTY, "question": report.nodeid})  # fmt: skip
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        """Record a case that ended, could not begin, or killed its worker."""
+        text: Any = dict(report.user_properties).get("validation")
+        if report.when == "teardown" and report.failed and report.nodeid in self.cases:
+            self._record(self.cases[report.nodeid] | {"outcome": "error", "message": report.longreprtext})
+        if report.when == "setup":
+            self.setups[report.nodeid] = report.duration
+        if report.when == "teardown" or (text is None and not report.failed):
+            return
+        facts = json.loads(text) if text else EMPTY | {"question": report.nodeid.rpartition("::")[2]}
+        failing = any(Row(**row).verdict not in PASSING for row in facts["rows"])
+        outcome = report.outcome if not report.failed else "deviates" if failing else "error"
+        message = "" if report.passed else str(report.longrepr[2]) if isinstance(report.longrepr, tuple) else \
+            report.longreprtext  # fmt: skip
+        seconds = report.duration + (self.setups.get(report.nodeid, 0.0) if report.when == "call" else 0.0)
+        self._record({"case": report.nodeid, "outcome": outcome, "seconds": seconds, "message": message, **facts})
+
+    def _record(self, case: dict[str, Any]) -> None:
+        self.cases[case["case"]] = case
+        if self.folder:
+            with (self.folder / RECORD).open("a", encoding="utf-8") as file:
+                file.write(json.dumps(case) + "\n")
+        self._tell(case)
+
+    def _tell(self, case: dict[str, Any]) -> None:
+        """Print the case and the time left on stderr, where no terminal reporter does."""
+        if self.config.pluginmanager.hasplugin("terminalreporter"):
+            return
+        number, many = len(self.cases) + len(self.resumed), len(self.planned) + len(self.resumed)
+        left = self._seconds_left()
+        ahead = "" if left is None else f", about {left:.0f} s left"
+        print(f"[{number}/{max(many, number)}{ahead}] {case['case']}: {case['outcome']} ({case['seconds']:.1f} s)",
+              file=sys.stderr, flush=True)  # fmt: skip
+        if case["outcome"] not in ("passed", "skipped"):
+            print(case["message"], file=sys.stderr, flush=True)
+        elif case["outcome"] == "skipped":
+            print(f"    not run: {case['message']}", file=sys.stderr, flush=True)
+
+    def _seconds_left(self) -> float | None:
+        """Return the stored seconds of what is still to run, at the pace of what ran."""
+        expected = {case: seconds for case in self.planned if (seconds := self._expected(case)) is not None}
+        done = sum(expected.get(case, 0.0) for case in self.cases)
+        ahead = sum(seconds for case, seconds in expected.items() if case not in self.cases)
+        if done < 1.0:
+            return None
+        return ahead * (time.monotonic() - self.begun) / done
+
+    def _expected(self, case: str) -> float | None:
+        path = self.config.rootpath / case.partition("::")[0]
+        file = stored.file_for(path, self.config.rootpath)
+        if file is None:
+            return None
+        return stored.seconds_of(f"{path.relative_to(file.parent).as_posix()}::{case.partition('::')[2]}", file)
+
+    def pytest_sessionfinish(self, session: pytest.Session, exitstatus: int) -> None:
+        """Store errors and write the report, also of a run that was interrupted."""
+        if self.config.option.collectonly:
+            return
+        if self.config.option.store:
+            self._store()
+        if self.folder:
+            from validation.report.verification_page import write
+
+            write(self.folder, content_of(self._run(int(exitstatus))))
+
+    def _store(self) -> None:
+        option = self.config.option
+        passed = [case for case in self.cases.values() if case["outcome"] == "passed" and case["stored_in"]]
+        self.unstored = len(self.cases) - len(passed)
+        for file in sorted({case["stored_in"] for case in passed}):
+            of_file = [case for case in passed if case["stored_in"] == file]
+            for line in stored.store(Path(file), of_file, option.reason, option.store == "worst"):
+                print(line, file=sys.stderr)
+
+    def _run(self, exit_status: int) -> dict[str, Any]:
+        """Return what is known of the run, from which the report is made."""
+        from validation.harness.provenance import provenance
+
+        cases = self.resumed | self.cases
+        return {
+            "level": self.config.option.level,
+            "command": self.config.option.command or f"pytest {' '.join(self.config.invocation_params.args)}",
+            "exit": exit_status,
+            "seconds": round(time.monotonic() - self.begun, 1),
+            "not_run": [case for case in self.planned if case not in cases],
+            "resumed": len(self.resumed),
+            "cases": list(cases.values()),
+            "provenance": provenance() | {"fingerprint": self.fingerprint},
+        }
+
+    def pytest_terminal_summary(self, terminalreporter: Any) -> None:
+        """Print the verdicts by kind and where the report is."""
+        for line in summary((self.resumed | self.cases).values()):
+            terminalreporter.write_line(line)
+        if self.folder:
+            terminalreporter.write_line(f"report: {self.folder / 'report.html'}")
+
+
+def summary(cases: Iterable[dict[str, Any]]) -> list[str]:
+    """Return a line for every kind of row: how many, and by verdict."""
+    rows, lines = [Row(**row) for case in cases for row in case["rows"]], []
+    for kind in KINDS:
+        verdicts = [row.verdict for row in rows if row.kind == kind]
+        counts = ", ".join(f"{verdicts.count(verdict)} {verdict}" for verdict in dict.fromkeys(verdicts))
+        lines += [f"{kind}: {len(verdicts)} rows: {counts}"] if verdicts else []
+    return lines
+
+
+def fingerprint(places: Iterable[Path], without: Path | None) -> str:
+    """Return the hash of all sources, data, kernels and libraries that a row depends on.
+
+    `places` are files or folders of cases; the folder of the report may lie among them and is left out.
+    """
+    report = without.resolve() if without else None
+    digest = hashlib.sha256(f"{platform.python_version()} {platform.machine()}".encode())
+    for library in LIBRARIES:
+        digest.update(f"{library} {metadata.version(library)}".encode())
+    roots = [Path(place) for name in PACKAGES if (spec := find_spec(name)) for place in _places(spec)]
+    for root in (*roots, *(place.resolve() for place in places)):
+        for file in [root] if root.is_file() else sorted(root.rglob("*")):
+            if file.suffix in SUFFIXES and file.is_file() and report not in file.parents:
+                digest.update(file.name.encode() + file.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _places(spec: Any) -> list[str]:
+    """Return the folders of a package, or the file of a module."""
+    return list(spec.submodule_search_locations or []) or ([spec.origin] if spec.origin else [])

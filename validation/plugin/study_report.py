@@ -1,0 +1,67 @@
+"""Report of a study: rows that were made without pytest, in the form of the verification report."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from validation.harness.provenance import provenance
+from validation.plugin.content import content_of
+from validation.plugin.rows import PASSING, Rows
+from validation.report.verification_page import write
+
+BEGUN = time.monotonic()
+
+
+@dataclass(frozen=True)
+class Part:
+    """One question of a study with its rows; a part that raised has a `message` and fails."""
+
+    name: str
+    question: str
+    rows: Rows = field(default_factory=Rows)
+    method: str = ""
+    seconds: float = 0.0
+    message: str = ""
+
+    def case(self) -> dict[str, Any]:
+        """Return the part as the report holds a case."""
+        failing = any(row.verdict not in PASSING for row in self.rows.rows)
+        outcome = "error" if self.message else "deviates" if failing else "passed"
+        return {"case": self.name, "question": self.question, "method": self.method, "source": "", "level": "",
+                "rows": [asdict(row) for row in self.rows.rows], "figures": self.rows.figures,
+                "tables": self.rows.tables, "costs": self.rows.costs, "seconds": self.seconds, "outcome": outcome,
+                "message": self.message or "; ".join(row.described() for row in self.rows.rows
+                                                     if row.verdict not in PASSING)}  # fmt: skip
+
+
+def write_study(
+    folder: Path,
+    command: str,
+    parts: Sequence[Part],
+    *,
+    level: str = "study",
+    seconds: float | None = None,
+    statements: Iterable[Mapping[str, Any]] = (),
+    facts: Mapping[str, Any] | None = None,
+) -> dict[str, Any]:
+    """Write report.json and report.html; return the content, whose "failed" counts parts that failed.
+
+    `statements` are those of the paper: statement, printed, ours, uncertainty, verdict.  `facts` are provenance that
+    was gathered before the study began.
+    """
+    run = {
+        "level": level,
+        "command": command,
+        "seconds": round(time.monotonic() - BEGUN if seconds is None else seconds, 1),
+        "not_run": [],
+        "statements": list(statements),
+        "cases": [part.case() for part in parts],
+        "provenance": dict(facts or provenance()),
+    }
+    content = content_of(run)
+    write(folder, content)
+    return content

@@ -1,1 +1,0 @@
-"""The correction of Persson's area: calibrated, and judged on a hold-out."""
