@@ -24,7 +24,7 @@ from bem.geometry.patches import Patches
 from bem.loading.assessment import Assessment
 from bem.loading.crew import Crew
 from bem.loading.increments import Effort, Increments
-from bem.loading.path_events import EventNumbers, path_events
+from bem.loading.path_events import EventNumbers, PathTension, path_events
 from bem.loading.points_without_edges import Failed
 from bem.windows.spread import Spread, Spreading
 
@@ -61,6 +61,11 @@ class WindowedPath:
     def effort(self) -> Effort:
         """Counts of the work done."""
         return self.whole.effort
+
+    @property
+    def largest_tension(self) -> PathTension | None:
+        """Least load met on unloading."""
+        return self.whole.largest_tension
 
     @cached_property
     def spreading(self) -> Spreading:
