@@ -12,7 +12,7 @@ import argparse
 import json
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from importlib import import_module
 from pathlib import Path
 
@@ -21,6 +21,7 @@ from bem.command_line.checkpoint import (
     Checkpoint,
     OutputFolderError,
     interruptible,
+    remove_answers,
     stored_result,
     uninterrupted,
     usable,
@@ -44,7 +45,7 @@ from bem.path_for import check_path
 from bem.scene.effects import effects_of
 from bem.scene.memory_estimate import memory_estimate, refuse_beyond_memory
 from bem.scene.plausibility import cautions_of, groups_of
-from bem.scene.result import FINAL_STATUSES, Result
+from bem.scene.result import FINAL_STATUSES, Caution, Result
 from bem.scene.result_file import installed_version
 from bem.scene.scene import Scene, SceneError, StoredStart, load_scene
 from bem.scene.scene_rules import Mistake
@@ -175,14 +176,15 @@ def _run(options: argparse.Namespace) -> int:
 
 def _run_alone(scene: Scene, options: argparse.Namespace, new: bool) -> int:
     """Solve a scene into a folder that is ours alone; `new` says whether it was made for this."""
+    cautions = cautions_of(scene, groups_of(scene))
     if not options.quiet:
-        for caution in cautions_of(scene, groups_of(scene)):
-            print(f"warning: {caution.about}: {caution.message}", file=sys.stderr)
+        _warn(cautions)
     stored = None if new else stored_result(scene, options.out, options.resume, options.overwrite)
-    result = stored if stored is not None and stored.status in FINAL_STATUSES else _solved(scene, stored, options)
     if options.overwrite:
-        for old in (*(options.out / f"{name}.png" for name in CURVES), *options.out.glob("shape_[0-9]*.png")):
-            old.unlink(missing_ok=True)
+        remove_answers(options.out)
+    result = stored if stored is not None and stored.status in FINAL_STATUSES else _solved(scene, stored, options)
+    if not options.quiet:
+        _warn(caution for caution in result.warnings if caution not in cautions)
     if options.plot:
         _draw(result, options.out)
     facts = summary(result, str(options.out), len(scene.loading.targets))
@@ -192,6 +194,12 @@ def _run_alone(scene: Scene, options: argparse.Namespace, new: bool) -> int:
     if result.answered:
         return DONE
     return INTERRUPTED if result.status == "interrupted" else FAILED
+
+
+def _warn(cautions: Iterable[Caution]) -> None:
+    """Print warnings on stderr."""
+    for caution in cautions:
+        print(f"warning: {caution.about}: {caution.message}", file=sys.stderr)
 
 
 def _keep_start(scene: Scene, options: argparse.Namespace) -> None:

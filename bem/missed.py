@@ -94,19 +94,25 @@ def sentence(error: MissedTargetError, name: str, control: str, target: float) -
 
 
 def verdict(states: Iterable[State]) -> tuple[Status, str | None]:
-    """The status of a path with these states that visited all its targets, and why where it is not `converged`."""
-    rows = tuple(states)
-    missed = [state for state in rows if not state.found]
-    refused = [state for state in rows if state.found and not state.certificate.ok]
-    said = [reason for state in missed[:LISTED] for reason in state.certificate.reasons]
-    if len(missed) > LISTED:
-        said.append(f"{len(missed) - LISTED} more targets were not met either")
+    """Return the status of a path that visited all its targets, and why where it is not `converged`.
+
+    Targets alone decide.  A state between targets that is not certified is the subject of a warning (record.py).
+    """
+    targets = [state for state in states if state.target]
+    lost = [state for state in targets if not state.found]
+    refused = [state for state in targets if state.found and not state.certificate.ok]
+    reasons = [reason for state in lost[:LISTED] for reason in state.certificate.reasons]
+    if len(lost) > LISTED:
+        reasons.append(f"{len(lost) - LISTED} more targets were not met either")
     if refused:
-        first, count = refused[0], f"{len(refused)} of {len(rows) - len(missed)} states are not certified"
-        reason = next(iter(first.certificate.reasons), "")
-        told = f"{count}, the first at a separation of {first.separation:.9g} m: {reason}"
-        said.append(f"{told}; {advice(UNCERTIFIED_REMEDIES)}")
-    if not said:
+        count = f"{len(refused)} of {len(targets) - len(lost)} states at targets are not certified"
+        reasons.append(f"{count}, the first {uncertified(refused[0])}; {advice(UNCERTIFIED_REMEDIES)}")
+    if not reasons:
         return "converged", None
-    unreachable = not refused and all(state.status == "unreachable" for state in missed)
-    return "unreachable" if unreachable else "not_converged", "; ".join(said)
+    unreachable = not refused and all(state.status == "unreachable" for state in lost)
+    return "unreachable" if unreachable else "not_converged", "; ".join(reasons)
+
+
+def uncertified(state: State) -> str:
+    """Return where a state is that is not certified, and the first demand that it misses."""
+    return f"at a separation of {state.separation:.9g} m: {next(iter(state.certificate.reasons), '')}"

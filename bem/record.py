@@ -31,6 +31,7 @@ from bem.geometry.scaling import ATOMIC
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.loading_path import LoadingPath
 from bem.loading.path_events import PathEvent
+from bem.missed import uncertified
 from bem.problem import Problem
 from bem.scene.effects import effects_of
 from bem.scene.plausibility import cautions_of, groups_of, pressure_groups
@@ -60,7 +61,7 @@ if TYPE_CHECKING:
 
     AnyPoint = Point | ConvexPoint
 
-TENSION = "interior_tension"  # what a warning is about
+TENSION, BETWEEN = "interior_tension", "states"  # subjects of warnings
 
 
 @dataclass
@@ -116,6 +117,9 @@ class Record:
         """
         events, stored = self._events + len(self.ahead), self.stored if fields else None
         state = not_below_rounding(replace(state, events=events, stored=stored, **place))
+        if not (state.target or state.certificate.ok):
+            told = f"a state between targets is not certified, {uncertified(state)}; the run is judged by its targets"
+            self.warned.append(Caution(BETWEEN, told))
         if not state.target:
             state = replace(state, peak_pressure=None, largest_gap=None)
         self.entries.append(Entry(tuple(self.ahead), state, fields, tuple(self.warned), tension))
@@ -254,7 +258,8 @@ class Recorder:
     def _warn_of_tension(self, state: Evaluation | GapEvaluation, work: FloatArray) -> None:
         """Once, where the tension inside the contact would open it at a flaw of atomic size."""
         tension, record, scales = import_module("bem.adhesive.interior_tension"), self.record, self.problem.scales
-        if any(caution.about == TENSION for entry in record.entries for caution in entry.warnings):
+        warned = [*record.warned, *(caution for entry in record.entries for caution in entry.warnings)]
+        if any(caution.about == TENSION for caution in warned):
             return
         flaw = ATOMIC / scales.length
         largest, opening = tension.largest_tension(state.pressure(), flaw), tension.opening_tension(work, flaw)
@@ -262,7 +267,7 @@ class Recorder:
             told = f"at a penetration of {state.penetration * scales.height:.4g} m the tension inside the contact is "
             told += f"{largest * scales.stress:.3g} Pa; {opening * scales.stress:.3g} Pa open a flaw of "
             told += f"{ATOMIC:g} m, the distance of atoms. The path holds it closed: bem/README.md, section 10"
-            record.warned = [Caution(TENSION, told)]
+            record.warned.append(Caution(TENSION, told))
 
     def _cost(self) -> dict[str, Any]:
         """Return evaluations and CPU seconds since the last entry."""

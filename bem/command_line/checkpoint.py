@@ -32,6 +32,7 @@ from bem.scene.result_file import (
 )
 from bem.scene.scene import Scene
 
+ANSWERS = ("answer.csv", "report.html", "contact_fraction.png", "separation.png", "shape_[0-9]*.png")
 PAUSE = 10.0  # format: times the duration of a write of result.json until the next
 
 
@@ -114,8 +115,16 @@ class Checkpoint:
         if not self.journal.path.exists():
             self.journal.begin(result, ())
         write_result(result, self.journal.folder)
+        remove_answers(self.journal.folder)
         for name in (RESULT_FILE, FIELDS_FILE, JOURNAL_FILE):
             remove_remains(self.journal.folder / name)
+
+
+def remove_answers(folder: Path) -> None:
+    """Remove the page, the table and the pictures that were made of an earlier result in a folder."""
+    for pattern in ANSWERS:
+        for path in folder.glob(pattern):
+            path.unlink(missing_ok=True)
 
 
 @contextmanager

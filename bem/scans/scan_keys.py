@@ -5,7 +5,8 @@ METRES = {  # the international inch
     **{"in": 25.4e-3, "mil": 25.4e-6, "uin": 25.4e-9},
 }
 UNITS = ", ".join(f'"{unit}"' for unit in METRES)
-SCAN_KEYS = ("unit_x", "unit_h", "decimal", "columns", "spacing", "row", "channel")  # how it is read
+TEXT_KEYS = ("skip_lines", "decimal", "columns", "valid_column")  # of text files alone
+SCAN_KEYS = ("unit_x", "unit_h", *TEXT_KEYS, "missing_value", "spacing", "row", "channel")  # how a scan is read
 DEFAULTS = {  # how it is prepared
     "dropouts": "missing",
     "missing": "refuse",
@@ -15,3 +16,4 @@ DEFAULTS = {  # how it is prepared
     "unequal_spacing": "refuse",
 }
 CUTOFFS = ("cutoff_short", "cutoff_long")  # of Gaussian filters, m; without them nothing is filtered
+BACKSLASHES = "backslashes in single quotes, 'C:\\Users\\me\\scan.csv', or with / instead"  # in names of files

@@ -1,4 +1,4 @@
-"""Why a scan cannot be used."""
+"""Errors of scans that cannot be used: the key of [profile] concerned, what is wrong, and what is allowed."""
 
 from __future__ import annotations
 
@@ -7,16 +7,21 @@ from typing import NamedTuple
 
 
 class Refusal(NamedTuple):
-    """The key of [profile] concerned, what was found, what is allowed."""
+    """One thing that is wrong with a scan."""
 
-    key: str
+    key: str  # of [profile]
     found: str
     allowed: str
 
 
 class ScanFileError(ValueError):
-    """A scan that cannot be used; `refusals` says everything that is wrong with it."""
+    """Error of a scan that cannot be used; `refusals` says everything that is wrong with it."""
 
     def __init__(self, refusals: Iterable[Refusal]) -> None:
         self.refusals = tuple(refusals)
         super().__init__("; ".join(f"{key}: {found}; allowed: {allowed}" for key, found, allowed in self.refusals))
+
+
+def refused(key: str, found: str, allowed: str) -> ScanFileError:
+    """Return the error of a scan with one thing wrong."""
+    return ScanFileError([Refusal(key, found, allowed)])

@@ -3,10 +3,10 @@
 A scene is TOML with the tables [solid], [profile], [layer], [adhesion], [loading], [accuracy], [output].
 `parse_scene` checks types and ranges (pydantic, strict: no text or truth value passes for a number), then what
 depends on more than one key, and reports every mistake at once.  The `Scene` it returns is frozen and resolved:
-defaults filled in, start/stop/count expanded, shapes merged into the targets, the scan read.
+defaults filled in, start/stop/count expanded, the scan read.
 
-Values of the targets, of `output.shapes` and of the lists in [output] are those of the controlled quantity
-(m, or Pa for mean_pressure); with penetration control shapes are separations.  A path start/stop/count visits
+Values of the targets and of the lists in [output] are those of the controlled quantity (m, or Pa for mean_pressure).
+An output is asked for at targets alone, so that no output changes the path.  A path start/stop/count visits
 linspace(start, stop, count); `then_back_to` appends the way back with the same count, the turning point once.
 A separation of exactly 0 asks for complete contact.
 """
@@ -24,7 +24,7 @@ from pydantic import ValidationError
 
 from bem.geometry.profile import Profile
 from bem.geometry.ranges import MOST_HARMONICS, Mistake, shown
-from bem.scans.scan_keys import CUTOFFS, DEFAULTS, SCAN_KEYS
+from bem.scans.scan_keys import BACKSLASHES, CUTOFFS, DEFAULTS, SCAN_KEYS
 from bem.scene.result import State
 from bem.scene.scene_rules import (
     QUESTIONS,
@@ -55,10 +55,12 @@ from bem.scene.scene_tables import (
     said_of,
 )
 from bem.scene.stored_start import StoredState, other_problem, stored_start
-from bem.scene.targets import expanded, found, merged, origin
+from bem.scene.targets import expanded, found, origin
 
 if TYPE_CHECKING:
-    from bem.scans.scan_preparation import Scan, Step
+    from bem.scans.prepared_scan import Scan, Step
+
+LISTED = 12  # format: targets listed in an error
 
 __all__ = ["LoadingTable", "Mistake", "Scene", "SceneError", "StoredStart", "load_scene", "parse_scene"]
 
@@ -71,11 +73,9 @@ class Scene:
     ----------
     title : str
     solid, profile, layer, adhesion, loading, accuracy, output
-        The tables, SI units; `loading.targets` holds all targets, those of the shapes included.
+        The tables, SI units; `loading.targets` holds all targets.
     origin : float
         Value of the controlled quantity where the path begins, possibly infinite.
-    shape_targets : tuple of float
-        Targets at which shapes are stored.
     scan : Scan, optional
         Samples of profile.file.
     cut_by_default : bool
@@ -93,7 +93,6 @@ class Scene:
     accuracy: AccuracyTable
     output: OutputTable
     origin: float
-    shape_targets: tuple[float, ...] = ()
     scan: Scan | None = field(default=None, compare=False)
     cut_by_default: bool = False
     start_state: State | None = None
@@ -125,7 +124,7 @@ class Scene:
 
     def wants(self, output: str, index: int) -> bool:
         """Return whether `output` ("shapes", "spectra", ...) is asked for at the target with an index."""
-        asked = self.shape_targets if output == "shapes" else getattr(self.output, output)
+        asked = getattr(self.output, output)
         if isinstance(asked, bool):
             return asked
         return index < len(self.loading.targets) and found(self.loading.targets[index], asked) is not None
@@ -158,7 +157,9 @@ def load_scene(path: Path | str) -> Scene:
     except OSError as error:
         raise SceneError([Mistake(str(path), f"cannot be read ({error.strerror})", "a TOML file")]) from error
     except (ValueError, RecursionError) as error:
-        raise SceneError([Mistake(str(path), f"is not TOML ({error})", "a TOML file in UTF-8")]) from error
+        escaped = str(error).startswith(("Invalid hex value", "Unescaped '\\'"))  # a name of a file under Windows
+        allowed = f"names with {BACKSLASHES}" if escaped else "a TOML file in UTF-8"
+        raise SceneError([Mistake(str(path), f"is not TOML ({error})", allowed)]) from error
     return parse_scene(data, path.parent)
 
 
@@ -205,8 +206,7 @@ def parse_scene(data: Mapping[str, Any], base_dir: Path | str = ".") -> Scene:
         mistakes += profile_mistakes(profile, given["profile"])
     if "loading" in data:
         tables = [name for name in TABLES if data.get(name) is not None]
-        shapes = values["output"].get("shapes", ())
-        mistakes += loading_mistakes(loading, given["loading"], tables, shapes, profile.get("period"))
+        mistakes += loading_mistakes(loading, given["loading"], tables, profile.get("period"))
     scan, wrong = _scan(profile, given["profile"], base_dir)
     mistakes += wrong
     start, wrong = stored_start(loading.get("initial"), loading.get("control"), base_dir)
@@ -262,8 +262,8 @@ def _scan(profile: Mapping[str, Any], given: set[str], base_dir: Path) -> tuple[
     wrong = [key for key in given.intersection((*SCAN_KEYS, *DEFAULTS, *CUTOFFS)) if key not in profile]
     if profile.get("kind") != "samples" or "file" not in profile or wrong:
         return None, []
-    from bem.scans.scan_file import read_scan
-    from bem.scans.scan_preparation import prepare
+    from bem.scans.prepare_scan import prepare
+    from bem.scans.read_scan import read_scan
     from bem.scans.scan_refusal import ScanFileError
 
     name = profile["file"]
@@ -281,39 +281,32 @@ def _scan(profile: Mapping[str, Any], given: set[str], base_dir: Path) -> tuple[
 def _resolved(
     data: Mapping[str, Any], values: Mapping[str, dict[str, Any]], scan: Scan | None, start: StoredState | None
 ) -> Scene:
-    """The scene of data without mistakes of their own: defaults, targets, shapes; SceneError for what these show."""
+    """The scene of data without mistakes of their own: defaults, targets; SceneError for what these show."""
     profile = _profile(values["profile"], scan)
     loading = LoadingTable.model_validate(values["loading"])
-    output = OutputTable.model_validate(values["output"])
     targets = loading.targets
     if loading.start is not None and loading.stop is not None and loading.count is not None:
         targets = expanded(loading.start, loading.stop, loading.count, loading.then_back_to)
-    shapes = output.shapes
-    if shapes and loading.control == "penetration":
-        highest = surface_of(profile.model_dump(), scan).max_height
-        shapes = tuple(highest - separation for separation in shapes)
     if isinstance(loading.initial, StoredStart) and start is not None:
         begin = float(getattr(start.state, loading.control))
     else:
         begin = origin(loading.control, str(loading.initial), targets[0])
-    path, missed = merged(targets, shapes, begin)
     ranged = dict.fromkeys((*RANGE, "then_back_to"))
     tables: dict[str, Any] = {
         name: model.model_validate(values[name]) if name in QUESTIONS or data.get(name) is not None else None
         for name, model in TABLES.items()
     }
-    tables |= {"profile": profile, "loading": loading.model_copy(update={**ranged, "targets": path})}
+    tables |= {"profile": profile, "loading": loading.model_copy(update={**ranged, "targets": targets})}
     scene = Scene(
         title=data.get("title", ""),
         **tables,
         origin=begin,
-        shape_targets=tuple(dict.fromkeys(hit for shape in shapes if (hit := found(shape, path)) is not None)),
         scan=scan,
         cut_by_default=scan is not None and "harmonics" not in values["profile"],
         start_state=None if start is None else start.state,
     )
     resolved = scene.resolved()
-    mistakes = [*_output_mistakes(scene, shapes, missed), *other_problem(resolved, start)]
+    mistakes = [*_output_mistakes(scene), *other_problem(resolved, start)]
     mistakes += magnitude_mistakes(resolved, scene.surface())
     if mistakes:
         raise SceneError(mistakes)
@@ -337,14 +330,13 @@ def _profile(values: Mapping[str, Any], scan: Scan | None) -> ProfileTable:
     return profile.model_copy(update=update)
 
 
-def _output_mistakes(scene: Scene, shapes: tuple[float, ...], missed: tuple[float, ...]) -> Iterator[Mistake]:
-    """Shapes the path never meets, spectra and distributions at other values than targets."""
-    for k, shape in enumerate(shapes):
-        if shape in missed:
-            value = scene.output.shapes[k]
-            yield Mistake(f"output.shapes[{k}]", f"= {value:g} is never met", "a value the loading path passes")
-    for name in OUTPUTS[1:]:
+def _output_mistakes(scene: Scene) -> Iterator[Mistake]:
+    """Yield outputs asked for at other values than targets."""
+    targets = scene.loading.targets
+    listed = ", ".join(f"{target:g}" for target in dict.fromkeys(targets[:LISTED])) + ", ..." * (len(targets) > LISTED)
+    allowed = f"true, false or a list of targets ({listed}); add it to loading.targets to have a state there"
+    for name in OUTPUTS:
         asked = getattr(scene.output, name)
         for k, value in enumerate(() if isinstance(asked, bool) else asked):
-            if found(value, scene.loading.targets) is None:
-                yield Mistake(f"output.{name}[{k}]", f"= {value:g} is not a target", "true, false or a list of targets")
+            if found(value, targets) is None:
+                yield Mistake(f"output.{name}[{k}]", f"= {value:g} is not a target", allowed)

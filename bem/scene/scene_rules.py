@@ -19,7 +19,7 @@ from bem.geometry.ranges import shown as shown
 from bem.scans.scan_keys import CUTOFFS, DEFAULTS, SCAN_KEYS
 
 if TYPE_CHECKING:
-    from bem.scans.scan_preparation import Scan
+    from bem.scans.prepared_scan import Scan
 
 SAMPLED_HARMONICS = 1000  # format: default cut of a scan that is not filtered
 REQUIRED = {
@@ -113,21 +113,18 @@ def loading_mistakes(
     values: Mapping[str, Any],
     given: Collection[str],
     tables: Collection[str],
-    shapes: Sequence[float],
     period: float | None,
 ) -> Iterator[Mistake]:
     """How the path is given, signs of separations, what the control and the initial state need.
 
-    `values` and `given` are of [loading], `tables` are the names of the tables present, `shapes` the values of
-    output.shapes; `period` is profile.period, if known.
+    `values` and `given` are of [loading], `tables` are the names of the tables present; `period` is profile.period, if
+    known.
     """
     yield from _path_mistakes(values, given)
     control = values.get("control")
     if control == "separation":
         for key in ("targets", "start", "stop", "then_back_to"):
             yield from _negative(f"loading.{key}", values.get(key))
-    if control in ("separation", "penetration"):
-        yield from _negative("output.shapes", shapes)
     if control == "total_displacement" and "layer" not in tables:
         yield Mistake(
             "loading.control",

@@ -126,7 +126,31 @@ class ProfileTable(Table):
             "Which columns of a text file are read.",
             "[x, h], or [h] with spacing: columns of the file from 1",
             [1, 3],
-            absent="[1, 2], or [1] of a file with one column",
+            absent="[1, 2], or [1] of a file with one column; needed where there are more than two",
+        ),
+    ] = None
+    skip_lines: Annotated[
+        int | None,
+        _about("Lines at the beginning of a text file that are not read.", "an integer >= 0", 6, absent="none", ge=0),
+    ] = None
+    missing_value: Annotated[
+        Number | None,
+        _about(
+            "Height in the file that stands for a missing one.",
+            f"a number from {-MOST:g} to {MOST:g}, in unit_h",
+            -9999.0,
+            "unit_h",
+            "none",
+        ),
+    ] = None
+    valid_column: Annotated[
+        int | None,
+        _about(
+            "Column of a text file whose 0 flags a missing height.",
+            "a column of the file from 1, or 0 if no column is a flag",
+            3,
+            absent="none; needed where a column that is not read holds few whole numbers",
+            ge=0,
         ),
     ] = None
     spacing: Annotated[
@@ -136,7 +160,7 @@ class ProfileTable(Table):
             f"{POSITIVE}, in unit_x",
             0.5,
             "unit_x",
-            "what the file states",
+            "what an instrument's file states",
         ),
     ] = None
     row: Annotated[
@@ -327,15 +351,9 @@ class AccuracyTable(Table):
 class OutputTable(Table):
     """[output]: what is stored beside the numbers of each state."""
 
-    shapes: Annotated[
-        Numbers,
-        _about(
-            "Targets at which displacement, gap and pressure are stored.",
-            "a list of finite numbers (separations in m, or Pa)",
-            [1e5],
-            "m or Pa",
-        ),
-    ] = ()
+    shapes: Annotated[bool | Numbers, _about("Displacement, gap and pressure along the period.", TARGETS_OF, [1e5])] = (
+        False
+    )
     spectra: Annotated[
         bool | Numbers, _about("Power spectra of heights, displacement and pressure.", TARGETS_OF, True)
     ] = False

@@ -1,4 +1,4 @@
-"""The targets of a loading path: expansion of a range, the way back, and extra targets where the path crosses them.
+"""The targets of a loading path: expansion of a range, the way back, and targets that equal a value.
 
 Values are those of the controlled quantity (m, or Pa for mean_pressure).  The path begins at an origin that
 may be infinite: a separated profile comes from separation +inf (penetration -inf), one in complete contact
@@ -8,7 +8,7 @@ from the other end; under mean-pressure control a separated profile begins at fi
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -54,30 +54,3 @@ def found(value: float, targets: Sequence[float]) -> float | None:
         return None
     nearest = min(targets, key=lambda target: abs(target - value))
     return nearest if abs(nearest - value) <= SAME * max(abs(value), *map(abs, targets)) else None
-
-
-def merged(
-    targets: Sequence[float], extra: Iterable[float], begin: float
-) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """All targets, the extra ones inserted at every crossing, in the order of travel; and extras the path never meets.
-
-    Values never met that lie beyond the last target, in the direction of the last leg, continue the path.
-
-    Examples
-    --------
-    >>> merged([3.0, 1.0, 3.0], [2.0, 4.0, 0.0], begin=9.0)
-    ((4.0, 3.0, 2.0, 1.0, 2.0, 3.0), (0.0,))
-    """
-    wanted = sorted(set(extra))
-    path: list[float] = []
-    previous = start = begin
-    for stop in targets:
-        low, high = min(start, stop), max(start, stop)
-        ends = [value for value in (start, stop) if math.isfinite(value)]
-        inside = [value for value in wanted if low < value < high and found(value, ends) is None]
-        path += [*(inside if stop > start else reversed(inside)), stop]
-        previous, start = start, stop
-    beyond = [value for value in wanted if (value > start > previous or value < start < previous)]
-    unmet = [value for value in beyond if found(value, path) is None]
-    path += unmet if start > previous else reversed(unmet)
-    return tuple(path), tuple(value for value in wanted if found(value, path) is None)

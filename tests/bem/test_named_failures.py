@@ -5,10 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rough_surfaces import rough_scene
+from stored_states import stored_state
 
 from bem import certified_states, record, solver
+from bem.audit.certificate import Certificate
 from bem.elastic.hierarchical import IllConditionedSystemError
-from bem.missed import NUMERICAL_FAILURES, no_point, sentence
+from bem.missed import NUMERICAL_FAILURES, no_point, sentence, verdict
+from bem.record import Record
 from bem.solver import solve
 
 TARGETS = [70e-6, 50e-6, 60e-6]
@@ -176,5 +179,22 @@ def test_what_is_not_certified_is_not_called_converged(monkeypatch):
     for state in result.states:
         assert state.status == ("not_converged" if state.n_patches == 3 else "converged")
         assert state.certificate.ok == (state.status == "converged")
-    assert "states are not certified, the first at a separation of" in result.failure
+    assert "states at targets are not certified, the first at a separation of" in result.failure
     assert "exceeds 1e-30 at an edge of patch" in result.failure
+
+
+def test_a_state_between_targets_that_is_not_certified_is_a_warning_and_targets_decide():
+    refused = replace(Certificate(), ok=False, reasons=("mean gap less separation 1.13e-10 exceeds 1e-10",))
+    between = stored_state(target=False, index=None, certificate=refused, status="not_converged")
+    record = Record(rough_scene(TARGETS))
+    record.add(between, {})
+    record.add(stored_state(), {})
+    result = record.result(*verdict(record.states))
+    assert (result.status, result.failure) == ("converged", None)
+    warning = result.warnings[-1]
+    assert warning.about == "states"
+    assert "at a separation of 2e-05 m: mean gap less separation 1.13e-10 exceeds 1e-10" in warning.message
+    record.add(replace(between, target=True, index=1), {})
+    status, failure = verdict(record.states)
+    assert status == "not_converged"
+    assert failure.startswith("1 of 2 states at targets are not certified, the first at a separation of 2e-05 m")

@@ -12,6 +12,7 @@ from bem import solver
 from bem.continuation.path import Path
 from bem.loading.points_without_edges import Failed
 from bem.nonadhesive.convex_path import ConvexPath
+from bem.scene.scene_tables import OUTPUTS
 from bem.solver import solve
 
 TARGETS = [70e-6, 50e-6, 35e-6, 60e-6, 90e-6]
@@ -77,6 +78,26 @@ def halves(scene, increments):
 def numbers(state):
     """All of a state but the seconds it took, NaN equal to itself."""
     return json.dumps(asdict(replace(state, cpu_seconds=0.0)))
+
+
+@pytest.mark.parametrize(
+    "loading",
+    [
+        {"control": "separation", "targets": [60e-6, 30e-6, 80e-6], "at_mean_pressures": [500.0]},
+        {"control": "penetration", "targets": [3e-5, 5e-5, 2e-5]},
+        {"control": "mean_pressure", "targets": [800.0, 300.0, 500.0]},
+    ],
+    ids=lambda loading: loading["control"],
+)
+@pytest.mark.parametrize("adhesion", [None, 0.03], ids=["without adhesion", "with adhesion"])
+def test_no_output_changes_the_path(loading, adhesion):
+    changes = {"adhesion": adhesion, "loading": loading}
+    bare = solve(rough_scene([], 12, **changes))
+    for asked in (True, loading["targets"][:2]):
+        full = solve(rough_scene([], 12, output=dict.fromkeys(OUTPUTS, asked), **changes))
+        assert set(full.fields) >= {"x_0", "C_sigma_1", "sigma_0"}
+        assert [numbers(replace(state, stored=None)) for state in full.states] == [*map(numbers, bare.states)]
+        assert (full.events, full.largest_tension, full.status) == (bare.events, bare.largest_tension, bare.status)
 
 
 RESUMED = {

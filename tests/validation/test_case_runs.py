@@ -9,7 +9,6 @@ import subprocess
 import textwrap
 
 import pytest
-
 from validation.plugin import stored
 
 HEAD = """

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-
 from validation.plugin.rows import Code, Quantity, Rows
 
 PAIR = {"of": Code.BEM, "by": Code.FEM, "quantity": Quantity.AREA}

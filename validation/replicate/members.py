@@ -67,7 +67,7 @@ def shapes(size: Size) -> Member:
     """The first realisation with a crest above `HIGHEST_CREST`, through `SHAPES_AT`."""
     surfaces = (Profile.self_affine(PERIOD, HURST, RMS_HEIGHT, size.harmonics, k) for k in range(1000))
     seed = next(k for k, surface in enumerate(surfaces) if surface.max_height > HIGHEST_CREST)
-    loading = {"control": "separation", "targets": [SHAPES_AT[-1]]}
+    loading = {"control": "separation", "targets": list(SHAPES_AT)}
     output = {"shapes": list(SHAPES_AT), "spectra": True}
     return _member(f"shapes-{seed:02d}", seed, HURST, size.harmonics, loading, output)
 

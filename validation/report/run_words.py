@@ -38,8 +38,8 @@ def outcome(result: Result) -> str:
 
 
 def succeeded(result: Result) -> bool:
-    """Whether a run has its answer, with every state certified."""
-    return result.answered and all(state.certificate.ok for state in result.states if state.found)
+    """Return whether a run has its answer, with every target that was met certified."""
+    return result.answered and all(state.certificate.ok for state in result.targets if state.found)
 
 
 def scene_in_words(scene: Mapping[str, Any]) -> list[str]:

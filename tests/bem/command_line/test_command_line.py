@@ -157,11 +157,21 @@ def test_file_in_place_of_the_folder_is_refused(flag, scene, tmp_path, solver):
 def test_overwrite_replaces_the_result_and_keeps_other_files(scene, tmp_path, solver):
     solver()
     run(scene, tmp_path / "out", "--plot")
-    (tmp_path / "out" / "notes.txt").write_text("mine")
+    for name in ("notes.txt", "answer.csv", "report.html"):
+        (tmp_path / "out" / name).write_text("before")
     other = written_scene(tmp_path, targets="70e-6, 50e-6", name="other.toml")
     assert run(other, tmp_path / "out", "--overwrite") == 0
     assert read_result(tmp_path / "out").scene["loading"]["targets"] == [70e-6, 50e-6]
     assert sorted(files(tmp_path / "out")) == ["fields.npz", "notes.txt", "result.json"]
+
+
+def test_what_was_drawn_of_an_unfinished_run_goes_when_it_is_finished(scene, tmp_path, solver):
+    solver(stop_at=2)
+    run(scene, tmp_path / "out", "--plot")
+    (tmp_path / "out" / "report.html").write_text("of two states")
+    solver()
+    run(scene, tmp_path / "out", "--resume")
+    assert sorted(files(tmp_path / "out")) == ["fields.npz", "result.json"]
 
 
 def test_resume_and_overwrite_exclude_one_another(scene, tmp_path, capsys):

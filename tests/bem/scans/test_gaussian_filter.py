@@ -5,8 +5,9 @@ import pytest
 
 import bem
 from bem.scans.gaussian_filter import GaussianFilter
-from bem.scans.scan_file import RawScan
-from bem.scans.scan_preparation import CARRIED, prepare
+from bem.scans.prepare_scan import prepare
+from bem.scans.prepared_scan import CARRIED
+from bem.scans.read_scan import RawScan
 from bem.scene.scene import SceneError, parse_scene
 
 COUNT, SPACING = 600, 1e-6

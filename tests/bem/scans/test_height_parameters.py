@@ -5,8 +5,8 @@ import pytest
 
 import bem
 from bem.scans.height_parameters import height_parameters
-from bem.scans.scan_file import RawScan
-from bem.scans.scan_preparation import prepare
+from bem.scans.prepare_scan import prepare
+from bem.scans.read_scan import RawScan
 
 COUNT, SPACING = 1000, 1e-6
 X = SPACING * np.arange(COUNT)

@@ -145,14 +145,6 @@ def test_cut_that_keeps_mostly_noise_is_named_and_the_cut_suggested_is_not(tmp_p
     assert followed.scan.spectrum.crossing == suggested  # of the scan, not of what is left of it
 
 
-def test_a_finer_cut_is_not_asked_for_where_only_noise_is_finer(tmp_path):
-    """Few harmonics keep little of the slope, the rest of which is noise here, and is not without noise."""
-    noisy = scene_of(tmp_path, 2e-8)
-    enough = round(noisy.scan.period / noisy.scan.spectrum.crossing) + 1
-    assert "profile.harmonics" not in said(scene_of(tmp_path, 2e-8, harmonics=enough))
-    assert "more of them" in said(scene_of(tmp_path, 0.0, harmonics=enough))["profile.harmonics"]
-
-
 def test_scan_without_a_floor_has_no_share_of_noise(tmp_path):
     scene = scene_of(tmp_path, 0.0, harmonics="all")
     assert "noise_share_of_slope" not in groups_of(scene)

@@ -108,7 +108,7 @@ def test_states_scenes_and_results_are_told_on_a_line(result):
 
 
 def test_words_are_few(result):
-    assert repr(result).startswith(f"<Result converged: {len(result.states)} states, 3 at targets, ")
+    assert repr(result).startswith(f"<Result converged: {len(result.states)} states, 4 at targets, ")
     assert "\n" not in repr(result)
 
 

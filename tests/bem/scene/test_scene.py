@@ -129,7 +129,7 @@ def paths_of(data, base_dir="."):
         ("accuracy", {"tolerance": 1e-13}, "accuracy.tolerance"),
         ("accuracy", {"tolerance": 0.02}, "accuracy.tolerance"),
         ("accuracy", {"max_increment": 0.0}, "accuracy.max_increment"),
-        ("output", {"shapes": True}, "output.shapes"),
+        ("output", {"shapes": "all"}, "output.shapes"),
         ("output", {"shapes": [30e-6, math.inf]}, "output.shapes[1]"),
         ("output", {"shapes": [-30e-6]}, "output.shapes[0]"),
         ("output", {"spectra": 1}, "output.spectra"),
@@ -223,7 +223,7 @@ def test_defaults():
     scene = parse_scene(BASE)
     assert (scene.profile.seed, scene.adhesion.slope_term, scene.loading.initial) == (0, False, "separated")
     assert (scene.accuracy.tolerance, scene.accuracy.max_increment) == (1e-6, 0.05)
-    assert (scene.output.shapes, scene.output.spectra, scene.layer) == ((), False, None)
+    assert (scene.output.shapes, scene.output.spectra, scene.layer) == (False, False, None)
 
 
 def test_scene_is_frozen():
@@ -237,36 +237,15 @@ def test_range_goes_there_and_back_with_the_turning_point_once():
     assert parse_scene(scene_with("loading", loading)).loading.targets == (1.0, 2.0, 3.0, 1.5, 0.0)
 
 
-@pytest.mark.parametrize(
-    ("targets", "shapes", "path"),
-    [
-        pytest.param([60e-6, 30e-6], [45e-6], (60e-6, 45e-6, 30e-6), id="between"),
-        pytest.param([60e-6, 30e-6], [90e-6], (90e-6, 60e-6, 30e-6), id="on the way in"),
-        pytest.param([60e-6, 30e-6], [10e-6, 20e-6], (60e-6, 30e-6, 20e-6, 10e-6), id="beyond the end"),
-        pytest.param([60e-6, 30e-6], [30e-6 * (1 + 1e-12)], (60e-6, 30e-6), id="a target already"),
-        pytest.param([60e-6, 30e-6, 60e-6], [45e-6], (60e-6, 45e-6, 30e-6, 45e-6, 60e-6), id="both ways"),
-    ],
-)
-def test_shapes_become_targets_where_the_path_meets_them(targets, shapes, path):
-    data = scene_with("output", {"shapes": shapes})
-    data["loading"]["targets"] = targets
-    assert parse_scene(data).loading.targets == path
-
-
-def test_shape_below_the_turning_point_is_a_mistake():
-    data = scene_with("output", {"shapes": [45e-6, 10e-6]})
-    data["loading"]["targets"] = [60e-6, 30e-6, 60e-6]
-    assert paths_of(data) == ["output.shapes[1]"]
-
-
-def test_shapes_of_penetration_control_are_separations():
-    data = scene_with("profile", WAVE | {"orders": [1], "amplitudes": [5e-5], "phases": [0.0]})
-    data |= {"loading": {"control": "penetration", "targets": [4e-5]}, "output": {"shapes": [30e-6]}}
-    scene = parse_scene(data)
-    # the crest is at 5e-5 m; measured difference 0
-    np.testing.assert_allclose(scene.loading.targets, (2e-5, 4e-5), rtol=1e-14)
-    assert scene.wants("shapes", 0)
-    assert not scene.wants("shapes", 1)
+@pytest.mark.parametrize("control", ["separation", "penetration"])
+def test_an_output_at_another_value_than_a_target_is_refused_with_the_list_of_targets(control):
+    data = scene_with("output", {"shapes": [30e-6, 45e-6], "spectra": [10e-6]})
+    data["loading"] = {"control": control, "targets": [60e-6, 30e-6, 60e-6]}
+    with pytest.raises(SceneError) as caught:
+        parse_scene(data)
+    first, second = caught.value.mistakes
+    assert (first.path, second.path) == ("output.shapes[1]", "output.spectra[0]")
+    assert "a list of targets (6e-05, 3e-05)" in first.allowed
 
 
 def test_outputs_are_wanted_at_the_targets_listed():
@@ -276,7 +255,7 @@ def test_outputs_are_wanted_at_the_targets_listed():
 
 
 def test_resolved_scene_parses_to_itself():
-    data = scene_with("output", {"shapes": [45e-6]})
+    data = scene_with("output", {"shapes": [30e-6]})
     resolved = parse_scene(data).resolved()
     assert parse_scene(resolved).resolved() == resolved
 
@@ -294,7 +273,7 @@ def test_surface_of_a_self_affine_scene_has_the_stated_rms_height():
 
 
 def write_scan(folder, x, h):
-    np.savetxt(folder / "scan.csv", np.column_stack([x, h]), delimiter=",", header="x,h")
+    np.savetxt(folder / "scan.csv", np.column_stack([x, h]), delimiter=",")
 
 
 def test_scan_next_to_the_scene_is_found(tmp_path):

@@ -120,7 +120,7 @@ def draw(seed: int, index: int, most_harmonics: int = 12) -> Drawn:
         tables["adhesion"] = _adhesion(rng, solid, surface)
     tables["loading"], span = _loading(rng, tables, surface)
     tables["accuracy"] = _accuracy(rng, span)
-    output = _output(rng, tables["loading"], surface)
+    output = _output(rng, tables["loading"])
     if output:
         tables["output"] = output
     fate = rng.random()
@@ -279,15 +279,14 @@ def _accuracy(rng: np.random.Generator, span: float) -> Table:
     return table
 
 
-def _output(rng: np.random.Generator, loading: Table, surface: Profile) -> Table:
+def _output(rng: np.random.Generator, loading: Table) -> Table:
     """[output], for a part of the scenes."""
     table: Table = {}
     for name in ("spectra", "pressure_distribution", "width_distributions"):
         if rng.random() < 0.12:
             table[name] = True
     if rng.random() < 0.12 and "targets" in loading and loading.get("initial") is None:
-        first = loading["targets"][0]
-        table["shapes"] = [max(surface.max_height - first, 0.0) if loading["control"] == "penetration" else first]
+        table["shapes"] = [loading["targets"][0]]
     return table
 
 

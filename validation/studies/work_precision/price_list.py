@@ -151,7 +151,7 @@ def _fields(**output: Any) -> Any:
 
 
 def _shapes() -> Digits:
-    found = _fields(shapes=[DRY.amplitude - DEPTH])
+    found = _fields(shapes=True)
     error = float(np.max(np.abs(found["gap_0"] - DRY.gap(found["x_0"], DRY.angle(DEPTH))))) / (2 * DRY.amplitude)
     return error, ROUNDING, "Westergaard 1939, gap along the period"
 

@@ -29,7 +29,7 @@ def main() -> dict[int, bem.Result]:
             print(f"{step['step']} {done}: rms height from {1e6 * before:.3f} to {1e6 * after:.3f} um")
     for cut, result in results.items():
         state = result.states[-1]
-        share = result.groups["slope_share_kept"]
+        share = result.profile_preparation[-1]["slope_share_kept"]
         print(f"{cut} harmonics keep {share:.0%} of the rms slope: contact fraction {state.contact_fraction:.4f}")
         for warning in result.warnings:
             print(f"  {warning.about}: {warning.message}")

@@ -1,14 +1,14 @@
 """Files of instruments: lines and maps come back with their lengths and units, and what is not clear is refused."""
 
+import subprocess
 import sys
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import scipy.io
 
-from bem.scans import instrument_file
-from bem.scans.scan_file import read_scan
-from bem.scans.scan_text import ScanFileError
+from bem.scans.read_scan import read_scan
+from bem.scans.scan_refusal import ScanFileError
 
 RNG = np.random.default_rng(2)
 MAP = np.round(RNG.normal(size=(8, 3)), 3)  # (along x, along y), um
@@ -54,7 +54,8 @@ def test_undefined_heights_are_missing(topography, tmp_path):
     heights = np.ma.masked_array(MAP, mask=np.zeros_like(MAP, dtype=bool))
     heights[5, 1] = np.ma.masked
     path = written(tmp_path, topography.Topography(heights, (4.0, 3.0), unit="um"), "nc")
-    assert np.flatnonzero(np.isnan(read_scan(path, {"row": 1}).h)).tolist() == [5]
+    scan = read_scan(path, {"row": 1})
+    assert (np.flatnonzero(np.isnan(scan.h)).tolist(), scan.facts["missing_points"]) == ([5], 1)
     assert np.isnan(read_scan(path, {"row": "mean"}).h[5])
 
 
@@ -66,7 +67,7 @@ def test_undefined_heights_are_missing(topography, tmp_path):
         ("um", {"row": 0, "unit_x": "mm"}, "unit_x", 'says "um" in what its instrument wrote'),
         ("um", {"row": 0, "channel": 1}, "channel", "= 1"),
         ("um", {"row": 0, "decimal": "."}, "decimal", "text files"),
-        ("um", {"row": 0, "spacing": 1.0}, "spacing", "is in the file"),
+        ("um", {"row": 0, "spacing": 1.0}, "spacing", "beside the lengths in the file"),
         (None, {"row": 0}, "unit_x", "does not state it"),
         ("ft", {"row": 0, **UNITS}, "unit_x", "'ft'"),
     ],
@@ -85,65 +86,44 @@ def test_file_of_no_known_format_is_told(topography, tmp_path):
         read_scan(tmp_path / "scan.bin", UNITS)
 
 
-def test_library_that_is_not_there_is_named_with_the_remedy(monkeypatch, tmp_path):
-    monkeypatch.setitem(sys.modules, instrument_file.LIBRARY, None)
+def test_library_that_is_not_installed_is_named_with_the_remedy(tmp_path):
     (tmp_path / "scan.opd").write_bytes(b"\x00\x01\x02" * 100)
-    with pytest.raises(ScanFileError, match=r"linecontact\[instruments\]"):
-        read_scan(tmp_path / "scan.opd", UNITS)
+    code = "import sys; sys.modules['SurfaceTopography'] = None\n"
+    code += "from pathlib import Path; from bem.scans.read_scan import read_scan; read_scan(Path('scan.opd'), {})"
+    run = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert 'python -m pip install "linecontact[instruments]"' in run.stderr
 
 
-def channel(name, unit="µm"):
-    surface = SimpleNamespace(heights=lambda: MAP[:, 0] + len(name), is_uniform=True)
-    surface.positions = lambda: np.arange(8.0)
-    return SimpleNamespace(
-        name=name, unit=unit, is_height_channel=True, physical_sizes=(8.0,), topography=lambda: surface
-    )
-
-
-def test_one_of_several_channels_has_to_be_named(monkeypatch, tmp_path):
-    reader = SimpleNamespace(
-        channels=[channel("trace"), channel("retrace")], format=lambda: "made up", close=lambda: None
-    )
-    library = SimpleNamespace(open_topography=lambda path: reader)
-    monkeypatch.setitem(sys.modules, instrument_file.LIBRARY, library)
-    (tmp_path / "scan.bin").write_bytes(b"\x00")
+def test_one_of_several_channels_has_to_be_named(topography, tmp_path):
+    path = tmp_path / "scan.mat"
+    scipy.io.savemat(path, {"trace": MAP, "retrace": MAP + 1})
     with pytest.raises(ScanFileError, match=r"2 channels of heights; allowed: one of 0 \(trace\), 1 \(retrace\)"):
-        read_scan(tmp_path / "scan.bin", {})
-    assert read_scan(tmp_path / "scan.bin", {"channel": 1}).facts["channel"] == "retrace"
+        read_scan(path, UNITS)
+    scan = read_scan(path, {"channel": 1, "row": 2, "spacing": 0.5, **UNITS})
+    np.testing.assert_allclose(scan.h, (MAP[:, 2] + 1) * 1e-6, rtol=1e-12)
+    assert scan.facts["channel"] == "retrace"
 
 
-def library_of(opened, *channels):
-    def open_topography(path):
-        opened.append(path)
-        return SimpleNamespace(channels=channels, format=lambda: "made up", close=lambda: opened.append("closed"))
-
-    return SimpleNamespace(open_topography=open_topography)
-
-
-def test_library_is_given_the_path_and_the_file_is_closed(monkeypatch, tmp_path):
-    """Some formats are known by their file names only."""
-    opened = []
-    monkeypatch.setitem(sys.modules, instrument_file.LIBRARY, library_of(opened, channel("Topography", "Å")))
-    (tmp_path / "scan.nms").write_bytes(b"\x00\x01\x02" * 100)
-    scan = read_scan(tmp_path / "scan.nms", {})
-    assert opened == [str(tmp_path / "scan.nms"), "closed"]
-    np.testing.assert_allclose(scan.x, np.arange(8) * 1e-10, rtol=1e-12)
-    assert (scan.facts["unit_x"], scan.facts["unit_h"]) == ("angstrom", "angstrom")
-
-
-@pytest.mark.parametrize("name", ["Phase", "Phase [Fwd]", "Amplitude_error", "Lateral friction"])
-def test_channel_that_is_no_height_is_not_taken(name, monkeypatch, tmp_path):
-    (tmp_path / "scan.bin").write_bytes(b"\x00\x01\x02" * 100)
-    monkeypatch.setitem(sys.modules, instrument_file.LIBRARY, library_of([], channel(name)))
-    with pytest.raises(ScanFileError, match="no channel of heights"):
-        read_scan(tmp_path / "scan.bin", {})
-    monkeypatch.setitem(sys.modules, instrument_file.LIBRARY, library_of([], channel(name), channel("ZSensor")))
-    assert read_scan(tmp_path / "scan.bin", {}).facts["channel"] == "ZSensor"
-
-
-@pytest.mark.parametrize("unit", ["deg", "V", "ft", ""])
-def test_unit_of_another_kind_is_refused_by_its_name(unit, monkeypatch, tmp_path):
-    (tmp_path / "scan.bin").write_bytes(b"\x00\x01\x02" * 100)
-    monkeypatch.setitem(sys.modules, instrument_file.LIBRARY, library_of([], channel("Z", unit)))
-    with pytest.raises(ScanFileError, match=f"unit_h: is '{unit}' in what its instrument wrote"):
-        read_scan(tmp_path / "scan.bin", UNITS)
+@pytest.mark.parametrize("ending", ["npy", "mat"])
+@pytest.mark.parametrize("row", [1, "mean", None])
+def test_arrays_without_lengths_take_the_spacing(ending, row, topography, tmp_path):
+    """The first index runs along x, as in SurfaceTopography; an array of one index is a line."""
+    heights = MAP if row is not None else MAP[:, 0]
+    if ending == "mat":
+        if row is None:
+            return
+        scipy.io.savemat(tmp_path / "scan.mat", {"h": heights})
+    else:
+        np.save(tmp_path / "scan.npy", heights)
+    values = dict(UNITS) if row is None else {"row": row, **UNITS}
+    with pytest.raises(ScanFileError, match="spacing: is missing: the file has heights alone"):
+        read_scan(tmp_path / f"scan.{ending}", values)
+    scan = read_scan(tmp_path / f"scan.{ending}", {"spacing": 0.5, "missing_value": MAP[3, 0], **values})
+    expected = np.where(heights == MAP[3, 0], np.nan, heights)
+    expected = {1: expected[..., -2], "mean": np.mean(expected, axis=-1), None: expected}[row] if row else expected
+    np.testing.assert_allclose(scan.h, expected * 1e-6, rtol=1e-12)
+    np.testing.assert_allclose(scan.x, 0.5e-6 * np.arange(8), rtol=1e-12)
+    with pytest.raises(ScanFileError, match="unit_h: is missing"):
+        read_scan(
+            tmp_path / f"scan.{ending}", {"spacing": 0.5, "unit_x": "um", **({} if row is None else {"row": row})}
+        )

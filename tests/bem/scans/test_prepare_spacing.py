@@ -6,9 +6,9 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scene_tables import tables
 
-from bem.scans.scan_file import read_scan
-from bem.scans.scan_positions import UNIFORMITY
-from bem.scans.scan_preparation import prepare
+from bem.scans.prepare_scan import prepare
+from bem.scans.prepare_spacing import UNIFORMITY
+from bem.scans.read_scan import read_scan
 from bem.scans.scan_refusal import ScanFileError
 from bem.scene.scene import parse_scene
 
@@ -118,73 +118,10 @@ def _most_room(x, half):
     return half - min(np.ptp(x - slope * k) / 2 for slope in slopes)
 
 
-@pytest.mark.parametrize(
-    ("x", "order", "remedy"),
-    [
-        ([2.0, 1.5, 1.0, 0.5, 0.0], "it falls", "reverse the order"),
-        ([0.0, 0.1, 0.1, 0.2, 0.2, 0.2, 0.3], "it repeats values", "keep one of the lines"),
-        ([0.0, 0.1, 0.2, 0.3, 0.0, 0.1, 0.2, 0.3], "it begins again", "one scan line"),
-        ([0.0, 0.3, 0.1, 0.2, 0.05], "it goes to and fro", "increase"),
-    ],
-)
-def test_disorder_is_told_by_its_kind(x, order, remedy, tmp_path):
-    with pytest.raises(ScanFileError, match="is not increasing in x: line") as caught:
-        scan_of(tmp_path, x, [0.1, 0.3, -0.2, 0.2, 0.0, 0.4, -0.1, 0.2])
-    (refusal,) = caught.value.refusals
-    assert (refusal.found.endswith(order), remedy in refusal.allowed) == (True, True), refusal
-    assert "columns" not in refusal.allowed
-
-
-def test_columns_that_are_swapped_are_told(tmp_path):
-    x = np.arange(8)
-    with pytest.raises(ScanFileError, match=r"columns = \[2, 1\] if that is so"):
-        scan_of(tmp_path, HEIGHTS[:8], x)
-    assert scan_of(tmp_path, HEIGHTS[:8], x, columns=[2, 1], detrend="none").h[1] == pytest.approx(HEIGHTS[1] * 1e-6)
-
-
-RASTER = [
-    (a, b, round(10 * k + float(RNG.normal()), 4)) for k, b in enumerate((0.0, 0.5, 1.0)) for a in np.arange(9) / 4
-]
-
-
-@pytest.mark.parametrize("turned", [False, True], ids=["along x", "along y"])
-@pytest.mark.parametrize("more", [(), (7.5,)], ids=["x y h", "x y h and more"])
-@pytest.mark.parametrize("row", [0, 2, "mean"])
-def test_scan_line_of_a_raster(row, more, turned, tmp_path):
-    points = [(b, a, h, *more) if turned else (a, b, h, *more) for a, b, h in RASTER]
-    (tmp_path / "scan.txt").write_text("X [mm],Y [mm],Z [um]" + ",q" * len(more) + "\n"
-                                       + "\n".join(",".join(map(str, point)) for point in points))  # fmt: skip
-    scan = read_scan(tmp_path / "scan.txt", {"row": row})
-    heights = np.array([h for *_, h in RASTER]).reshape(3, 9)
-    np.testing.assert_allclose(scan.h, (heights.mean(axis=0) if row == "mean" else heights[row]) * 1e-6, rtol=1e-12)
-    np.testing.assert_allclose(scan.x, np.arange(9) * 0.25e-3, rtol=1e-12)
-    assert row == "mean" or scan.place(0) == f"line {2 + 9 * row}"
-
-
-@pytest.mark.parametrize(
-    ("values", "key", "said"),
-    [
-        ({}, "row", "3 scan lines, y = 0 to 1"),
-        ({"columns": [1, 3]}, "row", "3 scan lines, y = 0 to 1"),
-        ({"row": 3}, "row", "= 3"),
-        ({"row": 0, "columns": [2, 3]}, "columns", "of points x y h"),
-        ({"row": 0, "spacing": 0.25}, "spacing", "beside the positions of 3 scan lines"),
-    ],
-)
-def test_raster_is_told(values, key, said, tmp_path):
-    (tmp_path / "scan.txt").write_text("\n".join(" ".join(map(str, point)) for point in RASTER))
-    with pytest.raises(ScanFileError) as caught:
-        read_scan(tmp_path / "scan.txt", UNITS | values)
-    assert (caught.value.refusals[0].key, said in caught.value.refusals[0].found) == (key, True)
-
-
-def test_mean_of_scan_lines_at_other_positions_is_refused(tmp_path):
-    points = [(-a if b == 0.5 else a, b, h) for a, b, h in RASTER]
-    (tmp_path / "scan.txt").write_text("\n".join(" ".join(map(str, point)) for point in points))
-    with pytest.raises(ScanFileError, match="different positions"):
-        read_scan(tmp_path / "scan.txt", UNITS | {"row": "mean"})
-    with pytest.raises(ScanFileError, match="it falls"):
-        prepare(read_scan(tmp_path / "scan.txt", UNITS | {"row": 1}), {})
+@pytest.mark.parametrize("x", [[2.0, 1.5, 1.0], [0.0, 0.1, 0.1, 0.2], [0.0, 0.1, 0.2, 0.0, 0.1], [0.0, 0.3, 0.1]])
+def test_positions_that_do_not_increase_are_refused_with_their_line(x, tmp_path):
+    with pytest.raises(ScanFileError, match=f"is not increasing in x: line {np.argmax(np.diff(x) <= 0) + 2} at"):
+        scan_of(tmp_path, x, np.arange(len(x)))
 
 
 def test_scene_with_rounded_positions_has_the_harmonics_of_the_exact_ones(tmp_path):

@@ -1,0 +1,120 @@
+"""Heights of a measured line that are no heights of the surface: dropouts, spikes and gaps.
+
+dropouts   A value that an instrument writes where it has seen nothing (-9999, 32767, 0): runs of one value whose
+           neighbours are more than `OUTLIER` median steps away, `FEWEST_DROPOUTS` samples of it or more, or one sample
+           of a value in `NOTHING_SEEN`.  "missing" takes them for missing heights.
+outliers   Samples that lie more than `OUTLIER` median steps between neighbours from the running median of `WIDTH`
+           samples are counted and, with "replace", set to that median (Tukey, Exploratory Data Analysis, 1977,
+           chapter 7).  Steps are |h_{i+1} - h_i| > 0.
+missing    "interpolate" fills gaps along straight lines and cuts off what is missing at either end.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+import numpy as np
+
+from bem.geometry.arrays import FloatArray
+from bem.scans.prepared_scan import Line, Step
+from bem.scans.read_scan import RawScan
+from bem.scans.read_text import FEWEST, SHOWN
+from bem.scans.scan_keys import METRES
+from bem.scans.scan_refusal import refused
+
+OUTLIER = 15.0  # median steps; of a normal distribution of steps, ten standard deviations
+WIDTH = 5  # samples of the running median, which sees spikes of one or two
+FEWEST_DROPOUTS = WIDTH // 2 + 1  # samples of one value: of fewer the running median sees that they are spikes
+MOST_MISSING = 0.5  # format: of the samples
+NOTHING_SEEN = (-9999.0, -99999.0, -32768.0, 32767.0)  # format: of rasters, and ends of 16-bit integers
+
+
+def refuse_few(raw: RawScan, h: FloatArray) -> None:
+    """Raise ScanFileError for too few heights."""
+    known = int(np.isfinite(h).sum())
+    if known < FEWEST:
+        found = f"holds {known} samples with a height"
+        raise refused("file", found, f"at least {FEWEST} of them")
+    if known < (1 - MOST_MISSING) * raw.h.size:
+        found = f"lacks {raw.h.size - known} of {raw.h.size} heights"
+        raise refused("file", found, f"at most {MOST_MISSING:.0%} missing")
+
+
+def without_dropouts(raw: RawScan, line: Line, method: str) -> tuple[Line, Step]:
+    """Return the line with dropouts missing, and what was found."""
+    x, h = line
+    known = np.flatnonzero(np.isfinite(h))
+    starts = np.flatnonzero(np.diff(h[known], prepend=np.nan) != 0)  # of runs of one value
+    lengths, values = np.diff(starts, append=known.size), h[known][starts]
+    jumps = np.abs(np.diff(values)) > OUTLIER * _median_step(h[known])
+    alone = np.append(True, jumps) & np.append(jumps, True) & (starts.size > 1)
+    kinds, kind = np.unique(values, return_inverse=True)
+    unit = raw.facts["unit_h"]
+    nothing = np.isclose(kinds[:, None] / METRES[unit], NOTHING_SEEN, rtol=1e-12).any(axis=1)
+    many = nothing | (np.bincount(kind, lengths * alone) >= FEWEST_DROPOUTS)
+    runs = np.flatnonzero(alone & many[kind])
+    if not runs.size:
+        return line, {"count": 0}
+    gone = np.concatenate([known[starts[run] : starts[run] + lengths[run]] for run in runs])
+    ends = [(known[starts[run]], known[starts[run] + lengths[run] - 1]) for run in runs]
+    facts: Step = {"count": int(gone.size), "places": _shortened([raw.stretch(int(a), int(b)) for a, b in ends])}
+    facts |= {"values": _shortened([f"{value / METRES[unit]:.9g} {unit}" for value in np.unique(values[runs])])}
+    if method == "keep":
+        return line, facts
+    rest = h.copy()
+    rest[gone] = np.nan
+    refuse_few(raw, rest)
+    return (x, rest), facts
+
+
+def _median_step(h: FloatArray) -> float:
+    """Return the median of the steps > 0 between neighbours; infinity where there are none."""
+    steps = np.abs(np.diff(h))
+    return float(np.median(steps[steps > 0])) if steps.any() else np.inf
+
+
+def without_outliers(raw: RawScan, line: Line, method: str) -> tuple[Line, Step]:
+    """Return the line with samples far from the running median replaced, and what was found."""
+    x, h = line
+    known = np.flatnonzero(np.isfinite(h))
+    threshold = OUTLIER * _median_step(h[known])
+    middle = import_module("scipy.ndimage").median_filter(h[known], WIDTH, mode="mirror")
+    excess = np.abs(h[known] - middle)
+    far = excess > threshold
+    facts: Step = {"count": int(far.sum()), "width": WIDTH, "median_steps": OUTLIER}
+    if far.any():
+        facts |= {"threshold": threshold, "largest": float(excess.max()), "first": raw.place(int(known[far][0]))}
+    if method == "keep" or not far.any():
+        return line, facts
+    replaced = h.copy()
+    replaced[known[far]] = middle[far]
+    return (x, replaced), facts
+
+
+def without_gaps(raw: RawScan, line: Line, method: str, dropouts: Step) -> tuple[Line, Step]:
+    """Return the line with gaps filled and ends cut off, and what was found; ScanFileError if gaps are refused."""
+    x, h = line
+    gone = np.flatnonzero(np.isnan(h))
+    facts: Step = {"count": int(gone.size)}
+    if not gone.size:
+        return line, facts
+    if method == "refuse":
+        found = f'= "refuse", and {gone.size} of {h.size} heights are missing'
+        allowed = 'missing = "interpolate" fills gaps along straight lines'
+        if dropouts["count"] and dropouts["method"] == "missing":
+            found += f" or dropouts: {dropouts['values']} in {dropouts['places']}"
+            allowed += '; dropouts = "keep" takes these for heights'
+        else:
+            found += f" ({_shortened([raw.place(int(k)) for k in gone])})"
+        raise refused("missing", found, allowed)
+    known = np.flatnonzero(np.isfinite(h))
+    first, last = int(known[0]), int(known[-1])
+    runs = np.diff(known) - 1
+    facts |= {"longest_gap": int(runs.max()), "cut_at_ends": [first, h.size - 1 - last]}
+    inside = slice(first, last + 1)
+    return (x[inside], np.interp(x[inside], x[known], h[known])), facts
+
+
+def _shortened(places: list[str]) -> str:
+    """Return the first places, and whether there are more."""
+    return ", ".join(places[:SHOWN]) + (", .." if len(places) > SHOWN else "")

@@ -1,0 +1,109 @@
+"""From a line as measured to the samples of a periodic profile, every step recorded.
+
+In this order, each as [profile] asks for it:
+
+dropouts, outliers, missing   Heights that are none of the surface (prepare_heights.py).
+spacing    Positions at equal steps (prepare_spacing.py).
+detrend    A least-squares polynomial is subtracted: degree 0 (mean) to 3 (cubic).  A profile has no mean in any case.
+spectrum   Nothing is changed: the power spectrum and its noise floor, with the cut that follows (noise_floor.py).
+periodic   "as_is": n samples at distance dx are the period n dx.  "mirror": followed by the same in reverse, 2 n dx.
+           "window": multiplied by a cosine-tapered window (Tukey's; Harris, Proc. IEEE 66 (1978) 51) that goes to zero
+           over `TAPER` of the line at either end.
+filter     Gaussian filters of ISO 16610-21, profile.cutoff_short and cutoff_long (gaussian_filter.py), mode by mode.
+cut        Harmonics from 1 to profile.harmonics are kept (Profile.from_samples).
+
+Each step has the rms height and the rms slope before and after: of the samples about their mean, and of the steps
+between neighbours over their distance; after the cut, of the harmonics, with Ra, Rq and Rz (height_parameters.py).
+scipy is imported by the steps that need it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from bem.scans.gaussian_filter import GaussianFilter
+from bem.scans.noise_floor import Spectrum
+from bem.scans.prepare_heights import refuse_few, without_dropouts, without_gaps, without_outliers
+from bem.scans.prepare_spacing import equally_spaced, refuse_disorder
+from bem.scans.prepared_scan import Line, Scan, Step, compared, roughness
+from bem.scans.read_scan import RawScan
+from bem.scans.scan_keys import DEFAULTS
+from bem.scans.scan_refusal import ScanFileError
+
+TAPER = 0.1  # format: of the line, at either end
+DEGREES = {"mean": 0, "line": 1, "quadratic": 2, "cubic": 3}
+RIDGE = "a row of a map is solved as a ridge: its heights are the same all along the other direction of the map"
+
+
+def prepare(raw: RawScan, values: Mapping[str, Any]) -> Scan:
+    """Return the samples of a period.
+
+    `values` are those of [profile]: dropouts, missing, outliers, detrend, periodic, unequal_spacing, cutoff_short,
+    cutoff_long, as far as they are given.
+    ScanFileError for positions that do not increase or are unequal, missing samples, fewer than three, cut-offs that
+    the line does not hold.
+    """
+    asked = DEFAULTS | {key: values[key] for key in DEFAULTS if key in values}
+    refuse_disorder(raw)
+    refuse_few(raw, raw.h)
+    line: Line = (raw.x, raw.h)
+    height, slope = roughness(*line)
+    steps: list[Step] = [
+        {"step": "read"} | raw.facts | {"samples": raw.h.size, "rms_height": height, "rms_slope": slope}
+    ]
+    if "row" in raw.facts:
+        steps.append({"step": "map", "model": RIDGE})
+
+    def record(step: str, method: str, outcome: tuple[Line, Step]) -> Line:
+        """Record what a step did to the line, and return the new line."""
+        steps.append({"step": step, "method": method} | outcome[1] | compared(line, outcome[0]))
+        return outcome[0]
+
+    line = record("dropouts", asked["dropouts"], without_dropouts(raw, line, asked["dropouts"]))
+    dropouts = steps[-1]
+    line = record("outliers", asked["outliers"], without_outliers(raw, line, asked["outliers"]))
+    line = record("missing", asked["missing"], without_gaps(raw, line, asked["missing"], dropouts))
+    first = steps[-1].get("cut_at_ends", [0])[0]
+    line = record("spacing", asked["unequal_spacing"], equally_spaced(raw, line, first, asked["unequal_spacing"]))
+    line = record("detrend", asked["detrend"], _detrended(line, asked["detrend"]))
+    spectrum = Spectrum(line[1], float(line[0][-1] - line[0][0]) / (line[0].size - 1))
+    steps.append({"step": "spectrum"} | spectrum.facts())
+    line = record("periodic", asked["periodic"], _periodic(line, asked["periodic"]))
+    scan = Scan(*line, raw.sha256, (raw.x, raw.h), tuple(steps), spectrum)
+    steps[-1] |= {"period": scan.period, "end_jump": scan.end_jump}
+    gaussian = GaussianFilter.of(values)
+    refusals = list(gaussian.refusals(scan.spacing, spectrum.h.size * scan.spacing))
+    if refusals:
+        raise ScanFileError(refusals)
+    if not gaussian.cuts:
+        return scan
+    x, h = record("filter", "gaussian", ((scan.x, gaussian.applied(scan.h, scan.spacing)), gaussian.cuts))
+    return Scan(x, h, raw.sha256, scan.measured, tuple(steps), spectrum, gaussian)
+
+
+def _detrended(line: Line, method: str) -> tuple[Line, Step]:
+    """Return the line less a polynomial fitted to it, and the range of that polynomial."""
+    x, h = line
+    tilt = np.polynomial.Polynomial.fit(x, h, 1)
+    facts: Step = {"tilt": float(tilt.deriv()(0.0)), "rms_without_tilt": float(np.std(h - tilt(x)))}
+    if method == "none":
+        return line, facts
+    if DEGREES[method] == 0:
+        return (x, h - h.mean()), facts | {"removed": [float(h.mean())] * 2}
+    trend = np.polynomial.Polynomial.fit(x, h, DEGREES[method])(x)
+    return (x, h - trend), facts | {"removed": [float(trend[0]), float(trend[-1])]}
+
+
+def _periodic(line: Line, method: str) -> tuple[Line, Step]:
+    """Return a line that can be repeated."""
+    x, h = line
+    if method == "mirror":
+        step = (x[-1] - x[0]) / (x.size - 1)
+        return (x[0] + step * np.arange(2 * x.size), np.concatenate([h, h[::-1]])), {}
+    if method == "window":
+        return (x, h * import_module("scipy.signal.windows").tukey(x.size, 2 * TAPER)), {"taper": TAPER}
+    return line, {}

@@ -1,0 +1,75 @@
+"""Positions of samples at equal steps: checked as far as their digits tell, or resampled.
+
+Steps are equal if every position is one of x_0 + k dx within `UNIFORMITY` of dx, or within half a unit of the last
+digit that is printed: of such x_0 and dx the ones that leave most room are taken (a linear program in two unknowns,
+which only the corners of two convex hulls bound).  "resample" puts as many samples at equal distances on a curve
+through the measured ones that does not overshoot (Fritsch, Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300).
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+import numpy as np
+
+from bem.geometry.arrays import FloatArray
+from bem.scans.prepared_scan import Line, Step
+from bem.scans.read_scan import RawScan
+from bem.scans.scan_refusal import refused
+
+UNIFORMITY = 1e-3  # format: admitted deviation of a position, in sample distances
+
+
+def refuse_disorder(raw: RawScan) -> None:
+    """Raise ScanFileError for positions that do not increase from sample to sample."""
+    falls = np.diff(raw.x) <= 0
+    if falls.any():
+        k = int(np.argmax(falls)) + 1
+        allowed = (
+            "positions that increase: reverse lines that fall, remove lines that repeat a position or begin again, "
+        )
+        allowed += "or name another column of positions in columns"
+        found = f"is not increasing in x: {raw.place(k)} at {raw.x[k]:g} m follows {raw.x[k - 1]:g} m"
+        raise refused("file", found, allowed)
+
+
+def equally_spaced(raw: RawScan, line: Line, first: int, method: str) -> tuple[Line, Step]:
+    """Return the line at equal steps, and what was found; ScanFileError if unequal steps are refused.
+
+    `line` holds the samples of the scan from sample `first` on.
+    """
+    x, h = line
+    grid = x[0] + (x[-1] - x[0]) * np.arange(x.size) / (x.size - 1)
+    deviations = np.abs(x - grid) * ((x.size - 1) / (x[-1] - x[0]))  # in sample distances
+    worst = int(np.argmax(deviations))
+    facts: Step = {"deviation": float(deviations[worst])}
+    if facts["deviation"] <= UNIFORMITY:
+        return line, facts
+    if raw.half_digits is not None:
+        half = raw.half_digits()[first : first + x.size]
+        even = _line_through(x, grid, half + 4 * np.spacing(np.abs(x).max()))
+        if even is not None:
+            return (even, h), facts | {"printed_to": 2 * float(half.min())}
+    if method == "refuse":
+        found = f"is not uniform in x: {raw.place(first + worst)} is {deviations[worst]:.2g} sample distances off a"
+        allowed = f'at most {UNIFORMITY:g}, or half the last digit printed; or unequal_spacing = "resample"'
+        raise refused("file", f"{found} uniform grid", allowed)
+    curve = import_module("scipy.interpolate").PchipInterpolator(x, h)
+    gaps = np.diff(x)
+    return (grid, np.asarray(curve(grid))), facts | {"least": float(gaps.min()), "most": float(gaps.max())}
+
+
+def _line_through(x: FloatArray, grid: FloatArray, half: FloatArray) -> FloatArray | None:
+    """Return x_0 + k dx within `half` of every x_k, as far inside as can be; None where there is none."""
+    shares, scale = np.arange(x.size) / (x.size - 1), float(half.max())
+    rows, limits = [], []
+    for side in (1.0, -1.0):  # side (offset + tilt share) + room <= side (x - grid) + half
+        bars = (side * (x - grid) + half) / scale
+        for k in import_module("scipy.spatial").ConvexHull(np.column_stack([shares, bars])).vertices:
+            rows.append([side, side * shares[k], 1.0])
+            limits.append(bars[k])
+    program = import_module("scipy.optimize").linprog([0, 0, -1], rows, limits, bounds=[(None, None)] * 3)
+    if program.status != 0 or program.x[2] < 0:
+        return None
+    offset, tilt, _ = program.x * scale
+    return np.asarray(grid + offset + tilt * shares)

@@ -1,0 +1,137 @@
+"""Prepared samples of a period: what the profile is made from, and what its cut leaves of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from bem.geometry.arrays import FloatArray
+from bem.scans.gaussian_filter import GaussianFilter
+from bem.scans.height_parameters import height_parameters
+from bem.scans.noise_floor import Spectrum
+
+DRAWN = 4000  # format: samples kept for figures
+CARRIED = 1e-6  # derived: of the rms slope: contact areas go as its inverse, and the default tolerance is this
+
+Line = tuple[FloatArray, FloatArray]  # positions and heights, m
+Step = dict[str, Any]  # of the preparation, as plain values
+
+
+@dataclass(frozen=True, eq=False)
+class Scan:
+    """Uniform samples of a period, and how they came about.
+
+    Examples
+    --------
+    >>> x = np.array([0.0, 0.5, 1.0])
+    >>> line = Scan(x, np.zeros(3), "", (x, np.zeros(3)), (), Spectrum(np.zeros(3), 0.5))
+    >>> line.spacing, line.period, line.max_harmonics
+    (0.5, 1.5, 1)
+    """
+
+    x: FloatArray  # positions, m, (n,)
+    h: FloatArray  # heights, m, (n,)
+    sha256: str  # of the file's bytes
+    measured: Line  # positions and heights as read, m, (n_measured,) each; missing heights are NaN
+    steps: tuple[Step, ...]  # of the preparation
+    spectrum: Spectrum  # of the line detrended, neither continued nor filtered
+    gaussian: GaussianFilter = field(default_factory=GaussianFilter)  # which the heights have passed
+
+    @property
+    def spacing(self) -> float:
+        """Sample distance dx, m."""
+        return float(self.x[-1] - self.x[0]) / (self.x.size - 1)
+
+    @property
+    def period(self) -> float:
+        """Period n dx, m."""
+        return self.spacing * self.x.size
+
+    @property
+    def max_harmonics(self) -> int:
+        """Highest order below half the number of samples."""
+        return int(self.x.size - 1) // 2
+
+    @cached_property
+    def _moments(self) -> tuple[FloatArray, FloatArray]:
+        """Mean squares of height (m^2) and slope of the orders up to each, (n // 2,) each, the order n/2 included."""
+        power = np.abs(np.fft.rfft(self.h)[1:]) ** 2 * (2 / self.h.size**2)
+        power[self.max_harmonics :] /= 2  # an order n/2 has no phase
+        wavenumbers = 2 * np.pi / self.period * np.arange(1, power.size + 1)
+        return np.cumsum(power), np.cumsum(power * wavenumbers**2)
+
+    @property
+    def carrying(self) -> int:
+        """Least order up to which all of the rms slope is but `CARRIED`; the highest where there is none."""
+        slopes = self._moments[1]
+        return min(int(np.searchsorted(slopes, (1 - CARRIED) ** 2 * slopes[-1])) + 1, self.max_harmonics)
+
+    @cached_property
+    def end_jump(self) -> float:
+        """Step from the last sample to the first of the next period over the rms step between neighbours."""
+        rms = float(np.sqrt(np.mean(np.diff(self.h) ** 2)))
+        return abs(float(self.h[0] - self.h[-1])) / rms if rms > 0 else 0.0
+
+    def slope_share(self, harmonics: int) -> float:
+        """Return the rms slope of the orders up to `harmonics` over that of all; 1 if the samples are flat."""
+        slopes = self._moments[1]
+        return float(np.sqrt(slopes[harmonics - 1] / slopes[-1])) if slopes[-1] > 0 else 1.0
+
+    def noise_share(self, harmonics: int) -> float:
+        """Return the share of noise in the mean square slope of the orders up to `harmonics`, as filtered."""
+        return self.spectrum.noise_share(harmonics, self.period, self.gaussian)
+
+    def preparation(self, harmonics: int) -> tuple[Step, ...]:
+        """Return all steps, with the cut at `harmonics` and the height parameters of what it leaves."""
+        before, after = ([float(np.sqrt(moment[k])) for moment in self._moments] for k in (-1, harmonics - 1))
+        share = self.slope_share(harmonics)
+        cut: Step = {"step": "cut", "harmonics": harmonics, "of": self.max_harmonics, "slope_share_kept": share}
+        mirrored = any(step.get("method") == "mirror" for step in self.steps)
+        cut |= height_parameters(self.h, harmonics, 2 if mirrored else 1)
+        return (*self.steps, cut | {"rms_height": [before[0], after[0]], "rms_slope": [before[1], after[1]]})
+
+    def drawn(self) -> dict[str, FloatArray]:
+        """Return what a figure needs, in few numbers.
+
+        Samples as measured (scan_x, scan_h) and prepared (profile_x, profile_h), m; the power spectrum in bands,
+        scan_density (m^3) over scan_wavelength (m).
+        """
+        lines = {}
+        for name, line in (("scan", self.measured), ("profile", (self.x, self.h))):
+            lines[f"{name}_x"], lines[f"{name}_h"] = _thinned(*line)
+        frequency, density, _ = self.spectrum.bands
+        return lines | {"scan_wavelength": 1 / frequency, "scan_density": density}
+
+
+def compared(before: Line, after: Line) -> Step:
+    """Return the rms height and the rms slope of a line before and after a step."""
+    (height, slope), (new_height, new_slope) = roughness(*before), roughness(*after)
+    return {"rms_height": [height, new_height], "rms_slope": [slope, new_slope]}
+
+
+def roughness(x: FloatArray, h: FloatArray) -> tuple[float, float]:
+    """Return the rms height (m) about the mean and the rms slope of a line, missing samples left out.
+
+    Examples
+    --------
+    >>> roughness(np.arange(4.0), np.array([1.0, -1.0, 1.0, -1.0]))
+    (1.0, 2.0)
+    """
+    known = np.isfinite(h)
+    slopes = np.diff(h[known]) / np.diff(x[known])
+    return float(np.std(h[known])), float(np.sqrt(np.mean(slopes**2)))
+
+
+def _thinned(x: FloatArray, h: FloatArray) -> Line:
+    """Return a line of at most `DRAWN` samples: of each stretch of a longer one the lowest and the highest."""
+    if x.size <= DRAWN:
+        return x, h
+    stretches = np.array_split(np.arange(x.size), DRAWN // 2)
+    low = np.where(np.isnan(h), np.inf, h)
+    high = np.where(np.isnan(h), -np.inf, h)
+    kept = [sorted((part[np.argmin(low[part])], part[np.argmax(high[part])])) for part in stretches]
+    chosen = np.array(kept).ravel()
+    return x[chosen], h[chosen]

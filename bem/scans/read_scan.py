@@ -1,0 +1,140 @@
+"""Positions and heights of a measured line in m, out of a text file or an instrument's file.
+
+Text is read by read_text.py, and read_line.py takes a line out of it; every other file is read by SurfaceTopography
+(read_instrument.py).  Units come from the scene or the file (read_units.py).  Missing heights are NaN; prepare_scan.py
+decides what is done about them, and about all else that changes a height.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bem.geometry.arrays import FloatArray, IntArray
+from bem.scans.read_bytes import content_of
+from bem.scans.read_instrument import is_instrument_file, read_instrument
+from bem.scans.read_line import TableLine, line_of, row_of, without_missing
+from bem.scans.read_text import DELIMITERS, read_table
+from bem.scans.read_units import resolved_units
+from bem.scans.scan_keys import METRES, TEXT_KEYS
+from bem.scans.scan_refusal import Refusal, ScanFileError, refused
+
+
+@dataclass(frozen=True, eq=False)
+class RawScan:
+    """Line as measured."""
+
+    x: FloatArray  # positions, m, (n,)
+    h: FloatArray  # heights, m, (n,); NaN where missing
+    lines: IntArray | None  # line of the file of each sample, (n,); None where there are no lines
+    facts: dict[str, Any]  # how it was read: plain values
+    sha256: str  # of the file's bytes
+    half_digits: Callable[[], FloatArray] | None = None  # half a unit of the last digit of each position, m
+
+    def place(self, sample: int) -> str:
+        """Return where a sample (from 0) is to be found."""
+        return f"sample {sample + 1}" if self.lines is None else f"line {self.lines[sample]}"
+
+    def stretch(self, first: int, last: int) -> str:
+        """Return where samples from one to another are to be found."""
+        if first == last:
+            return self.place(first)
+        what, ends = ("samples", (first + 1, last + 1)) if self.lines is None else ("lines", self.lines[[first, last]])
+        return f"{what} {ends[0]} to {ends[1]}"
+
+
+def read_scan(path: Path, values: Mapping[str, Any]) -> RawScan:
+    """Return the measured line in a file.
+
+    `values` are the keys of [profile] that say how the file is read (SCAN_KEYS), as far as they are given.
+    ScanFileError where the file cannot be read or holds no such scan, a unit is missing or contradicts the file, or a
+    position is missing.
+    """
+    content = content_of(path)
+    raw = _from_instrument(path, content, values) if is_instrument_file(content) else _from_text(content, values)
+    return replace(raw, sha256=hashlib.sha256(content).hexdigest())
+
+
+def _from_text(content: bytes, values: Mapping[str, Any]) -> RawScan:
+    """Return a line of a text file."""
+    _refuse_keys(values, ["channel"], "is for instrument files")
+    table = read_table(content, values.get("skip_lines", 0), values.get("decimal"))
+    line = line_of(table, values)
+    facts = {
+        "format": "text",
+        "encoding": table.encoding,
+        "delimiter": DELIMITERS[table.reading.delimiter],
+        "decimal": table.reading.decimal,
+        "width": table.values.shape[1],
+    }
+    facts |= {"columns_not_read": list(line.unread)} if line.unread else {}
+    columns = (None, None) if line.columns is None else line.columns
+    stated = {axis: table.units[column] for axis, column in zip("xh", columns, strict=True) if column is not None}
+    raw = _in_metres(line, stated, f"line {table.heading}", facts, values)
+    if line.columns is None or line.columns[0] is None:
+        return raw
+    x_column, metres = line.columns[0], METRES[raw.facts["unit_x"]]
+
+    def half_digits() -> FloatArray:
+        return metres * np.array([_half_digit(table.reading.cells(row)[x_column]) for row in table.rows[line.rows]])
+
+    return replace(raw, half_digits=half_digits)
+
+
+def _half_digit(text: str) -> float:
+    """Return half a unit of the last digit of a number as it is written.
+
+    Examples
+    --------
+    >>> _half_digit("10.0"), _half_digit("1.50e3"), _half_digit("7")
+    (0.05, 5.0, 0.5)
+    """
+    digits, _, power = text.lower().replace(",", ".").partition("e")
+    return 0.5 * 10.0 ** (int(power or 0) - len(digits.partition(".")[2]))
+
+
+def _from_instrument(path: Path, content: bytes, values: Mapping[str, Any]) -> RawScan:
+    """Return a line of an instrument's file; `spacing` is needed only where the file has no lengths."""
+    _refuse_keys(values, TEXT_KEYS, "is for text files")
+    scan = read_instrument(path, content, values.get("channel"))
+    heights = without_missing(scan.heights, values)
+    if heights.ndim == 1:
+        _refuse_keys(values, ["row"], "of a line scan")
+    elif "row" not in values:
+        rows = heights.shape[0]
+        allowed = f'row = 0 to {rows - 1}, or row = "mean"'
+        raise refused("row", f"is needed: the file holds a map of {rows} rows", allowed)
+    else:
+        heights = row_of(heights, values["row"])
+    if scan.x is not None:
+        _refuse_keys(values, ["spacing"], "beside the lengths in the file")
+    stated = dict.fromkeys("xh" if scan.x is not None else "h", scan.unit)
+    return _in_metres(TableLine(scan.x, heights), stated, "what its instrument wrote", scan.facts, values)
+
+
+def _refuse_keys(values: Mapping[str, Any], keys: Iterable[str], why: str) -> None:
+    """Raise ScanFileError for keys that a file of this sort does not use."""
+    refusals = [Refusal(key, f"= {values[key]!r} {why}", "leave it out") for key in keys if key in values]
+    if refusals:
+        raise ScanFileError(refusals)
+
+
+def _in_metres(
+    line: TableLine, stated: Mapping[str, str], source: str, facts: Mapping[str, Any], values: Mapping[str, Any]
+) -> RawScan:
+    """Return positions and heights in m, in the units that the source states or the scene gives."""
+    if line.x is None and "spacing" not in values:
+        found = "is missing: the file has heights alone, without positions or lengths"
+        raise refused("spacing", found, "spacing = the distance of two samples, in unit_x")
+    units = resolved_units(values, stated, source)
+    metres = METRES[units["x"]]
+    x = line.x * metres if line.x is not None else values["spacing"] * metres * np.arange(line.h.size)
+    read = dict(facts) | {f"unit_{axis}": units[axis] for axis in "xh"}
+    read |= {f"unit_{axis}_from": "scene" if f"unit_{axis}" in values else "file" for axis in "xh"}
+    read |= {key: values[key] for key in (*TEXT_KEYS, "missing_value", "row", "spacing") if key in values}
+    return RawScan(x, line.h * METRES[units["h"]], line.lines, read, "")

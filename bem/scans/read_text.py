@@ -1,0 +1,226 @@
+"""Columns of numbers in a text file.
+
+Every line is a row of numbers, or of words for a missing number (`MISSING`), with as many cells as the first.  Empty
+lines stand for nothing.  Above the first row may stand a heading that states units (read_units.py), and a line of names
+above a line of units; all other lines are refused with their numbers, unless `skip_lines` skips them.  Lines end with
+LF, CR or both, as in editors.
+
+A *reading* is a delimiter (tab, semicolon, comma, blanks) with a decimal mark.  The file must be rows of one length in
+some reading.  Two readings that give different numbers are refused (`0,5` may be two columns or a decimal comma), as is
+a file whose every comma may part thousands (`12,345`): the scene then states `decimal`.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from bem.geometry.arrays import FloatArray, IntArray
+from bem.geometry.ranges import MOST
+from bem.scans.read_bytes import text_of
+from bem.scans.read_units import heading_units
+from bem.scans.scan_refusal import Refusal, ScanFileError, refused
+
+Row = tuple[float, ...]
+Line = tuple[int, str]  # its number as editors count, and its text
+
+SHOWN = 3  # format: mistakes of one sort that are spelt out
+LISTED = 12  # format: lines above the numbers that are spelt out
+JUDGED = 2000  # format: lines at either end of a file that tell how it is to be read
+FEWEST = 3  # derived: samples that carry one harmonic
+DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma", "": "blanks"}
+MISSING = {"", "-", "--", "---", "***", "na", "n/a", "#n/a", "null", "none", "missing", "bad", "invalid", "void"}
+MISSING |= {"nan", "-nan", "nan(ind)", "-nan(ind)", "1.#qnan", "-1.#ind", "inf", "+inf", "-inf"}
+NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+THOUSANDS = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")  # or a decimal comma
+MINUS = re.compile("[\u2010-\u2015\u2212\ufe63\uff0d]")  # hyphens, dashes and minus signs of Unicode
+ORDINARY = frozenset("0123456789+-.eE,; \t")  # characters of rows that are read all at once
+
+
+class Reading(NamedTuple):
+    """Delimiter of cells ("" for blanks), and their decimal mark."""
+
+    delimiter: str
+    decimal: str
+
+    def cells(self, line: str) -> list[str]:
+        """Return the cells of a line, without blanks and quotes around them."""
+        if not self.delimiter:
+            return re.split("[ \t]+", line.strip(" \t"))
+        return [cell.strip(" \t").strip('"').strip(" \t") for cell in line.split(self.delimiter)]
+
+    def row(self, line: str) -> Row | None:
+        """Return the numbers of a line, NaN for a missing one; None if a cell is neither."""
+        values = []
+        for cell in self.cells(line):
+            text = cell if self.decimal == "." else cell.replace(".", "?").replace(",", ".")
+            if NUMBER.fullmatch(text) and abs(float(text)) <= MOST:
+                values.append(float(text))
+            elif cell.lower() in MISSING:
+                values.append(math.nan)
+            else:
+                return None
+        return tuple(values)
+
+    def has_number(self, line: str) -> bool:
+        """Return whether a line is a row with a number."""
+        return not all(map(math.isnan, self.row(line) or ()))
+
+
+READINGS = tuple(Reading(delimiter, mark) for mark in ".," for delimiter in DELIMITERS if delimiter != mark)
+
+
+@dataclass(frozen=True, eq=False)
+class TextTable:
+    """Columns of numbers, and the units in their heading."""
+
+    values: FloatArray  # (n_rows, n_columns); NaN where the file has none
+    lines: IntArray  # line of each row, from 1, (n_rows,)
+    rows: tuple[str, ...]  # text of each row
+    units: tuple[str, ...]  # of each column, "" where none is stated
+    heading: int  # line of these units, from 1; 0 without a heading
+    encoding: str
+    reading: Reading
+
+
+def read_table(content: bytes, skip_lines: int = 0, decimal: str | None = None) -> TextTable:
+    """Return the table in the bytes of a text file; the decimal mark, "." or ",", where it is not clear from these.
+
+    ScanFileError for two readings that fit, no table, or lines that are no rows, with their numbers.
+
+    Examples
+    --------
+    >>> table = read_table("x [mm];h [µm]\\n0,0;1,5\\n0,1;NaN\\n0,2;1,25\\n".encode("latin-1"))
+    >>> table.values.tolist(), table.units, table.encoding, table.reading
+    ([[0.0, 1.5], [0.1, nan], [0.2, 1.25]], ('mm', 'um'), 'latin-1', Reading(delimiter=';', decimal=','))
+    """
+    decoded = text_of(content)
+    if decoded is None:
+        raise refused("file", f"is no text: a zero byte at {content.find(0)}", "a text file")
+    text, encoding = decoded
+    whole = re.split("\r\n|\r|\n", text)
+    if skip_lines >= len(whole):
+        raise refused("skip_lines", f"= {skip_lines}", f"fewer than the {len(whole)} lines of the file")
+    numbered = enumerate(whole[skip_lines:], skip_lines + 1)
+    lines = [(number, bare) for number, line in numbered if (bare := line.strip(" ")).strip("\t ")]
+    readings = [reading for reading in READINGS if decimal in (None, reading.decimal)]
+    start = next((k for k, line in enumerate(lines) if any(each.has_number(line[1]) for each in readings)), len(lines))
+    above, body = lines[:start], lines[start:]
+    for line in above:
+        _refuse_minus(line, readings)
+    if len(body) < FEWEST:
+        first = f": line {lines[0][0]} is {lines[0][1][:40]!r}" if lines else ""
+        raise refused(
+            "file", f"holds {len(body)} samples{first}", f"a text file with at least {FEWEST} lines of numbers"
+        )
+    reading, width = _reading_of(body, readings)
+    if decimal is None and reading.decimal == ",":
+        _refuse_thousands(body, reading)
+    units = _heading_of(above, width)
+    values = _read_at_once(body, reading, width)
+    if values is None:
+        values = _read_one_by_one(body, reading, width)
+    if reading.delimiter and np.isnan(values[:, -1]).all() and width > 1:
+        values = values[:, :-1]  # every line ends with the delimiter
+    numbers, rows = zip(*body, strict=True)
+    return TextTable(values, np.array(numbers), rows, units, above[-1][0] if above else 0, encoding, reading)
+
+
+def _heading_of(above: Sequence[Line], width: int) -> tuple[str, ...]:
+    """Return the units in the lines above the numbers; ScanFileError for lines that are no heading."""
+    heading = heading_units(above[-1][1], width) if above else None
+    if heading is None and not above:
+        return ("",) * width
+    count = 0 if heading is None else 1
+    if heading is not None and not heading[0] and len(above) > 1:  # units alone may have names right above them
+        cells = (above[-2][1].split(mark or None) for mark in DELIMITERS)
+        count += above[-2][0] == above[-1][0] - 1 and any(len(names) == width for names in cells)
+    if heading is not None and count == len(above):
+        return heading[1]
+    texts = ", ".join(repr(line[:40]) for _, line in above[:LISTED]) + ", .." * (len(above) > LISTED)
+    first, last = above[0][0], above[-1][0]
+    found = f"line {first} ({texts}) is" if len(above) == 1 else f"lines {first} to {last} ({texts}) are"
+    allowed = "columns of numbers, under a heading with a unit for each column, as in x [mm]; h [um]; or skip_lines = "
+    allowed += f"{above[-1 - count][0]}, and what the lines say in unit_x, unit_h, spacing, columns, missing_value, "
+    raise refused("file", f"{found} not numbers", f"{allowed}valid_column")
+
+
+def _reading_of(body: Sequence[Line], readings: Iterable[Reading]) -> tuple[Reading, int]:
+    """Return the reading in which most lines are rows as long as the first; ScanFileError for two unlike ones."""
+    judged = body if len(body) <= 2 * JUDGED else [*body[:JUDGED], *body[-JUDGED:]]
+    fits = []
+    for reading in readings:
+        if reading.has_number(body[0][1]):
+            width = len(reading.cells(body[0][1]))
+            read = [reading.row(line) for _, line in judged]
+            rows = [row if row and len(row) == width else None for row in read]
+            fits.append(((len(rows) - rows.count(None), -read.count(None)), reading, width, rows))
+    most = max(fit[0] for fit in fits)
+    (_, reading, width, rows), *others = (fit for fit in fits if fit[0] == most)
+    for _, other, columns, values in others:
+        for (number, line), row, value in zip(judged, rows, values, strict=True):
+            if repr(row) != repr(value):  # NaN is unequal to NaN
+                columns_read = " or ".join(f"{count} column{'s' * (count != 1)}" for count in (width, columns))
+                allowed = f'decimal = "{reading.decimal}" for the first, decimal = "{other.decimal}" for the second'
+                raise refused("decimal", f"is needed: line {number} ({line[:40]!r}) may be {columns_read}", allowed)
+    return reading, width
+
+
+def _refuse_thousands(body: Sequence[Line], reading: Reading) -> None:
+    """Raise ScanFileError where every number with a comma may as well have it between thousands (`12,345`)."""
+    commas = ((*line, cell) for line in body for cell in reading.cells(line[1]) if "," in cell)
+    first = next(commas, None)
+    if first is None or not all(THOUSANDS.fullmatch(cell) for *_, cell in (first, *commas)):
+        return
+    number, line, cell = first
+    found = f"is needed: line {number} ({line[:40]!r}) may mean {cell.replace(',', '.')} or {cell.replace(',', '')}"
+    allowed = 'decimal = "," for the first; for the second remove the commas between thousands from the file'
+    raise refused("decimal", found, allowed)
+
+
+def _refuse_minus(line: Line, readings: Iterable[Reading]) -> None:
+    """Raise ScanFileError for a line that would be numbers if its minus signs were those of numbers."""
+    sign = MINUS.search(line[1])
+    if sign is not None and any(reading.has_number(MINUS.sub("-", line[1])) for reading in readings):
+        found = f"line {line[0]} ({line[1][:40]!r}) has the minus sign {sign[0]!r} (U+{ord(sign[0]):04X})"
+        raise refused("file", found, 'the hyphen "-" (U+002D) before negative numbers: replace it')
+
+
+def _read_at_once(body: Sequence[Line], reading: Reading, width: int) -> FloatArray | None:
+    """Return all rows, where each is plain numbers; None where the lines have to be read one by one."""
+    text = "\n".join(line for _, line in body)
+    if not ORDINARY.issuperset(text.replace("\n", "")) or (reading.decimal == "," and "." in text):
+        return None
+    rows = (text.replace(",", ".") if reading.decimal == "," else text).split("\n")
+    try:
+        values = np.loadtxt(rows, delimiter=reading.delimiter or None, ndmin=2, comments=None)
+    except ValueError:
+        return None
+    return values if values.shape == (len(body), width) and (np.abs(values) <= MOST).all() else None
+
+
+def _read_one_by_one(body: Sequence[Line], reading: Reading, width: int) -> FloatArray:
+    """Return the rows, (n_rows, width); ScanFileError for lines that are none."""
+    rows, wrong = [], []
+    for number, line in body:
+        row = reading.row(line)
+        if row is not None and len(row) == width:
+            rows.append(row)
+            continue
+        _refuse_minus((number, line), [reading])
+        count = len(reading.cells(line))
+        parted = f"{count} column{'s' * (count != 1)}, the first row {width}" if count != width else "more than numbers"
+        wrong.append(f"line {number} ({line[:40]!r}) holds {parted}")
+    if wrong:
+        allowed = (
+            f"{width} numbers up to {MOST:g}, or NaN for a missing one, with decimal mark {reading.decimal!r} and "
+        )
+        allowed += f"{DELIMITERS[reading.delimiter]} between columns: correct the line or remove it"
+        rest = [f"and {len(wrong) - SHOWN} more lines like that"] * (len(wrong) > SHOWN)
+        raise ScanFileError([Refusal("file", text, allowed) for text in (*wrong[:SHOWN], *rest)])
+    return np.array(rows)

@@ -1,0 +1,191 @@
+"""Lines out of the columns of a text file: by columns, flags, missing values, rows of maps and of points x y h."""
+
+import numpy as np
+import pytest
+
+from bem.scans.prepare_scan import RIDGE, prepare
+from bem.scans.read_scan import read_scan
+from bem.scans.scan_refusal import ScanFileError
+
+COUNT = 24
+X = np.arange(COUNT) * 0.25
+RNG = np.random.default_rng(3)
+H = np.round(RNG.normal(size=COUNT), 3)
+UNITS = {"unit_x": "mm", "unit_h": "um"}
+SPACED = {"spacing": 0.25, **UNITS}
+ROWS = np.round(RNG.normal(size=(6, COUNT)), 3)
+
+
+def rows(*columns, delimiter=","):
+    return "".join(delimiter.join(map(str, row)) + "\n" for row in zip(*columns, strict=True))
+
+
+def scan_of(folder, text, **values):
+    (folder / "scan.txt").write_text(text)
+    return read_scan(folder / "scan.txt", values)
+
+
+def refusal_of(folder, text, **values):
+    with pytest.raises(ScanFileError) as caught:
+        scan_of(folder, text, **values)
+    return caught.value.refusals[0]
+
+
+def test_columns_are_those_that_are_named(tmp_path):
+    text = rows(range(COUNT), X, H, H + 7.3)
+    scan = scan_of(tmp_path, text, columns=[2, 3], **UNITS)
+    np.testing.assert_allclose([scan.x, scan.h], [X * 1e-3, H * 1e-6], rtol=1e-12, atol=1e-18)
+    assert (scan.facts["columns"], scan.facts["columns_not_read"]) == ([2, 3], [1, 4])
+    np.testing.assert_allclose(scan_of(tmp_path, text, columns=[4], **SPACED).h, (H + 7.3) * 1e-6, rtol=1e-12)
+
+
+def test_units_are_those_of_the_columns_read(tmp_path):
+    scan = scan_of(tmp_path, "n [1];x [mm];t [s];h [nm]\n" + rows(range(COUNT), X, H, H, delimiter=";"), columns=[2, 4])
+    np.testing.assert_allclose([scan.x, scan.h], [X * 1e-3, H * 1e-9], rtol=1e-12, atol=1e-18)
+
+
+FLAGS = [1.0 if k not in (3, 4, 20) else 0.0 for k in range(COUNT)]
+
+
+@pytest.mark.parametrize("valid", [1, 255, -1])
+@pytest.mark.parametrize("at", [1, 2, 3])
+@pytest.mark.parametrize("columns", [True, False])
+def test_heights_flagged_0_are_missing(valid, at, columns, tmp_path):
+    table = [X, H]
+    table.insert(at - 1, np.array(FLAGS) * valid)
+    places = [k for k in (1, 2, 3) if k != at]
+    values = {"valid_column": at, **({"columns": places} if columns else {}), **UNITS}
+    scan = scan_of(tmp_path, rows(*table), **values)
+    np.testing.assert_allclose(scan.x, X * 1e-3, rtol=1e-12)
+    np.testing.assert_allclose(scan.h, np.where(FLAGS, H, np.nan) * 1e-6, rtol=1e-12)
+
+
+@pytest.mark.parametrize("flags", [FLAGS, 1.0 - np.array(FLAGS), np.arange(COUNT) % 3, 100 * np.array(FLAGS)])
+def test_column_that_may_be_a_flag_is_not_passed_over(flags, tmp_path):
+    text = rows(X, H, flags)
+    refusal = refusal_of(tmp_path, text, columns=[1, 2], **UNITS)
+    assert (refusal.key, "column 3 holds 0, 1" in refusal.found or "0, 100" in refusal.found) == ("valid_column", True)
+    scan = scan_of(tmp_path, text, columns=[1, 2], valid_column=0, **UNITS)
+    np.testing.assert_allclose(scan.h, H * 1e-6, rtol=1e-12)
+
+
+@pytest.mark.parametrize("row", [1, "mean"])
+def test_missing_value_is_missing(row, tmp_path):
+    heights = ROWS.copy()
+    heights[1, 5] = -9999.0
+    text = "".join(" ".join(map(str, line)) + "\n" for line in heights)
+    scan = scan_of(tmp_path, text, row=row, missing_value=-9999, **SPACED)
+    heights[1, 5] = np.nan
+    np.testing.assert_allclose(scan.h, (heights[1] if row == 1 else heights.mean(axis=0)) * 1e-6, rtol=1e-12)
+    line = scan_of(tmp_path, rows(X, np.where(X == 1.0, 99.5, H)), missing_value=99.5, **UNITS)
+    np.testing.assert_allclose(line.h, np.where(X == 1.0, np.nan, H) * 1e-6, rtol=1e-12)
+
+
+@pytest.mark.parametrize("row", [0, 5, "mean"])
+def test_row_of_a_map(row, tmp_path):
+    scan = scan_of(tmp_path, rows(*ROWS.T, delimiter="\t"), row=row, **SPACED)
+    np.testing.assert_allclose(scan.h, (ROWS.mean(axis=0) if row == "mean" else ROWS[row]) * 1e-6, rtol=1e-12)
+    np.testing.assert_allclose(scan.x, X * 1e-3, rtol=1e-12)
+    assert {"step": "map", "model": RIDGE} in prepare(scan, {}).steps
+
+
+AXES = {
+    "steps": X,
+    "falling": X[::-1],
+    "rounded": np.round(X * 1.3, 1),
+    "unequal": np.cumsum(RNG.uniform(0.1, 2, COUNT)),
+}
+DOWN = {"steps": np.arange(6) * 0.5, "falling": -np.arange(6) * 0.5, "counts": np.arange(6)}
+
+
+@pytest.mark.parametrize("heights", [ROWS, ROWS + 3 * X], ids=["level", "tilted"])
+@pytest.mark.parametrize("corner", ["0", "nan", "", "-1.5"])
+@pytest.mark.parametrize("along", [None, *AXES])
+@pytest.mark.parametrize("down", [None, *DOWN])
+def test_axes_of_a_map_are_refused_by_name(heights, along, down, corner, tmp_path):
+    """Axes of a tilted map are told by their equal steps."""
+    if heights is not ROWS and along in ("unequal", "rounded"):
+        return
+    lines = [[*([str(DOWN[down][k])] if down else []), *map(str, heights[k])] for k in range(6)]
+    if along:
+        lines.insert(0, [*([corner] if down else []), *map(str, AXES[along])])
+    text = "".join(",".join(line) + "\n" for line in lines)
+    if along is None and down is None:
+        assert scan_of(tmp_path, text, row=1, **SPACED).h[3] == pytest.approx(heights[1, 3] * 1e-6)
+        return
+    refusal = refusal_of(tmp_path, text, row=1, **SPACED)
+    assert ("the first line" in refusal.found, "the first column" in refusal.found) == (
+        along is not None,
+        down is not None,
+    )
+
+
+@pytest.mark.parametrize("wave", [1, 2.5])
+@pytest.mark.parametrize("turn", [0, 1])
+def test_smooth_maps_have_no_axes(wave, turn, tmp_path):
+    """A row that rises all along is like its neighbours."""
+    x, y = np.meshgrid(np.arange(40) / 40, np.arange(30) / 30)
+    heights = np.round(np.sin(wave * x + 7 * y) + (0.3 * y if turn else x), 4)
+    text = "".join(",".join(map(str, line)) + "\n" for line in heights)
+    assert scan_of(tmp_path, text, row=2, **SPACED).h.size == 40
+
+
+POINTS = [
+    (a, b, round(10 * k + float(RNG.normal()), 4)) for k, b in enumerate((0.0, 0.5, 1.0)) for a in np.arange(9) / 4
+]
+
+
+@pytest.mark.parametrize("turned", [False, True], ids=["along x", "along y"])
+@pytest.mark.parametrize("more", [(), (7.5,)], ids=["x y h", "x y h and more"])
+@pytest.mark.parametrize("row", [0, 2, "mean"])
+def test_scan_line_of_points(row, more, turned, tmp_path):
+    points = [(b, a, h, *more) if turned else (a, b, h, *more) for a, b, h in POINTS]
+    text = "X [mm],Y [mm],Z [um]" + ",q" * len(more) + "\n" + rows(*zip(*points, strict=True))
+    scan = scan_of(tmp_path, text, row=row, **({"columns": [1 + turned, 3]} if more else {}))
+    heights = np.array([h for *_, h in POINTS]).reshape(3, 9)
+    np.testing.assert_allclose(scan.h, (heights.mean(axis=0) if row == "mean" else heights[row]) * 1e-6, rtol=1e-12)
+    np.testing.assert_allclose(scan.x, np.arange(9) * 0.25e-3, rtol=1e-12)
+    assert row == "mean" or scan.place(0) == f"line {2 + 9 * row}"
+
+
+def test_mean_of_scan_lines_at_other_positions_is_refused(tmp_path):
+    text = rows(*zip(*[(-a if b == 0.5 else a, b, h) for a, b, h in POINTS], strict=True))
+    assert "different positions" in refusal_of(tmp_path, text, row="mean", **UNITS).found
+
+
+TABLE, LINE, MAP = rows(X, H, H + 0.3), rows(X, H), rows(*ROWS.T)
+RASTER = rows(*zip(*POINTS, strict=True))
+ALONE = rows(H)
+
+
+@pytest.mark.parametrize(
+    ("text", "values", "key", "found"),
+    [
+        pytest.param(TABLE, UNITS, "columns", "3 columns", id="which columns"),
+        pytest.param(LINE, {"columns": [1, 3], **UNITS}, "columns", "= [1, 3]", id="column that is not there"),
+        pytest.param(
+            TABLE, {"columns": [1, 3], "valid_column": 3, **UNITS}, "columns", "= [1, 3]", id="flag as height"
+        ),
+        pytest.param(LINE, {"valid_column": 3, **UNITS}, "valid_column", "= 3", id="flag that is not there"),
+        pytest.param(TABLE, {"valid_column": 3, **UNITS}, "valid_column", "holds -", id="heights as flags"),
+        pytest.param(LINE, {"row": 0, **UNITS}, "row", "2 columns", id="row of a line"),
+        pytest.param(MAP, {"row": 6, **SPACED}, "row", "= 6", id="row that is not there"),
+        pytest.param(MAP, {"row": 0, **UNITS}, "spacing", "is missing", id="map without spacing"),
+        pytest.param(MAP, {"row": 0, "columns": [1, 2], **SPACED}, "columns", "beside row", id="columns of a map"),
+        pytest.param(
+            "[um]," * 23 + "[um]\n" + MAP, {"row": 0, **SPACED}, "file", "line 1 states", id="heading of a map"
+        ),
+        pytest.param(RASTER, UNITS, "row", "3 scan lines", id="points without row"),
+        pytest.param(RASTER, {"row": 3, **UNITS}, "row", "= 3", id="scan line that is not there"),
+        pytest.param(RASTER, {"row": 0, "columns": [2, 3], **UNITS}, "columns", "of points x y h", id="across"),
+        pytest.param(RASTER, {"row": 0, **SPACED}, "spacing", "beside positions", id="spacing of points"),
+        pytest.param(LINE, SPACED, "spacing", "= 0.25", id="spacing beside positions"),
+        pytest.param(ALONE, UNITS, "spacing", "is missing", id="heights without spacing"),
+        pytest.param(f"{COUNT}\n" + ALONE, SPACED, "file", f"line 1 holds {COUNT}", id="their number"),
+        pytest.param(LINE + "nan,1.0\n", UNITS, "file", "line 25 has no position", id="position missing"),
+        pytest.param(LINE, {"channel": 0, **UNITS}, "channel", "= 0", id="channel of text"),
+    ],
+)
+def test_keys_that_do_not_fit_the_columns_are_refused(text, values, key, found, tmp_path):
+    refusal = refusal_of(tmp_path, text, **values)
+    assert (refusal.key, found in refusal.found) == (key, True), refusal
