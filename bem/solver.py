@@ -257,7 +257,7 @@ class _Run:
         return point
 
     def _spacing(self, goal: float) -> float:
-        """Least change of the control between stored states on the way to a goal: the increment that says so, or more."""
+        """Return the least change of the control between states stored on the way to a goal."""
         joined = self.problem.control.value(self.problem.profile.max_height, self.complete.least_load)
         start, stop = (min(max(value, -joined), joined) for value in (self.point.value, goal))
         return max(self.path.increments.apart, abs(stop - start) / MOST_BETWEEN)

@@ -95,7 +95,7 @@ class Path:
     @property
     def bare(self) -> BareStates:
         """What leads to and from states without edges."""
-        finely = replace(self.increments, way=self.increments.fine)  # a small release from complete contact is a difference
+        finely = replace(self.increments, way=self.increments.fine)  # a release from complete contact may be tiny
         return BareStates(Jumps(self.system, finely, self.complete), self.crests, self.flaw)
 
     @property

@@ -1,6 +1,7 @@
 """State in which edges come to rest at a value of the control: by Newton nearby, else by a descent.
 
-Used where edges are nearly in equilibrium but not known to be: at targets, and where windows were joined.  Dimensionless.
+Used where edges are nearly in equilibrium but not known to be: at targets, and where windows were joined.
+Dimensionless.
 """
 
 from __future__ import annotations

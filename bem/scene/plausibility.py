@@ -150,7 +150,6 @@ def _noise(scene: Scene, groups: Mapping[str, float]) -> Warnings:
     yield "profile.cutoff_short", told
 
 
-
 def _doubted(scene: Scene, *keys: str) -> list[str]:
     """Return the units of a scan that the scene alone states; a unit that the file states is right."""
     read = {} if scene.scan is None else scene.scan.steps[0]

@@ -328,7 +328,7 @@ class AccuracyTable(Table):
     tolerance: Annotated[
         float,
         _about(
-            "Largest |G/w - 1| at the edges of a certified state; with adhesion states and events between are evaluated to a hundredth of it.",
+            "Largest |G/w - 1| at the edges of a certified state; what lies between targets is found to 1/100 of it.",
             "a number from 1e-12 to 1e-2",
             1e-8,
             ge=1e-12,

@@ -1,6 +1,6 @@
 """Path of a large contact: windows of patches followed side by side, where there are many; else the whole at once.
 
-Every window is followed by the engine of the whole contact (bem/continuation/path.py), and every event in it is located.
+Every window is followed by the engine of the whole contact (bem/continuation/path.py), which locates every event in it.
 Windows are joined after each step (spread.py).  Where they fail, the step is halved, and at last the whole contact is
 followed over it.  Targets, first touch, complete contact and loads on the way are those of the whole contact.
 Dimensionless; half-space, penetration control.
@@ -81,7 +81,7 @@ class WindowedPath:
         while point.value != goal:
             spread = self._spread(point, goal)
             if spread is not None:
-                for point in self._stepped(spread, goal):  # noqa: B020
+                for point in self._stepped(spread, goal):
                     yield point
                 if isinstance(point, Failed):
                     return
@@ -92,7 +92,7 @@ class WindowedPath:
                 return
             if start is not point and start.events:
                 yield start
-            for point in self.whole.advance(start, goal):  # noqa: B020
+            for point in self.whole.advance(start, goal):
                 yield point
                 if not point.last and self._spread_begins(point, goal):
                     break

@@ -9,6 +9,7 @@ import subprocess
 import textwrap
 
 import pytest
+
 from validation.plugin import stored
 
 HEAD = """

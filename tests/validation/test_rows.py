@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+
 from validation.plugin.rows import Code, Quantity, Rows
 
 PAIR = {"of": Code.BEM, "by": Code.FEM, "quantity": Quantity.AREA}

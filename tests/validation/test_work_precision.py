@@ -15,7 +15,6 @@ from validation.references.posed_contacts import QUANTITIES, exact_sinusoid, hig
 from validation.routes import finite_elements
 from validation.routes.persson_theory import by_separation
 from validation.studies.work_precision import work_precision
-from validation.studies.work_precision.conclusion import cheapest
 from validation.studies.work_precision.methods import METHODS, MethodPoint, Timed
 from validation.studies.work_precision.references import SOURCES, source_for
 from validation.studies.work_precision.work_precision import Sweep, measured, point_of

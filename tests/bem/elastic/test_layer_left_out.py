@@ -23,7 +23,7 @@ def solved(tolerance, control, targets, adhesion):
 @pytest.mark.parametrize("control", TARGETS)
 @pytest.mark.parametrize("tolerance", THICKNESS)
 def test_estimates_contain_what_was_left_out(tolerance, control, adhesion, monkeypatch):
-    scene, without = solved(tolerance, control, TARGETS[control], adhesion)
+    _, without = solved(tolerance, control, TARGETS[control], adhesion)
     monkeypatch.setattr(elastic_tables, "NEGLIGIBLE", 0.0)
     _, kept = solved(tolerance, control, TARGETS[control], adhesion)
     errors = {name: abs(getattr(kept, name) - getattr(without, name)) for name in vars(without.error_estimate)}
