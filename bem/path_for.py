@@ -1,10 +1,7 @@
-"""The path that a scene calls for: convex without adhesion, else event by event, with a flaw where the scene has one.
+"""Path that a scene calls for: convex without adhesion, else event by event, with a flaw where the scene has one.
 
-Where few digits are asked for, a path with adhesion goes by leaps; under a given load it does not, as the contact may
-come apart or together at once in a leap that is too long.
-
-A flaw that the pressure shuts where it would open is a mistake of the scene.  The modules of the other path are not
-imported.
+Where few digits are asked for, many patches on a half-space are followed in windows.  A flaw that the pressure shuts
+where it would open is a mistake of the scene.  The modules of the other paths are not imported.
 """
 
 from __future__ import annotations

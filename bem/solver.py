@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Unpack
 
 import numpy as np
@@ -35,8 +36,7 @@ from bem.path_for import path_for
 from bem.problem import Problem, pose
 from bem.record import Record, Recorder, entries_of
 from bem.scene.result import Branch, Progress, Result, State, Status, asked_for
-from bem.scene.scene import Scene
-from bem.scene_objects import Described, Tables, scene_of
+from bem.scene.scene import Scene, Table, Tables, scene_of
 
 if TYPE_CHECKING:
     from bem.record import AnyPoint
@@ -60,7 +60,7 @@ class Goal:
 
 
 def solve(
-    scene: Described = None,
+    scene: Scene | Path | str | Table | None = None,
     progress: OnProgress = None,
     on_state: OnState = None,
     resume: Result | None = None,

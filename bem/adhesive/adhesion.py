@@ -12,6 +12,7 @@ Imported only when a scene has an [adhesion] table.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
@@ -20,15 +21,15 @@ from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI, Patches
 from bem.geometry.profile import Profile
-from bem.geometry.ranges import check
 from bem.geometry.scaling import Scales
+from bem.geometry.table import limits, table
 
 NODES = 16  # speed: of a panel on which sqrt(1 + h'^2) is a Chebyshev series
 UNRESOLVED = 1e-15  # derived: rounding of the last coefficients of a panel, over its largest value and part of 2 pi
 MAXIMUM_HALVINGS = np.finfo(float).nmant - 6  # of a panel, which then has a few digits left
 
 
-@dataclass(frozen=True)
+@table("adhesion")
 class Adhesion:
     """Adhesion of an interface.
 
@@ -40,11 +41,8 @@ class Adhesion:
         Whether the adhesive energy is counted on the true length of the profile.
     """
 
-    work_of_adhesion: float
+    work_of_adhesion: Annotated[float, limits("adhesion.work_of_adhesion")]
     slope_term: bool = False
-
-    def __post_init__(self) -> None:
-        check(adhesion__work_of_adhesion=self.work_of_adhesion)
 
 
 @dataclass(frozen=True, eq=False)

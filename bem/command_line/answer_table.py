@@ -1,14 +1,15 @@
-"""The answer of a run in units that a person reads: a row for each target, and what the pull-off took.
+"""Answer of a run in units that a person reads: a row for each target, and the largest tension of the way out.
 
 A number has as many digits, two to four, as its uncertainty allows: the root of the sum of squares of the numerical
-one, which the solver estimates, and that of the input, where a study of the scene knows it.  What is not known of a
-state is "–".  `Views.to_table("targets")` has the same columns in SI units, all digits.
+one, which the solver estimates, and of the one of the input, where a study of the scene knows it.  A column of
+uncertainties belongs to the quantity it names; there is none where nothing is known.  An unknown number is "–".
+`Views.to_table("targets")` has the same quantities in SI units, all digits.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from bem.scene.result import Result
 from bem.scene.result_views import UNITS
@@ -16,19 +17,29 @@ from bem.scene.result_views import UNITS
 PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 FEWEST, MOST = 2, 4  # format: digits
 UNKNOWN = "–"
-HEADS = (
-    "mean pressure",
-    "contact fraction",
-    "± numerical",
-    "± input",
-    "separation",
-    "contact pressure: mean",
-    "contact pressure: peak",
-    "contacts",
-    "widths: least, median, largest",
-    "open share of the period",
-    "open gap: mean",
-    "open gap: largest",
+CONTROLS = {"mean_pressure": "Pa", "separation": "m", "penetration": "m", "total_displacement": "m"}
+QUANTITIES = {  # name of a column of `to_table("targets")`: heading and unit
+    "mean_pressure": ("mean pressure", "Pa"),
+    "contact_fraction": ("contact fraction", ""),
+    "separation": ("separation", "m"),
+    "contact_pressure": ("contact pressure: mean", "Pa"),
+    "peak_pressure": ("contact pressure: peak", "Pa"),
+    "n_patches": ("contacts", ""),
+    "width_median": ("widths: least, median, largest", "m"),
+    "open_share": ("open share of the period", ""),
+    "open_gap_mean": ("open gap: mean", "m"),
+    "open_gap_largest": ("open gap: largest", "m"),
+    "open_gap_p50": ("open gap: 10, 50, 90 % of the open length below", "m"),
+    "mean_cubic_root": ("gap for flow along the ridges, <g³>^(1/3)", "m"),
+    "widest_channel": ("widest open channel", "m"),
+}
+TRIPLES = {  # columns shown in one cell, which is sorted by the second
+    "width_median": ("width_least", "width_median", "width_largest"),
+    "open_gap_p50": ("open_gap_p10", "open_gap_p50", "open_gap_p90"),
+}
+NO_FLAW = (
+    "No pull-off: complete contact cannot open without a flaw, as a gap of no width needs an unbounded tension. Set "
+    "loading.flaw, a length without adhesion: its size decides at what tension the contact opens (shorter: larger)."
 )
 
 Cell = tuple[str, float | str]  # text, and what it is sorted by
@@ -111,78 +122,101 @@ def share(relative: float) -> str:
     return "< 0.01 %" if relative < 1e-4 else f"{_fixed(100 * relative, 2)} %"
 
 
-def heads(result: Result) -> list[str]:
-    """The headings: what is held, then the quantities but that one."""
-    held = result.scene["loading"]["control"].replace("_", " ")
-    return [f"{held} (held)", *(head for head in HEADS if head != held)]
+def answer(result: Result, inputs: Inputs | None = None) -> tuple[list[str], list[list[Cell]]]:
+    """Return the headings of the answer and the cells of each target.
 
-
-def rows(result: Result, inputs: Inputs | None = None) -> Iterator[list[Cell]]:
-    """The cells of each target."""
+    A heading "± ..." is that of the uncertainties of the quantity before it; `inputs` are relative ones of the input.
+    """
     control = result.scene["loading"]["control"]
     columns = {name: values.tolist() for name, values in result.to_table("targets").items()}
-    unit = "Pa" if control == "mean_pressure" else "m"
-    for k in range(len(result.targets)):
-        row = {name: values[k] for name, values in columns.items()}
-        known = (inputs or {}).get(k, {})
-        held = (UNKNOWN, "") if math.isnan(row["target"]) else (quantity(row["target"], unit), row["target"])
-        cells = {
-            "mean pressure": _cell(row, "mean_pressure", "Pa", known),
-            "separation": _cell(row, "separation", "m", known),
-        }
-        cells.pop(control.replace("_", " "), None)
-        yield [held, *_ordered(cells, row, known)]
+    rows = [{name: values[k] for name, values in columns.items()} for k in range(len(result.targets))]
+    known = [(inputs or {}).get(k, {}) for k in range(len(rows))]
+    heads, cells = [f"{control.replace('_', ' ')} (held)"], [[_held(row, control) for row in rows]]
+    for name, (head, unit) in QUANTITIES.items():
+        if name == control:
+            continue
+        heads.append(head)
+        cells.append([_cell(row, name, unit, outer) for row, outer in zip(rows, known, strict=True)])
+        uncertain = [_uncertainty(row, name, outer) for row, outer in zip(rows, known, strict=True)]
+        if any(text != UNKNOWN for text, _ in uncertain):
+            heads.append(f"± {head}")
+            cells.append(uncertain)
+    return heads, [list(row) for row in zip(*cells, strict=True)]
 
 
-def _ordered(cells: dict[str, Cell], row: Mapping[str, float], known: Mapping[str, float]) -> Iterator[Cell]:
-    """The cells in the order of the headings."""
-    fraction, error = row["contact_fraction"], row["error_estimate_contact_fraction"]
-    own = error / fraction if fraction else 0.0
-    outer = known.get("contact_fraction", math.nan)
-    if "mean pressure" in cells:
-        yield cells["mean pressure"]
-    yield _cell(row, "contact_fraction", "", known)
-    yield (UNKNOWN, "") if math.isnan(fraction) else (share(own), own)
-    yield (UNKNOWN, "") if math.isnan(outer) else (share(outer), outer)
-    if "separation" in cells:
-        yield cells["separation"]
-    yield _cell(row, "contact_pressure", "Pa", known)
-    yield _cell(row, "peak_pressure", "Pa", known)
-    yield (UNKNOWN, "") if math.isnan(fraction) else (f"{row['n_patches']:.0f}", row["n_patches"])
-    widths = [row[f"width_{name}"] for name in ("least", "median", "largest")]
-    if math.isnan(widths[0]):
-        yield UNKNOWN, ""
-    else:
-        factor, prefixed = axis_unit(widths[-1], "m")
-        yield f"{', '.join(_fixed(width * factor, 3) for width in widths)} {prefixed}", widths[1]
-    opened = row["open_share"]  # its error is that of the contact fraction
-    yield _cell(row, "open_share", "", {"open_share": outer * fraction / opened} if outer > 0 < opened else {})
-    yield _cell(row, "open_gap_mean", "m", known)
-    yield _cell(row, "open_gap_largest", "m", known)
+def _held(row: Mapping[str, float], control: str) -> Cell:
+    """Return the target: the value of the quantity under control."""
+    target = row["target"]
+    return (UNKNOWN, "") if math.isnan(target) else (quantity(target, CONTROLS[control]), target)
 
 
-def _cell(row: Mapping[str, float], name: str, unit: str, known: Mapping[str, float]) -> Cell:
-    """A number as its uncertainty allows; one that no uncertainty is known of, as that of the contact fraction does."""
+def _cell(row: Mapping[str, float], name: str, unit: str, inputs: Mapping[str, float]) -> Cell:
+    """Return a number with the digits that its uncertainty allows, or that of the contact fraction if it has none."""
     value = row[name]
     if math.isnan(value):
         return UNKNOWN, ""
-    error = row.get(f"error_estimate_{name}", math.nan)
-    own = abs(error / value) if value and math.isfinite(error) else 0.0
-    outer = known.get(name, known.get("contact_fraction", 0.0))
-    return readable(value, unit, digits(math.hypot(own, outer))), value
+    if name == "n_patches":
+        return ("complete" if row["contact_fraction"] == 1 else f"{value:.0f}"), value
+    if name in TRIPLES:
+        values = [row[column] for column in TRIPLES[name]]
+        factor, prefixed = axis_unit(values[-1], unit)
+        return f"{', '.join(_fixed(number * factor, 3) for number in values)} {prefixed}", value
+    own, outer = _relative(row, name, inputs)
+    if math.isnan(outer):
+        outer = inputs.get("contact_fraction", 0.0)
+    if name == "open_share" and value:  # its error is that of the contact fraction
+        outer *= row["contact_fraction"] / value
+    return readable(value, unit, digits(math.hypot(own if math.isfinite(own) else 0.0, outer))), value
+
+
+def _relative(row: Mapping[str, float], name: str, inputs: Mapping[str, float]) -> tuple[float, float]:
+    """Return the relative uncertainties of a number, numerical and of the input; nan where one is not known."""
+    value, error = row[name], row.get(f"error_estimate_{name}", math.nan)
+    return (abs(error / value), inputs.get(name, math.nan)) if value else (math.nan, math.nan)
+
+
+def _uncertainty(row: Mapping[str, float], name: str, inputs: Mapping[str, float]) -> Cell:
+    """Return the uncertainties of a number in per cent, by their origin."""
+    pairs = zip(_relative(row, name, inputs), ("numerical", "input"), strict=True)
+    parts = {origin: value for value, origin in pairs if math.isfinite(value)}
+    if not parts:
+        return UNKNOWN, ""
+    return ", ".join(f"{share(value)} {origin}" for origin, value in parts.items()), math.hypot(*parts.values())
 
 
 def pull_off_words(result: Result) -> str:
-    """The largest tension of the way out and where the contact came apart; nothing where there is no adhesion."""
-    found = result.pull_off()
-    if found is None:
-        return ""
-    error = "" if found.error is None else f" (± {share(found.error / found.tension)} numerical)"
-    where = f"Pull-off: the largest tension found on the way out is {readable(found.tension, 'Pa', MOST)}{error}"
-    where += f", at a separation of {readable(found.separation, 'm', MOST)}"
-    if found.apart is None:
+    """Return a sentence on the largest tension of the way out, or why there is none; nothing without adhesion."""
+    if stays_complete(result):
+        return NO_FLAW
+    tension = result.largest_tension
+    if tension is None:
+        return _stored_tension(result)
+    error = share(tension.error_estimate.mean_pressure / -tension.mean_pressure)
+    where = (
+        f"Pull-off: the largest tension on the way out is {readable(-tension.mean_pressure, 'Pa', MOST)} (± {error} "
+    )
+    where += f"numerical), at a separation of {readable(tension.separation, 'm', MOST)}"
+    apart = result.came_apart()
+    if apart is None:
         return f"{where}; the surfaces have not come apart on this path."
-    return f"{where}; the surfaces come apart at {readable(found.apart, 'm', MOST)}."
+    return f"{where}; the surfaces come apart at {readable(apart, 'm', MOST)}."
+
+
+def _stored_tension(result: Result) -> str:
+    """Return a sentence on the largest tension of stored states, of a path that located none; it claims no error."""
+    out = [state for state in result.states if state.found and state.branch == "unloading" and state.mean_pressure < 0]
+    if not out:
+        return ""
+    last = min(out, key=lambda state: state.mean_pressure)
+    tension, separation = readable(-last.mean_pressure, "Pa", MOST), readable(last.separation, "m", MOST)
+    return f"The largest tension of the stored states is {tension}, at a separation of {separation}; it may be larger."
+
+
+def stays_complete(result: Result) -> bool:
+    """Return whether the way out ends in complete contact that nothing can open: with adhesion, without a flaw."""
+    last = next((state for state in reversed(result.states) if state.found), None)
+    unflawed = result.scene["adhesion"] is not None and result.scene["loading"].get("flaw") is None
+    return unflawed and last is not None and (last.status, last.branch) == ("complete_contact", "unloading")
 
 
 def csv_text(result: Result) -> str:
@@ -202,7 +236,8 @@ def _plain(value: float) -> str:
 
 def table_text(result: Result, inputs: Inputs | None = None) -> str:
     """The answer for a terminal: a line for each quantity, a column for each target."""
-    listed = [heads(result), *([text for text, _ in row] for row in rows(result, inputs))]
+    heads, rows = answer(result, inputs)
+    listed = [heads, *([text for text, _ in row] for row in rows)]
     columns = [_padded(column, k) for k, column in enumerate(listed)]
     lines = ["  ".join(line).rstrip() for line in zip(*columns, strict=True)]
     return "\n".join([*lines, *filter(None, [pull_off_words(result)])])

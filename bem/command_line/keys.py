@@ -1,73 +1,74 @@
-"""The keys of a scene file as text and as JSON Schema, both made from the models that check scenes.
+"""Keys of a scene file as text and as JSON Schema, made from the tables (scene_tables.py) and their words (keys.toml).
 
-bem/KEYS.md is the text of all of them; a test keeps it the same.
+bem/KEYS.md is the text of all of them; a test keeps it up to date.
 """
 
 from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
+from dataclasses import MISSING, fields
 from typing import Annotated, Any
 
 from pydantic import ConfigDict, Field, create_model
 from pydantic.json_schema import GenerateJsonSchema
 
 from bem.geometry.ranges import Mistake
+from bem.geometry.table import allowed, words
 from bem.scene.scene_rules import OPTIONAL, REQUIRED, unknown_key
-from bem.scene.scene_tables import REQUIRED_TABLES, TABLES, TITLE, Table, said_of
+from bem.scene.scene_tables import REQUIRED_TABLES, TABLES, class_of
 
 TYPES = {"number": "number", "integer": "integer", "string": "text", "boolean": "true or false", "array": "list"}
-HEAD = """# The keys of a scene file
+TITLE = "What the scene is about, a text; it stands above its results."
+HEAD = f"""# The keys of a scene file
 
 Made by `linecontact keys`; `linecontact keys SECTION` prints one section. All numbers are in SI units.
 For editors: `linecontact schema > linecontact.schema.json` beside the scene, and as its first line
 `#:schema ./linecontact.schema.json` (taplo, Even Better TOML).
 
-`title` (text): """
+`title` (text): {TITLE}"""
 
 
 class UnknownSectionError(ValueError):
-    """There is no such section."""
+    """Section of keys that does not exist."""
 
 
 class _OfToml(GenerateJsonSchema):
-    """Schemas of files that have no null: a key is there, or it is not."""
+    """Schemas of files that have no null: a key is present or absent."""
 
     def nullable_schema(self, schema: Any) -> dict[str, Any]:
-        """What is there where the key is."""
+        """Return the schema of the value without null."""
         return self.generate_inner(schema["schema"])
 
     def default_schema(self, schema: Any) -> dict[str, Any]:
-        """The default, if there is one."""
-        found = super().default_schema(schema)
-        return {key: value for key, value in found.items() if key != "default" or value is not None}
+        """Return the schema with its default, if that is a value."""
+        made = super().default_schema(schema)
+        return {key: value for key, value in made.items() if key != "default" or value is not None}
 
 
 def json_schema() -> dict[str, Any]:
-    """A scene file as JSON Schema (draft 2020-12), with descriptions for editors to show.
+    """Return the JSON Schema (draft 2020-12) of a scene file, with descriptions for editors to show.
 
     Examples
     --------
     >>> json_schema()["required"]
     ['solid', 'profile', 'loading']
     """
-    tables: dict[str, Any] = {name: (model, ... if name in REQUIRED_TABLES else None) for name, model in TABLES.items()}
+    tables: dict[str, Any] = {name: (class_of(name), ... if name in REQUIRED_TABLES else None) for name in TABLES}
     title: Any = (Annotated[str, Field(description=TITLE, examples=["Steel on a ground seal"])], "")
     scene = create_model("Scene", __config__=ConfigDict(extra="forbid"), title=title, **tables)
     schema = scene.model_json_schema(schema_generator=_OfToml)
-    for name, model in TABLES.items():
-        table = schema["$defs"][model.__name__]
-        table["description"] = _purpose(model)
+    for name in TABLES:
+        table = schema["$defs"][class_of(name).__name__]
+        table["description"] = words()[name]["about"]
         for key, shape in table["properties"].items():
-            said = said_of(model, key)
-            shape["description"] = f"{said['does']} Allowed: {said['allowed']}. {_absent(name, model, key)}"
-            for word in ("title", "allowed", "unit", "absent"):
-                shape.pop(word, None)
+            shape |= {"description": _description(name, key), "examples": [words()[name][key]["example"]]}
+            shape.pop("title", None)
     return schema | {"$schema": GenerateJsonSchema.schema_dialect, "title": "A scene of linecontact"}
 
 
 def keys_text(section: str | None = None) -> str:
-    """All keys of a section, or of all of them, as Markdown that a terminal shows as well.
+    """Return all keys of a section, or of all sections, as Markdown that a terminal shows as well.
 
     Raises
     ------
@@ -87,7 +88,7 @@ def keys_text(section: str | None = None) -> str:
     """
     schema = json_schema()["$defs"]
     if section is None:
-        return "\n\n".join([HEAD + TITLE, *("\n".join(_section(name, schema)) for name in TABLES)])
+        return "\n\n".join([HEAD, *("\n".join(_section(name, schema)) for name in TABLES)])
     name = section.strip("[]")
     if name not in TABLES:
         raise UnknownSectionError(str(Mistake("section", f"[{name}] is unknown", unknown_key(name, TABLES))))
@@ -95,57 +96,50 @@ def keys_text(section: str | None = None) -> str:
 
 
 def _section(name: str, schema: Mapping[str, Any]) -> Iterator[str]:
-    """The lines of one section; `schema` has the tables by the names of their models."""
-    model = TABLES[name]
+    """Yield the lines of one section; `schema` has the tables by the names of their classes."""
     yield from (f"## [{name}]", "")
-    yield f"{_purpose(model)} It {'is needed' if name in REQUIRED_TABLES else 'may be absent'}."
+    yield f"{words()[name]['about']} It {'is needed' if name in REQUIRED_TABLES else 'may be absent'}."
     yield ""
-    for key, shape in schema[model.__name__]["properties"].items():
-        said = said_of(model, key)
-        kind = " or ".join(dict.fromkeys(_types(shape))) + (f", {said['unit']}" if said["unit"] else "")
-        yield f"- `{key}` ({kind}): {said['does']}"
-        yield f"  Allowed: {said['allowed']}. {_absent(name, model, key)}"
+    for key, shape in schema[class_of(name).__name__]["properties"].items():
+        said = words()[name][key]
+        kind = " or ".join(dict.fromkeys(_types(shape))) + (f", {said['unit']}" if "unit" in said else "")
+        does, _, rest = _description(name, key).partition(" Allowed: ")
+        yield f"- `{key}` ({kind}): {does}"
+        yield f"  Allowed: {rest}"
         yield f"  Example: `{key} = {toml(said['example'])}`"
 
 
-def _purpose(model: type[Table]) -> str:
-    """The first sentence of a table, without its name."""
-    words = str(model.__doc__).split("\n\n")[0].partition(": ")[2]
-    return words[:1].upper() + words[1:]
-
-
 def _types(shape: Mapping[str, Any]) -> Iterator[str]:
-    """The types that a value may have, in words."""
+    """Yield the types that a value may have, in words."""
     if "anyOf" in shape:
-        for one in shape["anyOf"]:
-            yield from _types(one)
+        for alternative in shape["anyOf"]:
+            yield from _types(alternative)
     elif "$ref" in shape:
         yield "table"
     else:
         yield TYPES[shape["type"]]
 
 
-def _absent(name: str, model: type[Table], key: str) -> str:
-    """What is taken where a key is absent, and of [profile] which kinds use it."""
-    field, absent = model.model_fields[key], said_of(model, key)["absent"]
-    if field.is_required():
-        return "Needed."
-    if not absent and field.default not in (None, ()):
-        absent = toml(field.default)
-    parts = []
-    if name == "profile":
-        needing, using = ([kind for kind in rule if key in rule[kind]] for rule in (REQUIRED, OPTIONAL))
-        parts += [f"Needed by kind = {_quoted(needing)}."] if needing else []
-        parts += [f"Optional with kind = {_quoted(using)}."] if using else []
-    return " ".join([*parts, f"Default: {absent or 'none'}."] if absent or not parts else parts)
-
-
-def _quoted(words: list[str]) -> str:
-    return " or ".join(f'"{word}"' for word in words)
+def _description(name: str, key: str) -> str:
+    """Return what a key does, what is allowed, what is taken where it is absent, and which kinds of profile use it."""
+    said = words()[name][key]
+    (default,) = (item.default for item in fields(class_of(name)) if item.name == key)
+    sentences = [said["does"], f"Allowed: {allowed(f'{name}.{key}')}."]
+    absent = said.get("absent") or ("" if default in (None, (), MISSING) else toml(default))
+    uses = []
+    if name == "profile" and default is not MISSING:
+        for word, rule in (("Needed by", REQUIRED), ("Optional with", OPTIONAL)):
+            kinds = " or ".join(f'"{kind}"' for kind in rule if key in rule[kind])
+            uses += [f"{word} kind = {kinds}."] if kinds else []
+    if default is MISSING:
+        uses.append("Needed.")
+    elif absent or not uses:
+        uses.append(f"Default: {absent or 'none'}.")
+    return " ".join(sentences + uses)
 
 
 def toml(value: Any) -> str:
-    """A short value as in a scene file.
+    """Return a short value as in a scene file.
 
     Examples
     --------

@@ -18,14 +18,15 @@ The mean compression c(0) sigma_0 is not part of S; it turns the penetration int
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from bem.elastic.kernel_series import KernelSeries, kernel_series
 from bem.geometry.arrays import FloatArray
-from bem.geometry.ranges import check
 from bem.geometry.scaling import Solid
+from bem.geometry.table import limits, table
 
 
 def compliance_ratio(q_d: ArrayLike, poisson_ratio: float) -> FloatArray:
@@ -103,7 +104,7 @@ def _sinh_minus_argument(y: FloatArray) -> FloatArray:
     return np.where(y < 2, series, -np.expm1(-2 * y) / 2 - y * np.exp(-y))
 
 
-@dataclass(frozen=True)
+@table("layer")
 class Layer:
     """An elastic layer of uniform thickness, its back bonded to a rigid plate.
 
@@ -118,10 +119,7 @@ class Layer:
     0.0
     """
 
-    thickness: float
-
-    def __post_init__(self) -> None:
-        check(layer__thickness=self.thickness)
+    thickness: Annotated[float, limits("layer.thickness")]
 
     def mean_compliance(self, solid: Solid) -> float:
         """c(0), mean displacement of the face per mean pressure, m/Pa."""

@@ -6,10 +6,11 @@ A range is that of a number, or of every item of a list; NaN is in none.  Magnit
 
 from __future__ import annotations
 
+import difflib
 import json
 import math
 import numbers
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -90,6 +91,12 @@ def shown(value: Any) -> str:
     except (ValueError, RecursionError):
         text = "a value too long to show"
     return text if len(text) <= 60 else f"{text[:56]} ..."
+
+
+def unknown_key(name: str, known: Collection[str]) -> str:
+    """Return the allowed keys instead of an unknown key: the closest one, or all."""
+    close = difflib.get_close_matches(name, known, n=1, cutoff=0.4)
+    return f'did you mean "{close[0]}"?' if close else "one of " + ", ".join(known)
 
 
 def refuse(*mistakes: Mistake) -> None:

@@ -13,15 +13,16 @@ has sigma_m = m u_m, and G = K^2 / 4.  Limits: a > 0 (a flat profile has no such
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
-from bem.geometry.ranges import check
+from bem.geometry.table import limits, table
 
 ATOMIC = 3e-10  # format: m: distance of atoms in a solid, and range of the forces between surfaces
 
 
-@dataclass(frozen=True)
+@table("solid")
 class Solid:
     """Linear elastic, isotropic solid.
 
@@ -38,11 +39,8 @@ class Solid:
     4.0
     """
 
-    youngs_modulus: float
-    poisson_ratio: float
-
-    def __post_init__(self) -> None:
-        check(solid__youngs_modulus=self.youngs_modulus, solid__poisson_ratio=self.poisson_ratio)
+    youngs_modulus: Annotated[float, limits("solid.youngs_modulus")]
+    poisson_ratio: Annotated[float, limits("solid.poisson_ratio")]
 
     @property
     def plane_strain_modulus(self) -> float:

@@ -2,7 +2,7 @@
 
 dropouts   A value that an instrument writes where it has seen nothing (-9999, 32767, 0): runs of one value whose
            neighbours are more than `OUTLIER` median steps away, `FEWEST_DROPOUTS` samples of it or more, or one sample
-           of a value in `NOTHING_SEEN`.  "missing" takes them for missing heights.
+           of a size in `NOTHING_SEEN` or above `UNSEEN`.  "missing" takes them for missing heights.
 outliers   Samples that lie more than `OUTLIER` median steps between neighbours from the running median of `WIDTH`
            samples are counted and, with "replace", set to that median (Tukey, Exploratory Data Analysis, 1977,
            chapter 7).  Steps are |h_{i+1} - h_i| > 0.
@@ -26,7 +26,8 @@ OUTLIER = 15.0  # median steps; of a normal distribution of steps, ten standard 
 WIDTH = 5  # samples of the running median, which sees spikes of one or two
 FEWEST_DROPOUTS = WIDTH // 2 + 1  # samples of one value: of fewer the running median sees that they are spikes
 MOST_MISSING = 0.5  # format: of the samples
-NOTHING_SEEN = (-9999.0, -99999.0, -32768.0, 32767.0)  # format: of rasters, and ends of 16-bit integers
+NOTHING_SEEN = (9999.0, 99999.0, 32767.0, 32768.0, 65535.0, 2147483647.0, 2147483648.0)  # format: ends of integers
+UNSEEN = 1e30  # format: in the unit of the file, of the ends of single precision
 
 
 def refuse_few(raw: RawScan, h: FloatArray) -> None:
@@ -50,7 +51,8 @@ def without_dropouts(raw: RawScan, line: Line, method: str) -> tuple[Line, Step]
     alone = np.append(True, jumps) & np.append(jumps, True) & (starts.size > 1)
     kinds, kind = np.unique(values, return_inverse=True)
     unit = raw.facts["unit_h"]
-    nothing = np.isclose(kinds[:, None] / METRES[unit], NOTHING_SEEN, rtol=1e-12).any(axis=1)
+    sizes = np.abs(kinds) / METRES[unit]
+    nothing = (sizes > UNSEEN) | np.isclose(sizes[:, None], NOTHING_SEEN, rtol=1e-12).any(axis=1)
     many = nothing | (np.bincount(kind, lengths * alone) >= FEWEST_DROPOUTS)
     runs = np.flatnonzero(alone & many[kind])
     if not runs.size:

@@ -20,12 +20,11 @@ MARKS = (
     (codecs.BOM_UTF16_LE, "utf-16-le"),
     (codecs.BOM_UTF16_BE, "utf-16-be"),
 )
-PACKED = {b"\x1f\x8b": "gzip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"\x28\xb5\x2f\xfd": "zstd", b"7z\xbc\xaf": "7-Zip"}
 TEXT_OR_INSTRUMENT = "a text file, or a file of an instrument"
 
 
 def content_of(path: Path) -> bytes:
-    """Return the bytes of a file; ScanFileError if it cannot be read, is not a regular file, or is compressed."""
+    """Return the bytes of a file; ScanFileError if it cannot be read or is not a regular file."""
     try:
         mode = path.stat().st_mode
         content = path.read_bytes() if stat.S_ISREG(mode) else b""
@@ -39,9 +38,6 @@ def content_of(path: Path) -> bytes:
     if not stat.S_ISREG(mode):
         kind = "is a folder" if stat.S_ISDIR(mode) else "is a device or a pipe"
         raise refused("file", kind, TEXT_OR_INSTRUMENT)
-    for start, packed in PACKED.items():
-        if content.startswith(start):
-            raise refused("file", f"is compressed ({packed})", "the file in it: unpack it")
     return content
 
 

@@ -1,6 +1,6 @@
 """Positions and heights of a measured line in m, out of a text file or an instrument's file.
 
-Text is read by read_text.py, and read_line.py takes a line out of it; every other file is read by SurfaceTopography
+Text is read by read_text.py, and read_columns.py takes a line out of it; every other file is read by SurfaceTopography
 (read_instrument.py).  Units come from the scene or the file (read_units.py).  Missing heights are NaN; prepare_scan.py
 decides what is done about them, and about all else that changes a height.
 """
@@ -17,8 +17,9 @@ import numpy as np
 
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.scans.read_bytes import content_of
+from bem.scans.read_columns import TableLine, line_of
 from bem.scans.read_instrument import is_instrument_file, read_instrument
-from bem.scans.read_line import TableLine, line_of, row_of, without_missing
+from bem.scans.read_map import row_of, without_missing
 from bem.scans.read_text import DELIMITERS, read_table
 from bem.scans.read_units import resolved_units
 from bem.scans.scan_keys import METRES, TEXT_KEYS

@@ -31,7 +31,7 @@ Line = tuple[int, str]  # its number as editors count, and its text
 
 SHOWN = 3  # format: mistakes of one sort that are spelt out
 LISTED = 12  # format: lines above the numbers that are spelt out
-JUDGED = 2000  # format: lines at either end of a file that tell how it is to be read
+JUDGED = 2000  # format: lines that tell how a file is to be read
 FEWEST = 3  # derived: samples that carry one harmonic
 DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma", "": "blanks"}
 MISSING = {"", "-", "--", "---", "***", "na", "n/a", "#n/a", "null", "none", "missing", "bad", "invalid", "void"}
@@ -152,7 +152,7 @@ def _heading_of(above: Sequence[Line], width: int) -> tuple[str, ...]:
 
 def _reading_of(body: Sequence[Line], readings: Iterable[Reading]) -> tuple[Reading, int]:
     """Return the reading in which most lines are rows as long as the first; ScanFileError for two unlike ones."""
-    judged = body if len(body) <= 2 * JUDGED else [*body[:JUDGED], *body[-JUDGED:]]
+    judged = body[:JUDGED]
     fits = []
     for reading in readings:
         if reading.has_number(body[0][1]):

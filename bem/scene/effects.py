@@ -56,7 +56,7 @@ def _elastic_reasons(scene: Scene) -> Iterator[tuple[str, tuple[bool, str]]]:
             yield name, (False, f"no [{name}]")
             continue
         change = effects[name].relative_effect
-        text = f"{words.format_map(getattr(scene, name).model_dump())} changes the compliance by at most {change:.2g}"
+        text = f"{words.format_map(vars(getattr(scene, name)))} changes the compliance by at most {change:.2g}"
         if change < limit:
             absent = text = f"{text}, below a tenth of the tolerance, {limit:g}: left out"
         else:

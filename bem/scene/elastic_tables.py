@@ -1,15 +1,13 @@
-"""The tables of a scene that change the compliance of the half-space, and the elastic effect that each one names.
+"""Tables of a scene that change the compliance of the half-space, and their elastic effects.
 
-A further effect is a row of `ELASTIC` and the lines of `elastic_effects` that build it; its module in bem/elastic is
-imported only when the scene has the table.  What it must offer is `ElasticEffect` in bem/elastic/kernel_series.py.
+A further effect is a row of `ELASTIC` and a table with a method `effect` in bem/elastic, a module that is imported only
+when the scene has the table.  `ElasticEffect` in bem/elastic/kernel_series.py says what an effect must offer.
 """
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING
 
-from bem.geometry.scaling import Solid
 from bem.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -20,12 +18,10 @@ NEGLIGIBLE = 0.1  # derived: of accuracy.tolerance: elastic effects that change 
 
 
 def elastic_effects(scene: Scene) -> dict[str, ElasticEffect]:
-    """What each table of `ELASTIC` that the scene has changes of the half-space."""
-    solid, period = Solid(scene.solid.youngs_modulus, scene.solid.poisson_ratio), scene.profile.period
-    found: dict[str, ElasticEffect] = {}
-    if scene.layer is not None:
-        found["layer"] = import_module("bem.elastic.layer").Layer(scene.layer.thickness).effect(solid, period)
-    return found
+    """Return the change of the half-space by each table of `ELASTIC` that the scene has."""
+    tables = {name: getattr(scene, name) for name in ELASTIC}
+    period = scene.profile.period
+    return {name: table.effect(scene.solid, period) for name, table in tables.items() if table is not None}
 
 
 def negligible(scene: Scene) -> float:

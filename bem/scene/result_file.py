@@ -21,7 +21,7 @@ import json
 import os
 import platform
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from datetime import UTC, datetime
 from functools import cache
 from importlib import metadata
@@ -32,9 +32,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import TypeAdapter, ValidationError
 
+from bem.geometry.table import TableError
 from bem.scene.atomic_file import write_atomically
 from bem.scene.result import Caution, Entry, Event, LargestTension, Result, State
-from bem.scene.scene_tables import REQUIRED_TABLES, TABLES
+from bem.scene.scene_tables import REQUIRED_TABLES, TABLES, class_of
 from bem.scene.stored_arrays import CorruptArraysError, check_arrays, packed, unpacked
 
 SCHEMA, FORMER = "linecontact-result/2", "linecontact-result/1"
@@ -280,17 +281,18 @@ def _result(content: Any, place: str) -> tuple[Result, str | None]:
 
 def _check_scene(scene: Mapping[str, Any], place: str) -> None:
     """Raise CorruptResultError where a scene lacks a table, or a key of a table has a value that is not allowed."""
-    for name, model in TABLES.items():
+    for name in TABLES:
         table = scene.get(name, "missing")
         if table is None and name not in REQUIRED_TABLES:
             continue
         if not isinstance(table, dict):
             raise CorruptResultError(f"{place}: scene.{name} is {str(table)[:SHOWN]}; allowed: a table")
-        known = {key: value for key, value in table.items() if key in model.model_fields and key != "initial"}
+        model = class_of(name)
+        keys = {item.name for item in fields(model)} - {"initial"}
         try:
-            model.model_validate(known)
-        except ValidationError as error:
-            raise CorruptResultError(f"{place}: scene.{name}.{_first_mistake(error)}") from error
+            model(**{key: value for key, value in table.items() if key in keys})
+        except TableError as error:
+            raise CorruptResultError(f"{place}: scene.{error.mistakes[0]}") from error
 
 
 def _check_states(result: Result, place: str) -> None:

@@ -1,4 +1,4 @@
-"""A result as tables, as a dataset of xarray, as curves, in a few words, and what pulling off took.
+"""A result as tables, as a dataset of xarray, as curves and in a few words.
 
 Columns are named as in result.json, with `error_estimate_` and `certificate_` before what these hold; edges and
 reasons, which differ in number from state to state, are in `states` alone.  None reads as NaN.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, is_dataclass
+from dataclasses import is_dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Literal, get_origin, get_type_hints
 
@@ -24,6 +24,8 @@ UNITS = {
     **dict.fromkeys(
         ("width_least", "width_median", "width_largest", "open_gap_mean", "open_gap_largest", "largest_gap"), "m"
     ),
+    **dict.fromkeys(("open_gap_p10", "open_gap_p25", "open_gap_p50", "open_gap_p75", "open_gap_p90"), "m"),
+    **dict.fromkeys(("mean_cubic_root", "widest_channel"), "m"),
     **dict.fromkeys(("contact_pressure", "peak_pressure"), "Pa"),
     **dict.fromkeys(("elastic_energy", "adhesion_energy", "total_energy", "energy_released"), "J/m^2"),
     **{"mean_pressure": "Pa", "stress_intensity_max": "Pa m^1/2", "contact_stiffness": "Pa/m", "cpu_seconds": "s"},
@@ -47,19 +49,6 @@ SAMPLED = {  # fields of fields.npz on points of their own, by the name of these
 }
 
 
-@dataclass(frozen=True)
-class PullOff:
-    """The largest tension on the way out (Pa), its estimated error, the separation there and where all came apart (m).
-
-    Under a given separation the tension is the largest of states and events; between them it may be larger.
-    """
-
-    tension: float
-    error: float | None
-    separation: float
-    apart: float | None
-
-
 class Views:
     """What a `Result` looks like, from its states, events and fields."""
 
@@ -77,7 +66,8 @@ class Views:
         ----------
         of : {"states", "events", "targets"}
             Targets have what a design asks for, SI: mean, contact and peak pressure, number and widths of the contacts,
-            mean and largest height of the open gaps, share of the period that is open; NaN where it is not known.
+            mean, largest and quantiles of the height of the open gaps, <g^3>^(1/3), the widest channel, share of the
+            period that is open; NaN where it is not known.
 
         Raises
         ------
@@ -91,26 +81,11 @@ class Views:
         kind = get_type_hints(type(self))[of].__args__[0]
         return _columns(kind, getattr(self, of))
 
-    def pull_off(self) -> PullOff | None:
-        """What pulling the surfaces apart took; None where no state or event on the way out is in tension."""
-        known = [state for state in self.states if state.found]
-        if not known:
-            return None
-        highest = known[0].penetration + known[0].separation
-        out, before, apart = [], 0, None
-        for state in self.states:
-            happened = self.events[before : state.events or before]
-            before = state.events or before
-            if state.branch != "unloading":
-                continue
-            for event in happened:
-                place = highest - event.penetration
-                out.append((event.mean_pressure, event.error_estimate.mean_pressure, place))
-                apart = place if event.kind == "pull_off" else apart
-            if state.found:
-                out.append((state.mean_pressure, state.error_estimate.mean_pressure, state.separation))
-        tension, error, separation = min(out, key=lambda one: one[0], default=(0.0, None, 0.0))
-        return PullOff(-tension, error, separation, apart) if tension < 0 else None
+    def came_apart(self) -> float | None:
+        """Return the separation (m) at which the surfaces came apart for the last time; None where they did not."""
+        depths = [event.penetration for event in self.events if event.kind == "pull_off"]
+        first = next((state for state in self.states if state.found), None)
+        return first.penetration + first.separation - depths[-1] if depths and first is not None else None
 
     def to_xarray(self) -> Any:
         """States, events (`event_...`) and fields as an `xarray.Dataset` (extra `xarray`).
@@ -157,10 +132,13 @@ class Views:
 
 
 def _answers(states: Sequence[Any], loading: dict[str, Any]) -> dict[str, NDArray[Any]]:
-    """The columns of the answer; `target` is what was asked for, or held at a pressure on the way."""
-    held, asked = [getattr(state, loading["control"]) for state in states], loading["targets"]
-    met = [value if state.found else math.nan for value, state in zip(held, states, strict=True)]
-    target = np.array(asked if len(asked) == len(states) else met, dtype=np.float64)
+    """Return the columns of the answer; `target` is the value under control: asked for, or held at a pressure."""
+    targets = loading["targets"]
+    held = [getattr(state, loading["control"]) if state.found else math.nan for state in states]
+    asked = [
+        targets[state.index] if state.index < len(targets) else value for value, state in zip(held, states, strict=True)
+    ]
+    target = np.array(asked, dtype=np.float64)
     named = ("branch", "status")
     found: dict[str, NDArray[Any]] = {name: np.array([getattr(state, name) for state in states]) for name in named}
     rows = [_answer(state) for state in states]
@@ -190,8 +168,18 @@ def _answer(state: Any) -> dict[str, float | None]:
         "open_share": opened,
         "open_gap_mean": state.separation / opened if opened > 0 else 0.0 if known else math.nan,
         "open_gap_largest": state.largest_gap if known else None,
+        **_gap_columns(state),
         "certified": state.certificate.ok,
     }
+
+
+def _gap_columns(state: Any) -> dict[str, float]:
+    """Return the numbers of leakage of a target, m; NaN where no state was found."""
+    gaps = state.gaps if state.found else None
+    levels = ("p10", "p25", "p50", "p75", "p90")
+    columns = {f"open_gap_{level}": math.nan if gaps is None else getattr(gaps.quantiles, level) for level in levels}
+    names = ("mean_cubic_root", "widest_channel")
+    return columns | {name: math.nan if gaps is None else getattr(gaps, name) for name in names}
 
 
 def _columns(kind: type, records: Sequence[Any], prefix: str = "") -> dict[str, NDArray[Any]]:

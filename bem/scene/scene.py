@@ -1,9 +1,9 @@
-"""The scene file: what is solved, in SI units, checked in full before anything runs.
+"""Scene: solid, profile, path and accuracy in SI units, checked in full before anything runs.
 
-A scene is TOML with the tables [solid], [profile], [layer], [adhesion], [loading], [accuracy], [output].
-`parse_scene` checks types and ranges (pydantic, strict: no text or truth value passes for a number), then what
-depends on more than one key, and reports every mistake at once.  The `Scene` it returns is frozen and resolved:
-defaults filled in, start/stop/count expanded, the scan read.
+A scene is TOML with the tables [solid], [profile], [layer], [adhesion], [loading], [accuracy], [output], or the objects
+of these names.  `parse_scene` makes every table (scene_tables.py), which checks types and ranges, then checks what
+depends on more than one key (scene_rules.py), and lists every mistake at once.  The `Scene` is frozen and resolved:
+defaults filled in, start/stop/count expanded, the scan read and prepared.
 
 Values of the targets and of the lists in [output] are those of the controlled quantity (m, or Pa for mean_pressure).
 An output is asked for at targets alone, so that no output changes the path.  A path start/stop/count visits
@@ -13,23 +13,22 @@ A separation of exactly 0 asks for complete contact.
 
 from __future__ import annotations
 
+import stat
 import tomllib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-from pydantic import ValidationError
+from typing import TYPE_CHECKING, Any, TypedDict
 
 from bem.geometry.profile import Profile
-from bem.geometry.ranges import MOST_HARMONICS, Mistake, shown
+from bem.geometry.ranges import MOST_HARMONICS, Mistake, shown, unknown_key
+from bem.geometry.scaling import Solid
+from bem.geometry.table import TableError, plain
 from bem.scans.scan_keys import BACKSLASHES, CUTOFFS, DEFAULTS, SCAN_KEYS
 from bem.scene.result import State
 from bem.scene.scene_rules import (
     QUESTIONS,
-    RANGE,
-    REMOVED,
     SAMPLED_HARMONICS,
     SceneError,
     loading_mistakes,
@@ -37,43 +36,57 @@ from bem.scene.scene_rules import (
     profile_mistakes,
     scan_mistakes,
     surface_of,
-    unknown_key,
 )
 from bem.scene.scene_tables import (
     OUTPUTS,
     REQUIRED_TABLES,
     TABLES,
-    AccuracyTable,
-    AdhesionTable,
-    LayerTable,
-    LoadingTable,
-    OutputTable,
+    WITH_DEFAULTS,
+    Accuracy,
+    Loading,
+    Output,
     ProfileTable,
-    SolidTable,
     StoredStart,
-    Table,
-    said_of,
+    class_of,
+    required_keys,
 )
 from bem.scene.stored_start import StoredState, other_problem, stored_start
 from bem.scene.targets import expanded, found, origin
 
 if TYPE_CHECKING:
+    from bem.adhesive.adhesion import Adhesion
+    from bem.elastic.layer import Layer
     from bem.scans.prepared_scan import Scan, Step
 
 LISTED = 12  # format: targets listed in an error
 
-__all__ = ["LoadingTable", "Mistake", "Scene", "SceneError", "StoredStart", "load_scene", "parse_scene"]
+__all__ = ["Loading", "Mistake", "Scene", "SceneError", "StoredStart", "load_scene", "parse_scene", "scene_of"]
+
+Table = Mapping[str, Any]
+
+
+class Tables(TypedDict, total=False):
+    """Tables of a scene: objects, or mappings with the keys of the scene file; arrays of NumPy are lists."""
+
+    title: str
+    solid: Solid | Table
+    profile: Profile | ProfileTable | Table
+    layer: Layer | Table | None
+    adhesion: Adhesion | Table | None
+    loading: Loading | Table
+    accuracy: Accuracy | Table
+    output: Output | Table
 
 
 @dataclass(frozen=True, repr=False)
 class Scene:
-    """A checked and resolved scene; tables absent from the file are None.
+    """Checked and resolved scene; tables absent from the file are None.
 
     Parameters
     ----------
     title : str
     solid, profile, layer, adhesion, loading, accuracy, output
-        The tables, SI units; `loading.targets` holds all targets.
+        Tables, SI units; `loading.targets` holds all targets.
     origin : float
         Value of the controlled quantity where the path begins, possibly infinite.
     scan : Scan, optional
@@ -81,17 +94,17 @@ class Scene:
     cut_by_default : bool
         Whether profile.harmonics was chosen for a scan, not given.
     start_state : State, optional
-        The stored state of loading.initial.
+        Stored state of loading.initial.
     """
 
     title: str
-    solid: SolidTable
+    solid: Solid
     profile: ProfileTable
-    layer: LayerTable | None
-    adhesion: AdhesionTable | None
-    loading: LoadingTable
-    accuracy: AccuracyTable
-    output: OutputTable
+    layer: Layer | None
+    adhesion: Adhesion | None
+    loading: Loading
+    accuracy: Accuracy
+    output: Output
     origin: float
     scan: Scan | None = field(default=None, compare=False)
     cut_by_default: bool = False
@@ -104,21 +117,21 @@ class Scene:
         return f"<Scene {self.title!r}: {kind}, {count} target{'s' * (count != 1)} of {control}>"
 
     def surface(self) -> Profile:
-        """The profile, SI units; made once, as its table takes seconds and memory where harmonics are many."""
+        """Return the profile, SI units; made once, as its table takes seconds and memory where harmonics are many."""
         return self._surface
 
     @cached_property
     def _surface(self) -> Profile:
-        return surface_of(self.profile.model_dump(), self.scan)
+        return surface_of(plain(self.profile), self.scan)
 
     def preparation(self) -> tuple[Step, ...]:
-        """What was done to the samples of a scan, step by step; nothing for other profiles."""
+        """Return the steps of the preparation of a scan; empty for other profiles."""
         if self.scan is None or not isinstance(self.profile.harmonics, int):
             return ()
         return self.scan.preparation(self.profile.harmonics)
 
     def physics(self) -> dict[str, Any]:
-        """The tables that say what is in contact, those absent left out; other codes check that they provide all."""
+        """Return the tables that describe the contact, without absent ones; every code checks that it knows them."""
         tables = {name: getattr(self, name) for name in TABLES if name not in QUESTIONS}
         return {name: table for name, table in tables.items() if table is not None}
 
@@ -130,11 +143,8 @@ class Scene:
         return index < len(self.loading.targets) and found(self.loading.targets[index], asked) is not None
 
     def resolved(self) -> dict[str, Any]:
-        """Everything as plain values, defaults included; a file is given by its name and digest."""
-        content: dict[str, Any] = {"title": self.title}
-        for name in TABLES:
-            table = getattr(self, name)
-            content[name] = None if table is None else table.model_dump(mode="json", exclude_none=True)
+        """Return all tables as plain values, defaults included; a file is given by its name and digest."""
+        content = {"title": self.title} | {name: plain(getattr(self, name)) for name in TABLES}
         if self.scan is not None:
             content["profile"] |= {"file": Path(str(self.profile.file)).name, "sha256": self.scan.sha256}
         if self.start_state is not None and isinstance(self.loading.initial, StoredStart):
@@ -151,25 +161,68 @@ def load_scene(path: Path | str) -> Scene:
     SceneError
         With every mistake, or because the file cannot be read or is not TOML.
     """
+    return parse_scene(read_tables(path), Path(path).parent)
+
+
+def read_tables(path: Path | str) -> dict[str, Any]:
+    """Read the tables of a scene file, unchecked; SceneError if it is no regular file or no TOML."""
     path = Path(path)
     try:
-        data = tomllib.loads(path.read_text("utf-8-sig"))
+        if not stat.S_ISREG(path.stat().st_mode):
+            raise SceneError([Mistake(str(path), "is no file", "a TOML file")])
+        return tomllib.loads(path.read_text("utf-8-sig"))
     except OSError as error:
         raise SceneError([Mistake(str(path), f"cannot be read ({error.strerror})", "a TOML file")]) from error
+    except SceneError:
+        raise
     except (ValueError, RecursionError) as error:
         escaped = str(error).startswith(("Invalid hex value", "Unescaped '\\'"))  # a name of a file under Windows
         allowed = f"names with {BACKSLASHES}" if escaped else "a TOML file in UTF-8"
         raise SceneError([Mistake(str(path), f"is not TOML ({error})", allowed)]) from error
-    return parse_scene(data, path.parent)
+
+
+def scene_of(scene: Scene | Path | str | Table | None, tables: Mapping[str, Any]) -> Scene:
+    """Return the scene that is given as itself, as its file, as a mapping of tables, or by its `tables`.
+
+    Raises
+    ------
+    SceneError
+        As of `parse_scene`.
+    TypeError
+        Neither a scene nor tables, or both; a scene of another type.
+
+    Examples
+    --------
+    >>> wave, loading = Profile.from_harmonics(0.01, [1], [1e-5]), Loading("separation", (8e-6, 4e-6))
+    >>> scene = scene_of(None, {"profile": wave, "solid": Solid(1e6, 0.5), "loading": loading})
+    >>> scene.surface().max_height, scene.loading.targets
+    (1e-05, (8e-06, 4e-06))
+    """
+    needed = "a scene, its file or its tables as a mapping is needed, or profile=, solid=, loading=, ..."
+    if scene is not None and not isinstance(scene, Scene | Path | str | Mapping):
+        raise TypeError(f"scene = {scene!r}, {type(scene).__name__}: {needed}")
+    if scene is not None and tables:
+        unknown = [f"{name}=" for name in tables if name not in Tables.__annotations__]
+        clashing = [f"{name}=" for name in tables if name in Tables.__annotations__]
+        wrong = [f"{', '.join(unknown)} unknown"] if unknown else []
+        wrong += [f"{', '.join(clashing)} beside a whole scene"] if clashing else []
+        raise TypeError(f"{' and '.join(wrong)}: {needed}")
+    if isinstance(scene, Scene):
+        return scene
+    if isinstance(scene, str | Path):
+        return load_scene(scene)
+    if scene is None and not tables:
+        raise TypeError(f"nothing given: {needed}")
+    return parse_scene(tables if scene is None else scene)
 
 
 def parse_scene(data: Mapping[str, Any], base_dir: Path | str = ".") -> Scene:
-    """Check the contents of a scene file and resolve them.
+    """Check the tables of a scene and resolve them.
 
     Parameters
     ----------
     data : mapping
-        The tables, as `tomllib` returns them.
+        Tables by name, as `tomllib` returns them, or objects (`Tables`).
     base_dir : Path or str
         Folder relative file names start from.
 
@@ -188,20 +241,21 @@ def parse_scene(data: Mapping[str, Any], base_dir: Path | str = ".") -> Scene:
     >>> scene.loading.targets, scene.adhesion
     ((2e-06, 1e-06), None)
     """
-    base_dir = Path(base_dir)
-    mistakes: list[Mistake] = []
-    values: dict[str, dict[str, Any]] = {}
+    base_dir, mistakes = Path(base_dir), []
     for name in data:
         if name not in TABLES and name != "title":
             mistakes.append(Mistake(name, f"= {shown(data[name])} is unknown", unknown_key(name, ["title", *TABLES])))
     if not isinstance(data.get("title", ""), str):
         mistakes.append(Mistake("title", f"= {shown(data['title'])}", "a text"))
-    for name, model in TABLES.items():
-        values[name], wrong = _checked(name, model, data.get(name))
+    made: dict[str, Any] = {}  # tables without mistakes
+    values: dict[str, dict[str, Any]] = {}  # valid keys of every table
+    given: dict[str, set[str]] = {}  # all keys of every table
+    for name in TABLES:
+        raw = _as_mapping(data.get(name))
+        given[name] = set(raw) if isinstance(raw, Mapping) else set()
+        made[name], values[name], wrong = _made(name, raw)
         mistakes += wrong
-
     profile, loading = values["profile"], values["loading"]
-    given = {name: set(table) if isinstance(table := data.get(name), Mapping) else set() for name in TABLES}
     if "profile" in data:
         mistakes += profile_mistakes(profile, given["profile"])
     if "loading" in data:
@@ -213,52 +267,32 @@ def parse_scene(data: Mapping[str, Any], base_dir: Path | str = ".") -> Scene:
     mistakes += wrong
     if mistakes:
         raise SceneError(mistakes)
-    return _resolved(data, values, scan, start)
+    return _resolved(data.get("title", ""), made, scan, start)
 
 
-def _checked(name: str, model: type[Table], raw: Any) -> tuple[dict[str, Any], list[Mistake]]:
-    """The valid keys of one table, and the mistakes of the others."""
+def _as_mapping(table: Any) -> Any:
+    """Return a table as plain values; a `Profile` is one of given harmonics."""
+    if isinstance(table, Profile):
+        return {"kind": "harmonics", **plain(asdict(table))}
+    return plain(table)
+
+
+def _made(name: str, raw: Any) -> tuple[Any, dict[str, Any], list[Mistake]]:
+    """Return a table, None if it is absent or has mistakes, with its valid keys and its mistakes."""
     if raw is None:
-        needs = ", ".join(key for key, item in model.model_fields.items() if item.is_required())
-        missing = Mistake(f"[{name}]", "is missing", f"a table with {needs}")
-        return {}, [missing] if name in REQUIRED_TABLES else []
+        if name in REQUIRED_TABLES:
+            return None, {}, [Mistake(f"[{name}]", "is missing", f"a table with {', '.join(required_keys(name))}")]
+        return class_of(name)() if name in WITH_DEFAULTS else None, {}, []
     if not isinstance(raw, Mapping):
-        return {}, [Mistake(name, f"= {shown(raw)}", f"a table [{name}]")]
+        return None, {}, [Mistake(name, f"= {shown(raw)}", f"a table [{name}]")]
     try:
-        model.model_validate(raw)
-        return dict(raw), []
-    except ValidationError as error:
-        return _split(name, model, raw, [(item["type"], item["loc"]) for item in error.errors()])
-
-
-def _split(
-    name: str, model: type[Table], raw: Mapping[str, Any], errors: list[tuple[str, tuple[int | str, ...]]]
-) -> tuple[dict[str, Any], list[Mistake]]:
-    """Valid keys and mistakes, one for each wrong key or item of a list."""
-    items: dict[str, list[int]] = {}
-    for _, location in errors:
-        items.setdefault(str(location[0]), []).extend(part for part in location[1:] if isinstance(part, int))
-    mistakes = []
-    for key, wrong in items.items():
-        path = f"{name}.{key}"
-        if key not in model.model_fields:
-            gone = REMOVED.get(path)
-            said = "unknown" if gone is None else "no longer a key"
-            known = gone or unknown_key(key, model.model_fields)
-            mistakes.append(Mistake(path, f"= {shown(raw[key])} is {said}", known))
-            continue
-        allowed = str(said_of(model, key)["allowed"])
-        if key not in raw:
-            mistakes.append(Mistake(path, "is missing", allowed))
-        elif wrong:
-            mistakes += [Mistake(f"{path}[{k}]", f"= {shown(raw[key][k])}", allowed) for k in sorted(set(wrong))]
-        else:
-            mistakes.append(Mistake(path, f"= {shown(raw[key])}", allowed))
-    return {key: value for key, value in raw.items() if key not in items}, mistakes
+        return class_of(name)(**raw), dict(raw), []
+    except TableError as error:
+        return None, error.valid, error.mistakes
 
 
 def _scan(profile: Mapping[str, Any], given: set[str], base_dir: Path) -> tuple[Scan | None, list[Mistake]]:
-    """The samples of profile.file, prepared, if the profile has any and says properly how they are to be read."""
+    """Return the prepared samples of profile.file, if the profile has any and says properly how to read them."""
     wrong = [key for key in given.intersection((*SCAN_KEYS, *DEFAULTS, *CUTOFFS)) if key not in profile]
     if profile.get("kind") != "samples" or "file" not in profile or wrong:
         return None, []
@@ -278,12 +312,11 @@ def _scan(profile: Mapping[str, Any], given: set[str], base_dir: Path) -> tuple[
     return scan, list(scan_mistakes(profile, scan))
 
 
-def _resolved(
-    data: Mapping[str, Any], values: Mapping[str, dict[str, Any]], scan: Scan | None, start: StoredState | None
-) -> Scene:
-    """The scene of data without mistakes of their own: defaults, targets; SceneError for what these show."""
-    profile = _profile(values["profile"], scan)
-    loading = LoadingTable.model_validate(values["loading"])
+def _resolved(title: str, tables: dict[str, Any], scan: Scan | None, start: StoredState | None) -> Scene:
+    """Return the scene of tables without mistakes: defaults, targets; SceneError for mistakes of the whole."""
+    loading: Loading = tables["loading"]
+    cut_by_default = scan is not None and tables["profile"].harmonics is None
+    profile = _profile(tables["profile"], scan)
     targets = loading.targets
     if loading.start is not None and loading.stop is not None and loading.count is not None:
         targets = expanded(loading.start, loading.stop, loading.count, loading.then_back_to)
@@ -291,18 +324,14 @@ def _resolved(
         begin = float(getattr(start.state, loading.control))
     else:
         begin = origin(loading.control, str(loading.initial), targets[0])
-    ranged = dict.fromkeys((*RANGE, "then_back_to"))
-    tables: dict[str, Any] = {
-        name: model.model_validate(values[name]) if name in QUESTIONS or data.get(name) is not None else None
-        for name, model in TABLES.items()
-    }
-    tables |= {"profile": profile, "loading": loading.model_copy(update={**ranged, "targets": targets})}
+    tables["profile"] = profile
+    tables["loading"] = replace(loading, targets=targets, start=None, stop=None, count=None, then_back_to=None)
     scene = Scene(
-        title=data.get("title", ""),
+        title=title,
         **tables,
         origin=begin,
         scan=scan,
-        cut_by_default=scan is not None and "harmonics" not in values["profile"],
+        cut_by_default=cut_by_default,
         start_state=None if start is None else start.state,
     )
     resolved = scene.resolved()
@@ -313,21 +342,20 @@ def _resolved(
     return scene
 
 
-def _profile(values: Mapping[str, Any], scan: Scan | None) -> ProfileTable:
-    """[profile] with the defaults of its kind."""
-    profile = ProfileTable.model_validate(values)
+def _profile(profile: ProfileTable, scan: Scan | None) -> ProfileTable:
+    """Return [profile] with the defaults of its kind."""
     if profile.kind == "self_affine" and profile.seed is None:
-        return profile.model_copy(update={"seed": 0})
+        return replace(profile, seed=0)
     if scan is None:
         return profile
     read = scan.steps[0]
     units = {key: read[key] for key in ("unit_x", "unit_h")}
     carried = SAMPLED_HARMONICS if profile.cutoff_short is None else min(scan.carrying, MOST_HARMONICS)
     defaults = DEFAULTS | units | {"period": scan.period, "harmonics": min(scan.max_harmonics, carried)}
-    update = {key: value for key, value in defaults.items() if key not in values}
+    update = {key: value for key, value in defaults.items() if getattr(profile, key) is None}
     if profile.harmonics == "all":
         update["harmonics"] = min(scan.max_harmonics, MOST_HARMONICS)
-    return profile.model_copy(update=update)
+    return replace(profile, **update)
 
 
 def _output_mistakes(scene: Scene) -> Iterator[Mistake]:

@@ -6,7 +6,6 @@ Works on plain values of the keys that are valid by themselves (`values`), and o
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +15,7 @@ from bem.geometry.profile import Profile
 from bem.geometry.ranges import Mistake as Mistake
 from bem.geometry.ranges import harmonic_mistakes
 from bem.geometry.ranges import shown as shown
+from bem.geometry.ranges import unknown_key as unknown_key
 from bem.scans.scan_keys import CUTOFFS, DEFAULTS, SCAN_KEYS
 
 if TYPE_CHECKING:
@@ -62,15 +62,6 @@ def as_said(limit: float) -> float:
     (1.0000000000000001e-07, 1e-07)
     """
     return float(f"{limit:g}")
-
-
-REMOVED = {"output.cut_sensitivity": "leave it out: `linecontact study scene` solves the scene with other cuts"}
-
-
-def unknown_key(name: str, known: Collection[str]) -> str:
-    """What is allowed instead of an unknown key: the closest one, or all."""
-    close = difflib.get_close_matches(name, known, n=1, cutoff=0.4)
-    return f'did you mean "{close[0]}"?' if close else "one of " + ", ".join(known)
 
 
 def profile_mistakes(values: Mapping[str, Any], given: Collection[str]) -> Iterator[Mistake]:

@@ -3,10 +3,12 @@
 from dataclasses import field, make_dataclass
 from typing import Any
 
-from bem.scene import scene, scene_tables
+from bem.geometry.table import table
+from bem.scene import scene
 
 
-class CoatingTable(scene_tables.Table):
+@table("coating")
+class Coating:
     thickness: float
 
 
@@ -17,4 +19,4 @@ def allow_coatings(monkeypatch):
     """Let scene files have a table [coating]."""
     coated = make_dataclass("Scene", [("coating", Any, field(default=None))], bases=(scene.Scene,), frozen=True)
     monkeypatch.setattr(scene, "Scene", coated)
-    monkeypatch.setitem(scene.TABLES, "coating", CoatingTable)
+    monkeypatch.setitem(scene.TABLES, "coating", f"{__name__}.Coating")

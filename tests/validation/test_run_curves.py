@@ -9,6 +9,7 @@ from rough_scene import ROUGH
 
 import bem
 import persson
+from bem.scene.result import LargestTension, TensionError
 from validation.report.run_curves import curves_of, jumps, strokes_of, theories_of
 from validation.report.run_figures import distributions_of
 
@@ -59,11 +60,15 @@ def test_a_dead_tension_pulls_off_without_an_end_to_draw():
 
 
 def test_the_pull_off_is_marked_where_the_curve_turns(adhesive):
-    approach = series_of(adhesive, "approach")
+    tension = LargestTension(-250.0, 1e-6, 8.5e-5, "turn", TensionError(1e-6))
+    approach = series_of(replace(adhesive, largest_tension=tension), "approach")
     event = next(event for event in adhesive.events if event.kind == "pull_off")
     highest = adhesive.states[0].penetration + adhesive.states[0].separation
     assert approach["pull-off"].x == pytest.approx([1e6 * (highest - event.penetration)], rel=1e-9)
-    assert approach["largest tension"].y[0] == pytest.approx(min(y for y in approach["unloading"].y if y is not None))
+    assert (approach["largest tension"].x, approach["largest tension"].y) == (
+        [pytest.approx(85)],
+        [pytest.approx(-0.25)],
+    )
 
 
 def test_separations_are_on_a_logarithmic_axis(adhesive, pressed):
@@ -119,3 +124,18 @@ def test_distributions_that_were_asked_for_are_drawn(pressed, adhesive):
     assert max(contacts.x) == pytest.approx(1e3 * widest, rel=1e-6)  # mm
     assert [series.label for series in pressures.solution.series] == ["at 10.0 kPa, loading"]
     assert list(distributions_of(adhesive)) == []
+
+
+def test_no_line_joins_complete_contact_with_another_state():
+    loading = {"control": "mean_pressure", "targets": [1e3, 1e6]}
+    result = bem.solve({**PRESSED, "loading": loading, "output": {}})
+    assert [state.status for state in result.targets] == ["converged", "complete_contact"]
+    line = strokes_of(result, lambda state: state.contact_fraction, None).branches["loading"]
+    fractions = [None if point is None else point[0] for point in line]
+    first = fractions.index(1.0)
+    assert fractions[first - 1] is None
+
+
+def test_complete_contact_alone_has_no_curves():
+    loading = {"control": "mean_pressure", "targets": [1e6, 2e6], "initial": "complete_contact"}
+    assert [*curves_of(bem.solve({**PRESSED, "loading": loading, "output": {}}))] == []

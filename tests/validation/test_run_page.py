@@ -188,7 +188,7 @@ def test_the_answer_comes_first_with_the_uncertainty_of_the_input_of_a_study_bes
     assert page.index('id="answer"') < page.index('id="figures"') < page.index('id="scene"') < page.index('id="states"')
     assert 'class="verdict doubtful">! Converged' in page
     assert "The input leaves up to 34 % of a number open." in page
-    assert ">34 %</td>" in page
+    assert "numerical, 34 % input</td>" in page
     table = (tmp_path / "answer.csv").read_text().splitlines()
     assert len(table) == 1 + len(result.targets)
 

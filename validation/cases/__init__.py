@@ -11,7 +11,6 @@ MODULES: tuple[str, ...] = (
     "validation.cases.states.stored_fields",
     "validation.cases.states.state_verdicts",
     "validation.cases.paths.path_bookkeeping",
-    "validation.cases.rough_profiles.hysteresis_maps",
     "validation.cases.finite_elements.fem_closed_forms",
     "validation.cases.finite_elements.fem_verification",
     "validation.cases.finite_elements.fem_equilibria",

@@ -40,6 +40,8 @@ def curves_of(result: Result) -> Iterator[Figure]:
     """Mean pressure against contact fraction and against separation, of a result of which all states are there."""
     if not result.states:
         return
+    if all(state.status == "complete_contact" for state in result.states):
+        return  # of which area and separation are known
     theories = theories_of(result)
     beyond = " The fitted law of the area does not apply here." if len(theories) == 1 else ""
     for figure, name, known in (
@@ -57,15 +59,20 @@ def jumps(event: Event) -> bool:
 
 
 def strokes_of(result: Result, value: Callable[[State], float], place: Callable[[Event], float] | None) -> Strokes:
-    """The path in strokes; `place` is the quantity of an event, where it is known."""
-    found, before, happened, branch = Strokes(), None, 0, ""
+    """Return the path in strokes; `place` is the quantity of an event, where it is known.
+
+    A stroke ends where complete contact begins or ends: no line joins states that are nothing alike.
+    """
+    strokes, happened, branch = Strokes(), 0, ""
+    before: Point | None = None
+    joined: bool | None = None
     for state in result.states:
-        events = result.events[happened : state.events or happened]
-        happened = state.events or happened
+        events = result.events[happened : state.events]
+        happened = state.events
         if math.isnan(state.mean_pressure):
             before = None
             continue
-        line, here = found.branches[state.branch], (value(state), state.mean_pressure)
+        line, point = strokes.branches[state.branch], (value(state), state.mean_pressure)
         if state.branch != branch and before is not None:
             line += [None, before]
         branch, last = state.branch, before
@@ -75,12 +82,15 @@ def strokes_of(result: Result, value: Callable[[State], float], place: Callable[
                 line.append(last)
             if jumps(event) or event.kind == "pull_off":  # a dead tension pulls the surfaces apart without end
                 if last is not None and jumps(event):
-                    found.jumps += [last, here, None]
+                    strokes.jumps += [last, point, None]
                 line.append(None)
                 break
-        line.append(here)
-        before = here
-    return found
+        complete = state.status == "complete_contact"
+        if joined is not None and complete != joined:
+            line.append(None)
+        line.append(point)
+        before, joined = point, complete
+    return strokes
 
 
 def _panel(result: Result, name: str, theories: list[Theory]) -> Panel:
@@ -110,7 +120,7 @@ def _panel(result: Result, name: str, theories: list[Theory]) -> Panel:
         errors = [lift * finite(state.error_estimate.mean_pressure) for state in targets]
         low, high = ([value + sign * e for value, e in zip(y, errors, strict=True)] for sign in (-1, 1))
         series += [marks("states at targets", x, y, hue=5), bars("estimated error", x, low, high, hue=5)]
-    series += _pulled_off(result, apart, factor, lift)
+    series += _pulled_off(result, factor, lift) if apart else []
     for hue, theory in enumerate(theories):
         places = theory.separations if apart else theory.fractions
         closest = min((state.separation for state in states if state.separation > 0), default=0.0)
@@ -122,16 +132,11 @@ def _panel(result: Result, name: str, theories: list[Theory]) -> Panel:
     return shape(label, f"mean pressure / {pressure}", *(series or [marks("no state with a pressure", [], [])]))
 
 
-def _pulled_off(result: Result, apart: bool, factor: float, lift: float) -> Iterator[Series]:
-    """The largest tension on the way out, where the pressure turns, and the pull-off, where the separation turns."""
-    found = result.pull_off()
-    if found is None:
-        return
-    if not apart:
-        last = min((s for s in result.states if s.branch == "unloading"), key=lambda state: state.mean_pressure)
-        yield marks("largest tension", [last.contact_fraction], [lift * last.mean_pressure], hue=4)
-        return
-    yield marks("largest tension", [factor * found.separation], [-lift * found.tension], hue=4)
+def _pulled_off(result: Result, factor: float, lift: float) -> Iterator[Series]:
+    """Yield marks of the largest tension, where the pressure turns, and of the pull-off, where the separation turns."""
+    largest = result.largest_tension
+    if largest is not None:
+        yield marks("largest tension", [factor * largest.separation], [lift * largest.mean_pressure], hue=4)
     highest = result.states[0].penetration + result.states[0].separation
     ends = [event for event in result.events if event.kind == "pull_off" and not math.isnan(event.mean_pressure)]
     if ends:

@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from bem.command_line.answer_table import Cell, Inputs, csv_text, heads, pull_off_words, quantity, rows, share
+from bem.command_line.answer_table import Cell, Inputs, answer, csv_text, pull_off_words, quantity, share
 from bem.command_line.console import scene_text
 from bem.scene.atomic_file import write_atomically
 from bem.scene.plausibility import MEANINGS
@@ -72,6 +72,7 @@ def render_run(result: Result, inputs: Inputs | None = None) -> str:
     """The page of a run as text; relative uncertainties of the input are by target and quantity."""
     left_open = max((value for known in (inputs or {}).values() for value in known.values()), default=math.nan)
     found = replace(result, states=tuple(state for state in result.states if state.found))
+    columns, rows = answer(result, inputs)
     doubtful = succeeded(result) and left_open > DOUBTFUL
     return filled(
         "run_page.jinja",
@@ -81,8 +82,8 @@ def render_run(result: Result, inputs: Inputs | None = None) -> str:
         outcome=outcome(result),
         verdict=("doubtful", "!") if doubtful else judgement(succeeded(result)),
         left_open="" if math.isnan(left_open) else share(left_open),
-        columns=heads(result),
-        answer=list(rows(result, inputs))[:MOST_ROWS],
+        columns=columns,
+        answer=rows[:MOST_ROWS],
         pull_off=pull_off_words(result),
         words=scene_in_words(result.scene),
         toml=scene_text(result.scene),
@@ -107,7 +108,8 @@ def _target(state: State) -> list[Cell]:
         value = getattr(state, name)
         unknown = math.isnan(value) and not state.found
         numbers.append(_cell(None if unknown else value, getattr(error, name)))
-    patches = (str(state.n_patches), state.n_patches) if state.found else NOTHING
+    count = "complete" if state.status == "complete_contact" else str(state.n_patches)
+    patches = (count, state.n_patches) if state.found else NOTHING
     judged = "certified" if state.certificate.ok else "refused" if state.found else "–"
     return [(state.branch, state.branch), *numbers, patches, (state.status.replace("_", " "), state.status),
             (judged, judged)]  # fmt: skip

@@ -3,14 +3,15 @@
 import csv
 import io
 import math
+from dataclasses import replace
 
-import numpy as np
 import pytest
 from rough_scene import ROUGH
 
 import bem
 from bem.__main__ import main
-from bem.command_line.answer_table import UNKNOWN, csv_text, digits, heads, pull_off_words, rows, table_text
+from bem.command_line.answer_table import NO_FLAW, UNKNOWN, answer, csv_text, digits, pull_off_words, table_text
+from bem.scene.result import LargestTension, TensionError
 
 PERIOD, HEIGHT, MODULUS = 0.01, 1e-4, 1e6 / 0.75
 FRACTION = 0.4
@@ -50,51 +51,70 @@ def test_the_answer_of_a_wave_is_that_of_westergaard(wave):
     assert {name: found[name] for name in known} == pytest.approx(known, rel=2e-6)  # of the peak; others 1e-9
 
 
+def shown(result, inputs=None):
+    """The texts of each target by their headings."""
+    heads, rows = answer(result, inputs)
+    return [dict(zip(heads, (text for text, _ in row), strict=True)) for row in rows]
+
+
 def test_a_person_can_read_it(wave):
-    cells = dict(zip(heads(wave), (text for text, _ in next(rows(wave))), strict=True))
+    (cells,) = shown(wave)
     assert cells["mean pressure (held)"] == "14.4719 kPa"
-    assert (cells["contact fraction"], cells["± numerical"], cells["± input"]) == ("0.4000", "< 0.01 %", UNKNOWN)
+    assert (cells["contact fraction"], cells["± contact fraction"]) == ("0.4000", "< 0.01 % numerical")
     assert cells["widths: least, median, largest"] == "4.00, 4.00, 4.00 mm"
     assert "contact pressure: peak" in table_text(wave)
 
 
 def test_digits_are_those_that_the_uncertainty_of_the_input_leaves(wave):
-    cells = dict(zip(heads(wave), next(rows(wave, {0: {"contact_fraction": 0.14, "separation": 0.004}})), strict=True))
-    assert (cells["contact fraction"][0], cells["± input"][0]) == ("0.40", "14 %")
-    assert len(cells["separation"][0].split()[0].replace(".", "")) == digits(0.004) == 3
+    (cells,) = shown(wave, {0: {"contact_fraction": 0.14, "separation": 0.004}})
+    assert (cells["contact fraction"], cells["± contact fraction"]) == ("0.40", "< 0.01 % numerical, 14 % input")
+    assert cells["± separation"] == "< 0.01 % numerical, 0.40 % input"
+    assert len(cells["separation"].split()[0].replace(".", "")) == digits(0.004) == 3
+
+
+def test_an_uncertainty_belongs_to_one_quantity_and_is_never_printed_at_another(wave):
+    (cells,) = shown(wave, {0: {"contact_fraction": 0.14}})
+    assert [head for head, text in cells.items() if "14 %" in text] == ["± contact fraction"]
+    assert {head for head in cells if head.startswith("±")} == {"± contact fraction", "± separation"}
 
 
 def test_the_open_share_is_as_uncertain_as_the_contact_fraction(wave):
     nearly = bem.solve(WAVE | {"loading": {"control": "mean_pressure", "targets": [0.9999 * PRESSURE / SHARE]}})
-    (cells,) = rows(nearly, {0: {"contact_fraction": 0.005}})
-    shown = dict(zip(heads(nearly), (text for text, _ in cells), strict=True))
-    assert shown["contact fraction"] == "0.994"
-    assert shown["open share of the period"] == "0.0064"  # 0.5 % of the one are 80 % of the other
+    (cells,) = shown(nearly, {0: {"contact_fraction": 0.005}})
+    assert cells["contact fraction"] == "0.994"
+    assert cells["open share of the period"] == "0.0064"  # 0.5 % of the one are 80 % of the other
 
 
 def test_what_is_not_known_is_a_dash_and_an_empty_cell(rough):
-    apart = [text for text, _ in list(rows(rough))[-1]]  # the surfaces are apart
-    assert apart.count(UNKNOWN) == 4  # uncertainty of the input, both contact pressures, widths
+    apart = list(shown(rough)[-1].values())  # the surfaces are apart
+    assert apart.count(UNKNOWN) == 5  # uncertainties of no pressure and no area, both contact pressures, widths
     table = list(csv.DictReader(io.StringIO(csv_text(rough))))
     assert len(table) == len(rough.targets)
     assert table[-1]["peak_pressure / Pa"] == ""
     assert [float(row["contact_fraction"]) for row in table] == [state.contact_fraction for state in rough.targets]
 
 
-def test_the_pull_off_is_the_largest_tension_on_the_way_out(rough):
-    found = rough.pull_off()
-    out = [state for state in rough.states if state.branch == "unloading"]
-    assert found.tension >= -min(state.mean_pressure for state in out)
+def test_the_pull_off_is_said_with_its_own_error_and_where_the_surfaces_came_apart(rough):
     event = next(event for event in rough.events if event.kind == "pull_off")
     highest = rough.states[0].penetration + rough.states[0].separation
-    assert found.apart == pytest.approx(highest - event.penetration, rel=1e-12)
-    assert "Pull-off: the largest tension found on the way out is " in pull_off_words(rough)
+    assert rough.came_apart() == pytest.approx(highest - event.penetration, rel=1e-12)
+    tension = LargestTension(-280.0, 1e-6, 8.5e-5, "fold", TensionError(2.8))
+    words = pull_off_words(replace(rough, largest_tension=tension))
+    assert "the largest tension on the way out is 280.0 Pa (± 1.0 % numerical), at a separation" in words
+    assert "the surfaces come apart at" in words
 
 
 def test_without_tension_there_is_no_pull_off(wave):
-    assert wave.pull_off() is None
-    assert pull_off_words(wave) == ""
-    assert bem.solve(WAVE).to_table("targets")["mean_pressure"].dtype == np.float64
+    assert (wave.largest_tension, pull_off_words(wave)) == (None, "")
+
+
+def test_complete_contact_without_a_flaw_has_no_pull_off_and_says_what_a_flaw_decides():
+    loading = {"control": "mean_pressure", "targets": [2 * PRESSURE / SHARE, -PRESSURE]}
+    held = bem.solve(WAVE | {"loading": loading, "adhesion": {"work_of_adhesion": 0.5}})
+    assert [state.status for state in held.targets] == ["complete_contact"] * 2
+    assert held.largest_tension is None
+    assert pull_off_words(held) == NO_FLAW
+    assert [cells["contacts"] for cells in shown(held)] == ["complete", "complete"]
 
 
 def test_run_prints_it(tmp_path, capsys):

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from bem.__main__ import main
-from bem.command_line.answer_table import rows
+from bem.command_line.answer_table import answer
 from bem.scene.result_file import read_result
 from validation.report.run_page import render_run
 from validation.report.run_words import outcome, succeeded
@@ -46,7 +46,7 @@ def test_a_completed_pull_off_is_an_answer(targets, tmp_path, capsys):
     assert " Why: " not in outcome(result)
     assert 'class="verdict agrees">✓ Pulled off' in render_run(result)
     assert result.to_table("targets")["target"].tolist() == targets
-    assert [held for (held, _), *_ in rows(result)][1 if beyond > 1 else 2] == "-50 kPa"
+    assert [held for (held, _), *_ in answer(result)[1]][1 if beyond > 1 else 2] == "-50 kPa"
 
 
 def test_a_tension_before_any_contact_is_a_failure(tmp_path, capsys):

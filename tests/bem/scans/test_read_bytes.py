@@ -1,6 +1,5 @@
 """Bytes that are text, in any encoding; bytes and files that are none are refused; no line takes long."""
 
-import gzip
 import os
 import time
 
@@ -29,11 +28,6 @@ def test_encodings(encoding, tmp_path):
     scan = scan_of(tmp_path, ("x (mm),h (µm)\n" + ROWS).encode(encoding))
     np.testing.assert_allclose(scan.h, H, rtol=1e-12)
     assert scan.facts["unit_h"] == "um"
-
-
-def test_compressed_files_are_named(tmp_path):
-    with pytest.raises(ScanFileError, match="is compressed"):
-        scan_of(tmp_path, gzip.compress(ROWS.encode()), **UNITS)
 
 
 @pytest.mark.parametrize("place", [5, 60, 90])

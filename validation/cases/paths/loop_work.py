@@ -92,7 +92,7 @@ def accounts(scene: Scene, nodes: int = NODES, approach: bool = False) -> tuple[
         targets.append(target)
         weights.append(0.0)
         ends.append(len(targets))
-    again = bem.solve(replace(scene, loading=scene.loading.model_copy(update={"targets": tuple(targets)})))
+    again = bem.solve(replace(scene, loading=replace(scene.loading, targets=tuple(targets))))
     if again.status != "converged" or [e.kind for e in again.events] != [e.kind for e in result.events]:
         raise ValueError(f"path: {again.status}, {len(again.events)} events where there were {len(result.events)}")
     states = again.targets

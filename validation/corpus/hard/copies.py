@@ -16,7 +16,7 @@ released.
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from itertools import groupby
 from typing import Any
 
@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from bem.geometry.profile import Profile
 from bem.scene.result import FINAL_STATUSES, Event, Result, State
 from bem.scene.result_file import write_result
-from bem.scene.scene import LoadingTable, Scene, parse_scene
+from bem.scene.scene import Loading, Scene, parse_scene
 from validation.corpus.hard.any_result import Solved, Units
 from validation.corpus.hard.hard_case_run import Finding
 from validation.corpus.hard.hard_case_scenes import in_units, waves_of
@@ -154,7 +154,7 @@ def _made(kind: str, solved: Solved, changed: Table, **placed: Any) -> Copy:
 
 def _plain(solved: Solved) -> Table:
     """The tables without output, with the resolved targets in place of a range."""
-    keys = [key for key in LoadingTable.model_fields if key not in RANGES]
+    keys = [key for key in (item.name for item in fields(Loading)) if key not in RANGES]
     loading = {key: value for key, value in solved.tables["loading"].items() if key in keys}
     plain = {name: table for name, table in solved.tables.items() if name not in ("output", "title")}
     return plain | {"loading": loading | {"targets": list(solved.scene.loading.targets)}}

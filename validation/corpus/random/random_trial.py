@@ -133,7 +133,7 @@ def dense_route(solved: Solved) -> Iterator[Finding]:
         goal = getattr(state, scene.loading.control)
         nearest = min(scene.loading.targets, key=lambda target: abs(target - goal))
         at = nearest if abs(nearest - goal) <= 1e-9 * units.unit(scene) else goal
-        posed = replace(scene, loading=scene.loading.model_copy(update={"targets": (at,)}))
+        posed = replace(scene, loading=replace(scene.loading, targets=(at,)))
         try:
             known = reference(posed, state)
         except (NoReferenceError, np.linalg.LinAlgError, ValueError) as error:

@@ -15,6 +15,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from bem.geometry.table import plain
 from bem.scans.read_scan import RawScan, read_scan
 from bem.scans.scan_keys import SCAN_KEYS
 from bem.scene.atomic_file import write_atomically
@@ -177,7 +178,7 @@ def _windows(scene: Scene, tables: Tables, base: Path) -> Changes:
 def _periods(scene: Scene, places: tuple[Path, Path]) -> Changes:
     """Halves of a scan in place of the whole, with the same shortest wavelength."""
     base, parts = places
-    raw = read_scan(base / str(scene.profile.file), scene.profile.model_dump(exclude_none=True))
+    raw = read_scan(base / str(scene.profile.file), plain(scene.profile))
     middle = raw.h.size // 2
     for name, part in (("first half", slice(0, middle)), ("second half", slice(middle, None))):
         path = parts / f"{name.replace(' ', '-')}.txt"

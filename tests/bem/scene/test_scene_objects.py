@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import bem
-from bem.scene_objects import scene_of
+from bem.scene.scene import scene_of
 
 FILE = """
 title = "wave"

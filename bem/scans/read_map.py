@@ -1,0 +1,125 @@
+"""Rows of a map in a text file.
+
+map      A row of heights on each line of the file: `row` names one, or the mean of all.  A line or column of axes at a
+         side is refused: numbers in order where those of the next two lines or columns are not.
+points   Columns x, y and h, one scan line after another: `row` names one, or the mean of all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from bem.geometry.arrays import FloatArray
+from bem.scans.read_text import FEWEST, TextTable
+from bem.scans.scan_refusal import refused
+
+FEWEST_STEPPED, FEWEST_ORDERED = 4, 8  # format: numbers on an axis, at equal steps or in order; by chance, 1 in 20,000
+EQUAL = 0.01  # format: admitted deviation of a step of an axis, in steps
+
+ScanLines = tuple[int, list[slice]]  # of points x y h: the column along the scan lines, from 0, and the rows of each
+
+
+def scan_lines(table: FloatArray) -> ScanLines | None:
+    """Return the scan lines of points x y h; None for other tables.
+
+    Of the first two columns one is constant along a line, and the other rises or falls.
+
+    Examples
+    --------
+    >>> points = np.array([[0, 5, 7], [1, 5, 8], [2, 5, 9], [0, 6, 7], [1, 6, 7], [2, 6, 8.0]])
+    >>> scan_lines(points)
+    (0, [slice(0, 3, None), slice(3, 6, None)])
+    """
+    if table.shape[1] < 3:
+        return None
+    for along, across in ((0, 1), (1, 0)):
+        starts = np.flatnonzero(np.diff(table[:, across], prepend=np.nan) != 0)
+        ends = np.append(starts[1:], table.shape[0])
+        if starts.size < 2 or np.min(ends - starts) < FEWEST or np.unique(table[starts, across]).size < starts.size:
+            continue
+        lines = [slice(int(start), int(end)) for start, end in zip(starts, ends, strict=True)]
+        if all(len(set(np.sign(np.diff(table[line, along])))) == 1 for line in lines):
+            return along, lines
+    return None
+
+
+def scan_line(table: TextTable, points: ScanLines, heights: FloatArray, row: int | str) -> tuple[slice, FloatArray]:
+    """Return the rows and heights of a scan line of points x y h; for the mean, rows of the first line."""
+    along, lines = points
+    if isinstance(row, int):
+        rows = lines[_checked_row(row, len(lines))]
+        return rows, heights[rows]
+    first = table.values[lines[0], along]
+    if any(not np.array_equal(table.values[line, along], first) for line in lines):
+        allowed = f"row = 0 to {len(lines) - 1} in the order of the file"
+        raise refused("row", '= "mean" of scan lines with different positions', allowed)
+    return lines[0], np.asarray(np.mean([heights[line] for line in lines], axis=0))
+
+
+def row_of(heights: FloatArray, row: int | str) -> FloatArray:
+    """Return a row of a map, (n_rows, n), or the mean of all rows; NaN where any of them is missing."""
+    return np.asarray(heights.mean(axis=0) if isinstance(row, str) else heights[_checked_row(row, heights.shape[0])])
+
+
+def _checked_row(row: int, count: int) -> int:
+    """Return the row if there is one of this number; else raise ScanFileError."""
+    if row >= count:
+        raise refused("row", f"= {row}", rows_allowed(count))
+    return row
+
+
+def rows_allowed(count: int) -> str:
+    """Return what `row` may be."""
+    return f'row = 0 to {count - 1} in the order of the file, or row = "mean"'
+
+
+def map_of(table: TextTable, values: Mapping[str, Any]) -> FloatArray:
+    """Return the heights of a map; ScanFileError for keys and headings of columns, and for axes."""
+    width = table.values.shape[1]
+    if width <= 2:
+        found = f"= {values['row']!r} of a file with {width} columns"
+        raise refused("row", found, "leave it out: only a map has rows, one on each line of the file")
+    for key in ("columns", "valid_column"):
+        if key in values:
+            raise refused(key, f"= {values[key]!r} beside row", "leave it out: the row of a map is all of a line")
+    if table.heading:
+        found = f"line {table.heading} states units of columns, which a map does not have"
+        raise refused("file", found, f"skip_lines = {table.heading}, with unit_h and unit_x")
+    refuse_axes(table, ("first line", "last line", "first column", "last column"))
+    return without_missing(table.values, values)
+
+
+def without_missing(heights: FloatArray, values: Mapping[str, Any]) -> FloatArray:
+    """Return heights, NaN where they are the missing_value of the scene."""
+    return np.where(heights == values["missing_value"], np.nan, heights) if "missing_value" in values else heights
+
+
+def refuse_axes(table: TextTable, sides: Iterable[str]) -> None:
+    """Raise ScanFileError for sides of the table that hold axes."""
+    turned = {"line": table.values, "column": table.values.T}
+    rows = {side: turned[side.split()[1]][:: 1 if side.startswith("first") else -1] for side in sides}
+    axes = " and ".join(f"the {side}" for side in sides if _has_axis(rows[side]))
+    if axes:
+        allowed = f"heights alone: remove {axes}, and give the step of the axis along the lines as spacing"
+        raise refused("file", f"has axes in {axes}, which are no heights", allowed)
+
+
+def _has_axis(rows: FloatArray) -> bool:
+    """Return whether the first row, but for a corner, holds positions: in order where the next two rows are not."""
+    parts = rows[:3], rows[:3, 1:], rows[:3, :-1]
+    return any(
+        any(_ordered(part[0], stepped) for part in parts)
+        and not any(_ordered(row, stepped) for part in parts for row in part[1:])
+        for stepped in (True, False)
+    )
+
+
+def _ordered(row: FloatArray, stepped: bool) -> bool:
+    """Return whether numbers rise or fall, at equal steps or at any."""
+    steps = np.diff(row)
+    if row.size < (FEWEST_STEPPED if stepped else FEWEST_ORDERED) or not ((steps > 0).all() or (steps < 0).all()):
+        return False
+    return not stepped or float(np.abs(steps - steps.mean()).max()) <= EQUAL * abs(float(steps.mean()))
