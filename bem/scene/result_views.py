@@ -31,7 +31,7 @@ UNITS = {
     **{"mean_pressure": "Pa", "stress_intensity_max": "Pa m^1/2", "contact_stiffness": "Pa/m", "cpu_seconds": "s"},
 }
 FIELD_UNITS = {  # of fields.npz, by the names without the numbers of states
-    **dict.fromkeys(("x", "displacement", "gap", "patch_width", "gap_width"), "m"),
+    **dict.fromkeys(("x", "displacement", "gap"), "m"),
     **dict.fromkeys(("scan_x", "scan_h", "profile_x", "profile_h"), "m"),
     **{"pressure": "Pa", "sigma": "Pa", "sigma_bounds": "Pa", "P": "1/Pa", "tail_coefficient": "Pa^2"},
     **{"q": "rad/m", "slope_q": "rad/m", "C_h": "m^3", "C_u": "m^3", "C_sigma": "Pa^2 m"},
@@ -42,8 +42,6 @@ SAMPLED = {  # fields of fields.npz on points of their own, by the name of these
     **dict.fromkeys(("x", "displacement", "gap", "pressure", "patch"), "point_{k}"),
     **dict.fromkeys(("q", "C_h", "C_u", "C_sigma"), "wavenumber"),
     **dict.fromkeys(("sigma", "P"), "level_{k}"),
-    **dict.fromkeys(("patch_width", "patch_share"), "contact_{k}"),
-    **dict.fromkeys(("gap_width", "gap_share"), "opening_{k}"),
     **dict.fromkeys(("scan_x", "scan_h"), "scan_point"),
     **dict.fromkeys(("profile_x", "profile_h"), "profile_point"),
 }
