@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 
-LEAPING = 1e-4  # accuracy.tolerance from which the path of an adhesive contact goes by leaps
 MOST_HARMONICS = 1_000_000  # limit: 15 GB of tables, by 1.5 GB for a tenth of them
 MOST_SEED = 2**128 - 1  # format: what NumPy draws where none is given
 LEAST, MOST = 1e-60, 1e60  # derived: SI magnitudes: no product of them leaves double precision; the same from above

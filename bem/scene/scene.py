@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.geometry.profile import Profile
-from bem.geometry.ranges import LEAPING, MOST_HARMONICS, Mistake, shown, unknown_key
+from bem.geometry.ranges import MOST_HARMONICS, Mistake, shown, unknown_key
 from bem.geometry.scaling import Solid
 from bem.geometry.table import TableError, plain
 from bem.scans.scan_keys import BACKSLASHES, CUTOFFS, DEFAULTS, SCAN_KEYS
@@ -146,15 +146,6 @@ class Scene:
         if isinstance(asked, bool):
             return asked
         return index < len(self.loading.targets) and equal_target(self.loading.targets[index], asked) is not None
-
-    @property
-    def leaps(self) -> bool:
-        """Whether its path goes by leaps: few digits of an adhesive contact whose load is not what is held.
-
-        Nor may its profile repeat: what breaks such a symmetry would be decided by the end of a leap.
-        """
-        few = self.accuracy.tolerance >= LEAPING and self.loading.control != "mean_pressure"
-        return self.adhesion is not None and few and not self.surface().repeats
 
     def resolved(self) -> dict[str, Any]:
         """Return all tables as plain values, defaults included; a file is given by its name and digest."""
