@@ -23,7 +23,7 @@ from bem.adhesive.equilibrium_assessment import assess_equilibrium
 from bem.adhesive.relaxation import interpenetration
 from bem.continuation.bare_states import BareStates
 from bem.continuation.branch_ends import BranchEnds, End, Goal
-from bem.continuation.curve import LONGEST, CurvePoint, Piece
+from bem.continuation.curve import CurvePoint, Piece
 from bem.continuation.folds import LimitPoint
 from bem.continuation.jumps import Jumps, leading_patch
 from bem.continuation.loads import Loads
@@ -50,7 +50,8 @@ from bem.loading.increments import MAXIMUM_ITERATIONS, Effort, Increments
 from bem.loading.path_events import PathTension, path_events
 from bem.loading.points_without_edges import Complete, Failed, Separated
 
-PER_INCREMENT = 3.0  # units per rms height of `accuracy.max_increment`: a step, if that is less than the longest
+LONGEST_STEP = 0.4  # units: the motion of the edges in a step
+PER_INCREMENT = 9.0  # units per rms height of `accuracy.max_increment`: a step, if that is less than the longest
 NATURAL = 1e-7, 1e-6, 1e-5, 1e-4  # of the unit of the control: steps of it where none along the curve is left
 
 
@@ -94,7 +95,8 @@ class Path:
     @property
     def bare(self) -> BareStates:
         """What leads to and from states without edges."""
-        return BareStates(self.jumps, self.crests, self.flaw)
+        finely = replace(self.increments, way=self.increments.fine)  # a release from complete contact may be tiny
+        return BareStates(Jumps(self.system, finely, self.complete), self.crests, self.flaw)
 
     @property
     def loads(self) -> Loads:
@@ -186,8 +188,8 @@ class Path:
         if control.load_weight:  # a stiff contact hardly moves
             growth_of_control = control.penetration_weight + control.load_weight * point.balance.stiffness
             largest = max(largest, self.increments.deepest * growth_of_control)
-        longest = min(LONGEST, PER_INCREMENT * self.increments.deepest)
-        return Way(direction, end, longest, largest, self.increments.fine.tolerance)
+        longest = min(LONGEST_STEP, PER_INCREMENT * self.increments.deepest)
+        return Way(direction, end, longest, largest, self.increments.way.tolerance)
 
     def _along(self, point: Equilibrium, goal: float) -> Iterator[Point]:
         """Points along the curve of a state, to the goal or to what is behind the first end of the branch."""
@@ -286,7 +288,7 @@ class Path:
             found = self._stable(Start(at.patches, at.numbers.penetration, value))
             if isinstance(found, Failed):
                 continue
-            if interpenetration(self.system, found.state, self.increments.fine.allowed).position.size == 0:
+            if interpenetration(self.system, found.state, self.increments.way.allowed).position.size == 0:
                 return found
         self.effort.unlocated += 1
         return self.jumps.unlocated(at.balance, at.value, value)
