@@ -3,7 +3,7 @@
     python -m validation.cases.random_judge --seed 7 --count 100 --out FOLDER
 
 writes the report of scenes 0..99 of seed 7 and the scene files of those that fail.  Scene k of seed K is the same
-whichever others are drawn (corpus/random/random_scenes.py).
+whichever others are drawn (corpus/random_scenes.py).
 """
 
 import argparse

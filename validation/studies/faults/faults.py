@@ -3,9 +3,9 @@
     python -m validation.studies.faults.faults --out FOLDER [--only TEXT] [--jobs N]
 
 A fault is a slip of the pen, a lost factor or a forgotten case: a change of text that fits exactly one place of one
-file (*.toml beside this file; keys `what`, `before`, `after` and `case`, the text of `linecontact verify --only`).  It is
-noticed where the run of the case fails; by which verdicts is told.  Kernels run in NumPy, because compiled ones do not
-see the change.  A control run of every case without a fault must pass.
+file (*.toml beside this file; keys `what`, `before`, `after` and `case`, the text of `linecontact verify --only`).  A
+fault is noticed where the run of the case fails; the report tells by which verdicts.  Kernels run in NumPy, because
+compiled ones do not see the change.  A control run of every case without a fault must pass.
 """
 
 import argparse
@@ -106,7 +106,7 @@ def main() -> int:
     tasks: list[tuple[str, Fault | None]] = [(case, None) for case in sorted({fault.case for fault in chosen})]
     tasks += [(fault.case, fault) for fault in chosen]
     with TemporaryDirectory() as scratch, ThreadPoolExecutor(options.jobs) as pool:
-        answers = pool.map(lambda task: outcome(*task, root, Path(scratch)), tasks)
+        answers = pool.map(lambda task: outcome(task[0], task[1], root, Path(scratch)), tasks)
         for (case, fault), answer in zip(tasks, answers, strict=True):
             failed = answer["code"] != 0
             name = f"control: {case} fails" if fault is None else f"{fault.name}: noticed"
