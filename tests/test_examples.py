@@ -26,7 +26,3 @@ def test_the_examples_of_a_module_hold(name):
         pytest.importorskip(OF_EXTRAS[name], exc_type=ImportError)
     outcome = doctest.testmod(import_module(name))
     assert (outcome.failed, outcome.attempted > 0) == (0, True)
-
-
-def test_there_are_examples():
-    assert len(WITH_EXAMPLES) > 100

@@ -101,6 +101,8 @@ def _report(options: argparse.Namespace) -> int:
     if not (folder / REPORT).exists() and (folder / RESULT_FILE).exists():
         result = write_run_page(folder)
         words, code = outcome(result), DONE if succeeded(result) else FAILED
+        if code == FAILED:
+            print(f"FAILED: {words}", file=sys.stderr)
     else:
         content = read_report(folder)
         write_atomically(folder / PAGE, page_of_file(content))

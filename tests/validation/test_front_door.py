@@ -31,7 +31,7 @@ COMMANDS = (
     "verify",
     "study",
     "replicate",
-    "baseline",
+    "challenge",
 )
 
 
@@ -170,9 +170,9 @@ def test_mistakes_of_a_scene_are_told_as_by_the_solver(tmp_path, capsys):
     assert "solid.youngs_modulus = -1.0; allowed" in capsys.readouterr().err
 
 
-def test_mistakes_of_a_verification_are_told_as_by_the_harness(tmp_path, capsys):
+def test_a_pattern_that_no_case_matches_is_refused(tmp_path, capsys):
     assert exit_code("verify", "--only", "nothing-like-it", "--out", str(tmp_path / "out")) == 2
-    assert "error: --only 'nothing-like-it'" in capsys.readouterr().err
+    assert "error: --only nothing-like-it: no case matches" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh"])

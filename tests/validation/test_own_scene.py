@@ -335,10 +335,7 @@ def test_a_scene_that_does_not_converge_as_it_is_fails_by_name(tmp_path, in_proc
         pytest.param(("scene",), "a scene file is needed", id="no file"),
         pytest.param(("scene", "none.toml"), "none.toml cannot be read", id="no such file"),
         pytest.param(("scene", "bad.toml"), "solid.poisson_ratio = 0.7", id="refused"),
-        pytest.param(("scene", "bad.toml", "--peers"), "--peers: study scene does not take it", id="peers"),
-        pytest.param(("scene", "bad.toml", "--executor", "dask://a:1"), "on this machine only", id="executor"),
-        pytest.param(("convergence", "bad.toml"), "scene: study convergence does not take it", id="another study"),
-        pytest.param(("convergence", "--budget", "5"), "budget: study convergence does not take it", id="budget"),
+        pytest.param(("convergence", "bad.toml"), "use linecontact verify --only convergence", id="another study"),
     ],
 )
 def test_bad_input_is_refused_by_name_and_nothing_is_written(words, said, tmp_path, capsys, monkeypatch):

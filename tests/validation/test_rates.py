@@ -3,28 +3,7 @@
 import numpy as np
 import pytest
 
-from validation.corpus.rates import RateError, algebraic, geometric
-
-SIZES = (4.0, 8.0, 16.0, 32.0)
-
-
-@pytest.mark.parametrize("order", [0.5, 1.0, 4.0], ids=str)
-def test_order_of_a_power_law(order):
-    found = algebraic(SIZES, [3.0 * n**-order for n in SIZES])
-    assert found.value == pytest.approx(order, rel=1e-12)
-    assert found.pairwise == pytest.approx([order] * 3, rel=1e-12)
-
-
-def test_order_belongs_to_the_sizes_not_to_their_place_in_the_list():
-    sizes = [3.0, 5.0, 20.0]  # a fit over 1, 2, 3 or over sizes shifted by one place gives another order
-    assert algebraic(sizes, [n**-2.0 for n in sizes]).value == pytest.approx(2.0, rel=1e-12)
-
-
-def test_points_near_a_known_plateau_are_left_out():
-    errors = [n**-4.0 for n in SIZES[:3]] + [1e-5]
-    assert algebraic(SIZES, errors).used == (0, 1, 2, 3)
-    found = algebraic(SIZES, errors, plateau=4e-7)
-    assert (found.used, found.value) == ((0, 1, 2), pytest.approx(4.0, rel=1e-12))
+from validation.studies.own_scene.rates import RateError, geometric
 
 
 @pytest.mark.parametrize("rate", [1.6, 2.5, 10.0], ids=str)
@@ -58,10 +37,9 @@ def test_power_law_is_not_taken_for_geometric():
     ],
     ids=["two-points", "sizes-repeat", "nan", "zero"],
 )
-@pytest.mark.parametrize("fit", [algebraic, geometric], ids=["algebraic", "geometric"])
-def test_what_cannot_be_fitted_is_told(fit, sizes, errors):
+def test_what_cannot_be_fitted_is_told(sizes, errors):
     with pytest.raises(RateError):
-        fit(sizes, errors)
+        geometric(sizes, errors)
 
 
 def test_too_few_points_before_the_plateau_are_told():
