@@ -13,6 +13,7 @@ from bem.continuation.locating import Start
 from bem.continuation.path import Path
 from bem.continuation.points_with_edges import Equilibrium
 from bem.continuation.rest import at_rest
+from bem.continuation.tension import LeastLoad
 from bem.elastic.far_field import FarField
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray
@@ -59,7 +60,9 @@ def landed(path: Path, departure: Departure) -> tuple[Landing | None, int]:
     elastic = replace(path.system.elastic, far=departure.far)
     own = System(elastic, path.system.law, path.system.control)
     increments = replace(path.increments, fine=path.increments.way)
-    landing = if_solvable(_landing, replace(path, system=own, increments=increments, asked_loads=()), departure)
+    landing = if_solvable(
+        _landing, replace(path, system=own, increments=increments, asked_loads=(), least_load=LeastLoad()), departure
+    )
     return landing, own.effort.evaluations + own.effort.local_evaluations
 
 

@@ -9,13 +9,14 @@ Dimensionless; half-space, penetration control.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 
 from bem.adhesive.branch import tangent
+from bem.continuation.loads import extremes
 from bem.continuation.locating import Start
 from bem.continuation.path import Path
 from bem.continuation.points_with_edges import Equilibrium, Point
@@ -36,6 +37,22 @@ GROWTH = 2.0  # speed: times the last step: the next, at most
 AnyPoint = Point | Spread
 
 
+@dataclass(eq=False)
+class TurnInWindows:
+    """Step of windows on unloading in which the load turns, that with the least load: where it begins and ends."""
+
+    load: float = 0.0
+    step: tuple[Spread, float] | None = None
+
+    def note(self, first: Spread, last: Spread) -> None:
+        """Keep a step in which the load turns, if it may be less there than before."""
+        change = last.value - first.value
+        falls, rises = change * first.stiffness < 0, change * last.stiffness > 0
+        bottom = extremes((first.load, last.load), (change * first.stiffness, change * last.stiffness))[1]
+        if falls and rises and bottom < self.load:
+            self.load, self.step = bottom, (first, last.value)
+
+
 @dataclass(frozen=True, eq=False)
 class WindowedPath:
     """Follows windows where patches are many.
@@ -46,10 +63,13 @@ class WindowedPath:
         Of the same contact.
     crew : Crew
         Processes in which windows are followed.
+    turn : TurnInWindows
+        Where the load turns while they are.
     """
 
     whole: Path
     crew: Crew
+    turn: TurnInWindows = field(default_factory=TurnInWindows)
     has_history: ClassVar[bool] = True
 
     @property
@@ -64,7 +84,17 @@ class WindowedPath:
 
     @property
     def largest_tension(self) -> PathTension | None:
-        """Least load met on unloading."""
+        """Least load met on unloading.
+
+        The whole contact is followed over that step of windows in which the load turns farthest down.
+        """
+        if self.turn.step is not None:
+            start, value = self.turn.step
+            self.turn.step = None
+            here = self._gathered(start)
+            if not isinstance(here, Failed):
+                for _ in self.whole.advance(here, value):
+                    pass
         return self.whole.largest_tension
 
     @cached_property
@@ -168,6 +198,10 @@ class WindowedPath:
             behind = self.spreading.stepped(point, value, shortest=step == SHORTEST)
             if behind is not None:
                 self.effort.accepted += 1
+                if direction < 0:
+                    self.turn.note(point, behind)
+                    for event in behind.events:
+                        self.whole.least_load.note("jump", event.at, event.error)
                 yield behind
                 return
             self.effort.rejected += 1
