@@ -33,6 +33,7 @@ ONLY_IN = {
     "matplotlib": (
         "validation/report/",
         "validation/command_line/fem_figure.py",
+        "validation/command_line/examples/guide/map.py",
         "bem/scene/plots.py",
         "bem/scene/result_views.py",
     ),

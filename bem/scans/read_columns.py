@@ -14,11 +14,20 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bem.geometry.arrays import FloatArray, IntArray
-from bem.scans.read_map import ScanLines, map_of, row_of, rows_allowed, scan_line, scan_lines
+from bem.scans.read_map import (
+    ScanLines,
+    map_of,
+    refuse_axes,
+    row_of,
+    rows_allowed,
+    scan_line,
+    scan_lines,
+    without_missing,
+)
 from bem.scans.read_text import TextTable
 from bem.scans.scan_refusal import refused
 
-MOST_FLAGS = 16  # format: different whole numbers in a column that may be a flag
+MOST_FLAGS = 101  # format: different whole numbers in a column that may be a flag: percentages have 101
 
 
 class TableLine(NamedTuple):
@@ -39,10 +48,11 @@ def line_of(table: TextTable, values: Mapping[str, Any]) -> TableLine:
         raise refused("valid_column", f"= {flag}", f"0 for none, or a column from 1 to {width}")
     points = None if flag in (1, 2) else scan_lines(table.values)
     if points is None and row is not None:
-        return TableLine(None, row_of(without_missing(map_of(table, values), values), row))
+        return TableLine(None, row_of(map_of(table, values), row))
     x_column, h_column = _columns(width, points, values)
     read = {x_column, h_column, flag - 1} | (set() if points is None else {0, 1})
     unread = tuple(column + 1 for column in range(width) if column not in read)
+    refuse_axes(table, ("first line", "last line"))
     if "valid_column" not in values:
         _refuse_flags(table, unread)
     heights, rows = without_missing(table.values[:, h_column], values), slice(None)
@@ -85,11 +95,6 @@ def _columns(width: int, points: ScanLines | None, values: Mapping[str, Any]) ->
     return (None, used[0] - 1) if len(used) == 1 else (used[0] - 1, used[1] - 1)
 
 
-def without_missing(heights: FloatArray, values: Mapping[str, Any]) -> FloatArray:
-    """Return heights, NaN where they are the missing_value of the scene."""
-    return np.where(heights == values["missing_value"], np.nan, heights) if "missing_value" in values else heights
-
-
 def _flagged(heights: FloatArray, flags: FloatArray, column: int) -> FloatArray:
     """Return heights, NaN where they are flagged 0; ScanFileError for flags that are not 0 and one other number."""
     kinds = np.unique(flags)
@@ -102,7 +107,10 @@ def _refuse_flags(table: TextTable, unread: tuple[int, ...]) -> None:
     """Raise ScanFileError for a column that is not read and may say which heights are valid."""
     for column in unread:
         kinds = np.unique(table.values[:, column - 1])  # NaN, the last, where there is no number
-        if 2 <= kinds.size <= MOST_FLAGS and (np.isnan(kinds) | (kinds == np.round(kinds))).all():
+        if (
+            2 <= kinds.size <= min(MOST_FLAGS, table.lines.size // 2)
+            and (np.isnan(kinds) | (kinds == np.round(kinds))).all()
+        ):
             found = f"is needed: column {column} holds {_listed(kinds)} and may say which heights are valid"
             allowed = f"valid_column = {column}: heights flagged 0 are missing; valid_column = 0 if no column says so"
             raise refused("valid_column", found, allowed)

@@ -17,9 +17,9 @@ import numpy as np
 
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.scans.read_bytes import content_of
-from bem.scans.read_columns import TableLine, line_of, without_missing
+from bem.scans.read_columns import TableLine, line_of
 from bem.scans.read_instrument import is_instrument_file, read_instrument
-from bem.scans.read_map import row_of
+from bem.scans.read_map import row_of, without_missing
 from bem.scans.read_text import DELIMITERS, read_table
 from bem.scans.read_units import resolved_units
 from bem.scans.scan_keys import METRES, TEXT_KEYS

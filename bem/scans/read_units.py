@@ -77,7 +77,7 @@ def resolved_units(values: Mapping[str, Any], stated: Mapping[str, str], source:
         key, own = f"unit_{axis}", stated.get(axis, "")
         given = values.get(key)
         if own and own not in METRES:
-            allowed = f"a file in one of {UNITS}: convert it, and name the unit there"
+            allowed = f"one of {UNITS} there: spell the unit so, or convert the numbers"
             refusals.append(Refusal(key, f"is {own!r} in {source}", allowed))
         elif own and given and own != given:
             found = f'= "{given}" contradicts the file, which says "{own}" in {source}'

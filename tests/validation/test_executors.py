@@ -33,13 +33,13 @@ def test_unknown_executor_is_refused(spec):
         opener_of(spec)
 
 
-@pytest.mark.parametrize("words", [["run"], ["replicate"], ["study", "maps"]], ids=["run", "replicate", "maps"])
+@pytest.mark.parametrize("words", [["run"], ["replicate"]], ids=["run", "replicate"])
 def test_processes_of_this_machine_are_the_default(words):
     parser = argparse.ArgumentParser()
     command_line.add_commands(parser.add_subparsers())
     options = parser.parse_args([*words, "--out", "here"])
     assert opener_of(options.executor) is executors.local_processes
-    assert options.jobs == (None if words[0] == "study" else os.cpu_count())  # that of a study is its own
+    assert options.jobs == os.cpu_count()
 
 
 @needs_dask

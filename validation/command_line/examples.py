@@ -24,6 +24,7 @@ EXAMPLES = {  # in the order in which they are listed: a scene, a script or own 
     "guide-pull-off": ("pull_off.py",),
     "guide-ensemble": ("ensemble.py",),
     "guide-own-scan": ("own_scan.py", "own-scan.csv"),
+    "guide-map": ("map.py",),
     "guide-fem": ("boundary_and_finite_elements.py",),
     OWN: tuple(
         f"{OWN}/{file}" for file in ("own_cases.py", "own_solver.py", "pyproject.toml", "baselines/own-one-wave.json")

@@ -7,8 +7,6 @@ study has.
 
 from dataclasses import dataclass
 
-JOBS = frozenset({"jobs", "executor"})  # for ensembles, on the processes of any executor
-
 
 @dataclass(frozen=True)
 class Study:
@@ -26,8 +24,6 @@ STUDIES = {
         "rates of every code against those predicted: geometric, algebraic, with and without graded meshes"),
     "stability": Study("stability", frozenset({"jobs", "random", "seed"}),
         "the hard cases of all codes: converged, correct and refused counted apart, over a fixed denominator"),
-    "maps": Study("maps", JOBS,
-        "slope of the area and hysteresis loop against Hurst exponent, bandwidth, adhesion and layer thickness"),
     "faults": Study("faults.faults", frozenset({"jobs"}),
         "would the suite notice: faults put into the running code, what catches them, how small they may be"),
 }  # fmt: skip

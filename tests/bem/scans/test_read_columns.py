@@ -61,7 +61,7 @@ def test_heights_flagged_0_are_missing(valid, at, columns, tmp_path):
     np.testing.assert_allclose(scan.h, np.where(FLAGS, H, np.nan) * 1e-6, rtol=1e-12)
 
 
-@pytest.mark.parametrize("flags", [FLAGS, 1.0 - np.array(FLAGS), np.arange(COUNT) % 3, 100 * np.array(FLAGS), UNSET])
+@pytest.mark.parametrize("flags", [FLAGS, 1.0 - np.array(FLAGS), np.arange(COUNT) % 3, np.arange(COUNT) % 11, UNSET])
 def test_column_that_may_be_a_flag_is_not_passed_over(flags, tmp_path):
     text = rows(X, H, flags)
     refusal = refusal_of(tmp_path, text, columns=[1, 2], **UNITS)
@@ -103,22 +103,28 @@ DOWN = {"steps": np.arange(6) * 0.5, "falling": -np.arange(6) * 0.5, "counts": n
 @pytest.mark.parametrize("corner", ["0", "nan", "", "-1.5"])
 @pytest.mark.parametrize("along", [None, *AXES])
 @pytest.mark.parametrize("down", [None, *DOWN])
-def test_axes_of_a_map_are_refused_by_name(heights, along, down, corner, tmp_path):
+@pytest.mark.parametrize("end", [False, True])
+def test_axes_of_a_map_are_refused_by_name(heights, along, down, corner, end, tmp_path):
     """Axes of a tilted map are told by their equal steps."""
-    if heights is not ROWS and along in ("unequal", "rounded"):
+    if (heights is not ROWS and along in ("unequal", "rounded")) or (along is None and down is None):
         return
-    lines = [[*([str(DOWN[down][k])] if down else []), *map(str, heights[k])] for k in range(6)]
+    at = COUNT if end else 0
+    lines = [list(map(str, line)) for line in heights]
+    for k, line in enumerate(lines) if down else ():
+        line.insert(at, str(DOWN[down][k]))
     if along:
-        lines.insert(0, [*([corner] if down else []), *map(str, AXES[along])])
-    text = "".join(",".join(line) + "\n" for line in lines)
-    if along is None and down is None:
-        assert scan_of(tmp_path, text, row=1, **SPACED).h[3] == pytest.approx(heights[1, 3] * 1e-6)
-        return
-    refusal = refusal_of(tmp_path, text, row=1, **SPACED)
-    assert ("the first line" in refusal.found, "the first column" in refusal.found) == (
-        along is not None,
-        down is not None,
-    )
+        axis = list(map(str, AXES[along]))
+        axis[at:at] = [corner] * (down is not None)
+        lines.insert(len(lines) if end else 0, axis)
+    refusal = refusal_of(tmp_path, "".join(",".join(line) + "\n" for line in lines), row=1, **SPACED)
+    sides = [f"the {'last' if end else 'first'} {side}" for side, axis in (("line", along), ("column", down)) if axis]
+    assert refusal.found == f"has axes in {' and '.join(sides)}, which are no heights"
+
+
+def test_axis_above_columns_is_refused(tmp_path):
+    lines = [[-1.0, *np.arange(6) * 0.5], *np.column_stack([X, ROWS.T])]
+    text = "".join(",".join(map(str, line)) + "\n" for line in lines)
+    assert "the first line" in refusal_of(tmp_path, text, columns=[1, 3], **UNITS).found
 
 
 @pytest.mark.parametrize("wave", [1, 2.5])

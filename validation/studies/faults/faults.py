@@ -25,7 +25,7 @@ from validation.harness.case import Case, Found, registry
 from validation.harness.execution import Note
 from validation.harness.store import Store
 from validation.harness.verdict import case_verdicts
-from validation.report.map_figures import FaultLine, write_matrix
+from validation.report.fault_figure import FaultLine, write_matrix
 from validation.studies.bench import HELD, Bench, none_of, study_case
 from validation.studies.faults.fault_findings import (
     SCHEMA,
