@@ -29,6 +29,13 @@ QUANTITIES = {  # name of a column of `to_table("targets")`: heading and unit
     "open_share": ("open share of the period", ""),
     "open_gap_mean": ("open gap: mean", "m"),
     "open_gap_largest": ("open gap: largest", "m"),
+    "open_gap_p50": ("open gap: 10, 50, 90 % of the open length below", "m"),
+    "mean_cubic_root": ("gap for flow along the ridges, <g³>^(1/3)", "m"),
+    "widest_channel": ("widest open channel", "m"),
+}
+TRIPLES = {  # columns shown in one cell, which is sorted by the second
+    "width_median": ("width_least", "width_median", "width_largest"),
+    "open_gap_p50": ("open_gap_p10", "open_gap_p50", "open_gap_p90"),
 }
 NO_FLAW = (
     "No pull-off: complete contact cannot open without a flaw, as a gap of no width needs an unbounded tension. Set "
@@ -150,10 +157,10 @@ def _cell(row: Mapping[str, float], name: str, unit: str, inputs: Mapping[str, f
         return UNKNOWN, ""
     if name == "n_patches":
         return ("complete" if row["contact_fraction"] == 1 else f"{value:.0f}"), value
-    if name == "width_median":
-        widths = [row[f"width_{name}"] for name in ("least", "median", "largest")]
-        factor, prefixed = axis_unit(widths[-1], unit)
-        return f"{', '.join(_fixed(width * factor, 3) for width in widths)} {prefixed}", value
+    if name in TRIPLES:
+        values = [row[column] for column in TRIPLES[name]]
+        factor, prefixed = axis_unit(values[-1], unit)
+        return f"{', '.join(_fixed(number * factor, 3) for number in values)} {prefixed}", value
     own, outer = _relative(row, name, inputs)
     if math.isnan(outer):
         outer = inputs.get("contact_fraction", 0.0)

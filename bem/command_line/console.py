@@ -30,11 +30,6 @@ BAR_SECONDS = 0.2  # format: s between redraws of the bar
 LEAST_DONE = 0.02  # format: of the way, before which the pace says little
 
 
-def discard_stdout() -> None:
-    """Let what is still buffered for stdout go nowhere, once its reader has gone."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
-
 def positive(text: str) -> int:
     """An argument that is a whole number > 0."""
     if not text.isdecimal() or int(text) < 1:

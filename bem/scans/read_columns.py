@@ -44,8 +44,8 @@ class TableLine(NamedTuple):
 def line_of(table: TextTable, values: Mapping[str, Any]) -> TableLine:
     """Return the line that `values`, the keys of [profile], name; ScanFileError where they do not fit the columns."""
     width, flag, row = table.values.shape[1], values.get("valid_column", 0), values.get("row")
-    if flag > width:
-        raise refused("valid_column", f"= {flag}", f"0 for none, or a column from 1 to {width}")
+    if flag > width or (flag and width == 1):
+        raise refused("valid_column", f"= {flag} of {width}", "0 for none, or a column of the file besides the heights")
     points = None if flag in (1, 2) else scan_lines(table.values)
     if points is None and row is not None:
         return TableLine(None, row_of(map_of(table, values), row))

@@ -22,7 +22,7 @@ from bem.scans.read_instrument import is_instrument_file, read_instrument
 from bem.scans.read_map import row_of, without_missing
 from bem.scans.read_text import DELIMITERS, read_table
 from bem.scans.read_units import resolved_units
-from bem.scans.scan_keys import METRES, TEXT_KEYS
+from bem.scans.scan_keys import METRES, SCAN_KEYS, TEXT_KEYS
 from bem.scans.scan_refusal import Refusal, ScanFileError, refused
 
 
@@ -59,6 +59,19 @@ def read_scan(path: Path, values: Mapping[str, Any]) -> RawScan:
     content = content_of(path)
     raw = _from_instrument(path, content, values) if is_instrument_file(content) else _from_text(content, values)
     return replace(raw, sha256=hashlib.sha256(content).hexdigest())
+
+
+def scan_of_arrays(x: FloatArray, h: FloatArray, values: Mapping[str, Any]) -> RawScan:
+    """Return a measured line that is given as arrays of positions and heights in m, NaN where a height is missing.
+
+    `values` are the keys of [profile]; ScanFileError for keys that say how a file is read, and for unlike arrays.
+    """
+    _refuse_keys(values, SCAN_KEYS, "is for files, arrays are in m")
+    if x.ndim != 1 or x.shape != h.shape:
+        raise refused("x", f"of shape {x.shape} beside h of shape {h.shape}", "two arrays of one dimension and length")
+    x, h = x.astype(np.float64), h.astype(np.float64)
+    facts = {"format": "arrays", "unit_x": "m", "unit_h": "m", "unit_x_from": "file", "unit_h_from": "file"}
+    return RawScan(x, h, None, facts, hashlib.sha256(x.tobytes() + h.tobytes()).hexdigest())
 
 
 def _from_text(content: bytes, values: Mapping[str, Any]) -> RawScan:

@@ -67,8 +67,6 @@ def test_outputs_not_asked_for_are_not_imported():
         "bem.observables.shapes",
         "bem.observables.spectra",
         "bem.observables.pressure_distribution",
-        "bem.observables.width_distributions",
-        "bem.observables.contact_slopes",
     }
     assert not outputs & modules
 

@@ -12,7 +12,7 @@ import pytest
 from scene_files import SCENE, run, written_scene
 from stored_states import stored_state
 
-import bem.__main__ as command_line
+from bem import scene_commands as command_line
 from bem.audit import certificate
 from bem.command_line.checkpoint import Checkpoint
 from bem.command_line.console import LineReporter, TimeLeft, reporter, summary, summary_line

@@ -9,8 +9,8 @@ import sys
 
 import pytest
 
-from bem.__main__ import main as bem_main
 from bem.command_line.folder_lock import LOCK_FILE, FolderError, FolderInUseError, locked
+from bem.scene_commands import main as bem_main
 from validation.__main__ import main as validation_main
 
 SCENE = """

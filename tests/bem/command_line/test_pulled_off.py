@@ -4,9 +4,9 @@ import json
 
 import pytest
 
-from bem.__main__ import main
 from bem.command_line.answer_table import answer
 from bem.scene.result_file import read_result
+from bem.scene_commands import main
 from validation.report.run_page import render_run
 from validation.report.run_words import outcome, succeeded
 

@@ -174,6 +174,7 @@ ALONE = rows(H)
             TABLE, {"columns": [1, 3], "valid_column": 3, **UNITS}, "columns", "= [1, 3]", id="flag as height"
         ),
         pytest.param(LINE, {"valid_column": 3, **UNITS}, "valid_column", "= 3", id="flag that is not there"),
+        pytest.param(ALONE, {"valid_column": 1, **SPACED}, "valid_column", "= 1 of 1", id="flag without heights"),
         pytest.param(TABLE, {"valid_column": 3, **UNITS}, "valid_column", "holds -", id="heights as flags"),
         pytest.param(LINE, {"row": 0, **UNITS}, "row", "2 columns", id="row of a line"),
         pytest.param(MAP, {"row": 6, **SPACED}, "row", "= 6", id="row that is not there"),

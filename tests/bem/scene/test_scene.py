@@ -2,6 +2,7 @@
 
 import copy
 import math
+import os
 import pickle
 from dataclasses import FrozenInstanceError, replace
 
@@ -12,7 +13,7 @@ from stored_states import stored_state
 
 from bem.scene.result import Result
 from bem.scene.result_file import write_result
-from bem.scene.scene import SceneError, load_scene, parse_scene
+from bem.scene.scene import SceneError, load_scene, parse_scene, read_tables
 
 BASE = {
     "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
@@ -135,8 +136,6 @@ def paths_of(data, base_dir="."):
         ("output", {"spectra": 1}, "output.spectra"),
         ("output", {"spectra": [31e-6]}, "output.spectra[0]"),
         ("output", {"pressure_distribution": "yes"}, "output.pressure_distribution"),
-        ("output", {"width_distributions": [True]}, "output.width_distributions[0]"),
-        ("output", {"contact_slopes": [1.0]}, "output.contact_slopes[0]"),
         ("solid.density", 1e3, "solid.density"),
         ("friction", {}, "friction"),
     ],
@@ -320,6 +319,19 @@ def test_file_that_is_no_scene_is_told(content, tmp_path):
         path.write_bytes(content)
     with pytest.raises(SceneError, match=r"scene\.toml"):
         load_scene(path)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes of POSIX")
+def test_a_scene_that_is_no_file_is_refused_at_once(tmp_path):
+    os.mkfifo(tmp_path / "pipe.toml")
+    for path in (tmp_path / "pipe.toml", "/dev/zero", tmp_path):
+        with pytest.raises(SceneError, match="is no file; allowed: a TOML file"):
+            load_scene(path)
+
+
+def test_a_byte_order_mark_is_no_part_of_a_scene(tmp_path):
+    (tmp_path / "scene.toml").write_bytes(b"\xef\xbb\xbf" + b'title = "marked"')
+    assert read_tables(tmp_path / "scene.toml") == {"title": "marked"}
 
 
 def stored_result(folder, tables=None, **changes):
