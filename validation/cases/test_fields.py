@@ -5,10 +5,9 @@ Gauss-Chebyshev's rule, so that with c(q) of the layer (closed_forms.py) and c_0
 
     u(x) = -2 / (pi E*) int sigma(y) log|2 sin(pi (x - y) / period)| dy + sum_m (c - c_0)(q_m) Re(sigma_m e^(i q_m x)).
 
-Half of a wave's
-period in contact without adhesion (Westergaard) has sigma = 2 p* cos(x/2) sqrt(1/2 - sin^2(x/2)), first modes 3/8 and
-1/8 p*, and pressure above p on 2/pi acos(sqrt(S)) of the period, S^2 - S/2 = (p / 2p*)^2.  Johnson's two edges give
-the tail P -> A |sigma|^-3, A = 4 E* gamma / (pi period).
+Half of a wave's period in contact without adhesion (Westergaard) has sigma = 2 p* cos(x/2) sqrt(1/2 - sin^2(x/2)),
+first modes 3/8 and 1/8 p*, and pressure above p on 2/pi acos(sqrt(S)) of the period, S^2 - S/2 = (p / 2p*)^2.
+Johnson's two edges give the tail P -> A |sigma|^-3, A = 4 E* gamma / (pi period).
 """
 
 import numpy as np
