@@ -36,7 +36,7 @@ class TableLine(NamedTuple):
     x: FloatArray | None  # (n,)
     h: FloatArray  # (n,); NaN where missing
     lines: IntArray | None = None  # line of the file of each sample, (n,)
-    columns: tuple[int | None, int] | None = None  # of positions and heights, from 0; None of a map
+    columns: tuple[int | None, int | None] = (None, None)  # of positions and heights, from 0
     rows: slice = slice(None)  # of the table
     unread: tuple[int, ...] = ()  # columns, from 1
 

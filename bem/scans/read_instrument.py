@@ -19,7 +19,6 @@ from typing import Any
 import numpy as np
 
 from bem.geometry.arrays import FloatArray
-from bem.scans.read_bytes import text_of
 from bem.scans.read_units import unit_of
 from bem.scans.scan_refusal import ScanFileError, refused
 
@@ -39,17 +38,6 @@ class InstrumentScan:
     heights: FloatArray  # in units of the file, (n,) or (n_rows, n); NaN where missing
     unit: str  # of positions and heights alike; "" where the file states none
     facts: dict[str, Any]  # how it was read: plain values
-
-
-def is_instrument_file(content: bytes) -> bool:
-    """Return whether the bytes of a file are for SurfaceTopography.
-
-    Examples
-    --------
-    >>> is_instrument_file(b"GWYP\\x00\\x01"), is_instrument_file(b"0 1\\n"), is_instrument_file("0 1".encode("utf-16"))
-    (True, False, False)
-    """
-    return content.startswith(RASTER_TEXT) or text_of(content) is None
 
 
 def read_instrument(path: Path, content: bytes, channel: int | None) -> InstrumentScan:

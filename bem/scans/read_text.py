@@ -22,7 +22,6 @@ import numpy as np
 
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.ranges import MOST
-from bem.scans.read_bytes import text_of
 from bem.scans.read_units import heading_units
 from bem.scans.scan_refusal import Refusal, ScanFileError, refused
 
@@ -84,25 +83,20 @@ class TextTable:
     rows: tuple[str, ...]  # text of each row
     units: tuple[str, ...]  # of each column, "" where none is stated
     heading: int  # line of these units, from 1; 0 without a heading
-    encoding: str
     reading: Reading
 
 
-def read_table(content: bytes, skip_lines: int = 0, decimal: str | None = None) -> TextTable:
-    """Return the table in the bytes of a text file; the decimal mark, "." or ",", where it is not clear from these.
+def read_table(text: str, skip_lines: int = 0, decimal: str | None = None) -> TextTable:
+    """Return the table in a text; the decimal mark, "." or ",", where it is not clear from these.
 
     ScanFileError for two readings that fit, no table, or lines that are no rows, with their numbers.
 
     Examples
     --------
-    >>> table = read_table("x [mm];h [µm]\\n0,0;1,5\\n0,1;NaN\\n0,2;1,25\\n".encode("latin-1"))
-    >>> table.values.tolist(), table.units, table.encoding, table.reading
-    ([[0.0, 1.5], [0.1, nan], [0.2, 1.25]], ('mm', 'um'), 'latin-1', Reading(delimiter=';', decimal=','))
+    >>> table = read_table("x [mm];h [µm]\\n0,0;1,5\\n0,1;NaN\\n0,2;1,25\\n")
+    >>> table.values.tolist(), table.units, table.reading
+    ([[0.0, 1.5], [0.1, nan], [0.2, 1.25]], ('mm', 'um'), Reading(delimiter=';', decimal=','))
     """
-    decoded = text_of(content)
-    if decoded is None:
-        raise refused("file", f"is no text: a zero byte at {content.find(0)}", "a text file")
-    text, encoding = decoded
     whole = re.split("\r\n|\r|\n", text)
     if skip_lines >= len(whole):
         raise refused("skip_lines", f"= {skip_lines}", f"fewer than the {len(whole)} lines of the file")
@@ -128,7 +122,7 @@ def read_table(content: bytes, skip_lines: int = 0, decimal: str | None = None) 
     if reading.delimiter and np.isnan(values[:, -1]).all() and width > 1:
         values = values[:, :-1]  # every line ends with the delimiter
     numbers, rows = zip(*body, strict=True)
-    return TextTable(values, np.array(numbers), rows, units, above[-1][0] if above else 0, encoding, reading)
+    return TextTable(values, np.array(numbers), rows, units, above[-1][0] if above else 0, reading)
 
 
 def _heading_of(above: Sequence[Line], width: int) -> tuple[str, ...]:

@@ -39,7 +39,7 @@ def heading_units(line: str, width: int) -> tuple[bool, tuple[str, ...]] | None:
 
     Examples
     --------
-    >>> heading_units("# x [mm], h [µm]", 2), heading_units("mm;um;1/0", 3), heading_units("Filter [um]", 2)
+    >>> heading_units("# x [mm], h [µm]", 2), heading_units("mm;um;n", 3), heading_units("Filter [um]", 2)
     ((True, ('mm', 'um')), (False, ('mm', 'um', '')), None)
     """
     line = line.strip(" \t#%")

@@ -104,6 +104,16 @@ def test_trend_is_removed(method):
     assert after == pytest.approx(np.std(alone), rel=1e-9)
 
 
+def test_trend_of_too_few_samples_is_refused():
+    with pytest.raises(ScanFileError, match='detrend: = "cubic" of 3 samples'):
+        prepare(raw(X[:3], H[:3]), {"detrend": "cubic"})
+
+
+def test_few_heights_are_refused():
+    with pytest.raises(ScanFileError, match="holds 2 samples with a height"):
+        prepare(raw(X[:3], np.array([1e-6, np.nan, 0.0])), {"missing": "interpolate"})
+
+
 @pytest.mark.parametrize("degree", [1, 2, 3])
 def test_lower_detrending_leaves_the_trend(degree):
     names = ["mean", "line", "quadratic", "cubic"]
