@@ -123,8 +123,8 @@ def test_stiffness_with_slope_term(rows):
     p = values(states, "mean_pressure")
     rows.compare("contact stiffness", states[2].contact_stiffness, (8 * (p[3] - p[1]) - (p[4] - p[0])) / (12 * step),
                  of=Code.BEM, by=Code.IDENTITY, quantity=Quantity.STIFFNESS, unit="Pa/m", kind="construction",
-                 required=1e-9 * abs(states[2].contact_stiffness or 0.0), source="neighbouring states",
-                 because="differences of fourth order give ten digits")  # fmt: skip
+                 required=1e-9 * abs(states[2].contact_stiffness or 0.0), because="differences give ten digits",
+                 source="mean pressures of neighbouring states")  # fmt: skip
 
 
 @pytest.mark.quick
