@@ -60,6 +60,14 @@ def test_hard_scene(rows, hard):
         widths = [np.diff(state.edges, axis=1) for state in touching]
         spread = max(float(np.ptp(width) / width.mean()) for width in widths)
         construction(rows, "spread of the widths of equal patches", spread, allowed=8e-12)
+    if "tension" in hard.checks:
+        loads = [state.mean_pressure for state in touching]
+        construction(rows, "load not compressive before and tensile at the end", not max(loads) > 0 > loads[-1])
+    if posed.surface().is_flat:
+        state, load = result.targets[-1], hard.tables["loading"]["targets"][-1]
+        for name, exact, quantity in (("mean_pressure", load, Quantity.PRESSURE), ("separation", 0.0, Quantity.LENGTH)):
+            rows.compare(name.replace("_", " "), getattr(state, name), exact, of=Code.BEM, by=Code.EXACT,
+                         quantity=quantity, uncertainty=1e-13 * load, source="nothing to solve")  # fmt: skip
     if "last gap" in hard.checks:
         by_last_gap(rows, posed, touching[-1])
     if "closing gaps" in hard.checks:
@@ -222,6 +230,19 @@ def by_closing_gaps(rows, posed, state):
     pair.compare("share without contact", 1 - state.contact_fraction, widths.sum() / surface.period,
                  quantity=Quantity.AREA, uncertainty=(0.0, 5e-9 * widths.sum() / surface.period))  # fmt: skip
     pair.compare("last gaps", state.n_patches, widths.size, quantity=Quantity.COUNT, uncertainty=0.0)
+
+
+def test_many_samples(rows, tmp_path):
+    """Is a scan of 50,000 noisy samples solved as its harmonics are?"""
+    number, smooth = 50_000, bem.Profile.self_affine(PERIOD, 0.7, 50e-6, 2000, 0)
+    x = np.arange(number) * (PERIOD / number)
+    height = smooth.height(x) + np.random.default_rng(0).normal(0.0, 1e-7, number)
+    np.savetxt(tmp_path / "scan.csv", np.column_stack([x, height]), delimiter=",", fmt="%.12e")
+    scan = {"kind": "samples", "file": "scan.csv", "unit_x": "m", "unit_h": "m", "harmonics": 100}
+    posed = bem.parse_scene(scene(scan, "separation", LOW, 0.03, True), tmp_path)
+    result = bem.solve(posed)
+    identities(rows, posed, result)
+    by_dense_algebra(rows, posed, [state for state in result.targets if state.edges])
 
 
 def copies():
