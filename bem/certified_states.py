@@ -16,12 +16,17 @@ from bem.loading.assessment import Assessment
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.increments import SAFETY
 from bem.loading.path_events import PathEvent, PathTension
+from bem.observables import gaps
+from bem.observables.gaps import GapStatistics
 from bem.problem import Problem
 from bem.scene.result import (
+    CLOSED,
     ErrorEstimate,
     Event,
     EventError,
     EventKind,
+    GapQuantiles,
+    Gaps,
     LargestTension,
     State,
     Status,
@@ -78,9 +83,36 @@ def equilibrium_state(
         stable_at_fixed_load=assessment.stable_at_fixed_load,
         peak_pressure=state.pressure().peak() * scales.stress if target else None,
         largest_gap=judged.largest_gap * scales.height if target else None,
+        gaps=_gaps(problem, state) if target else None,
         error_estimate=_error_estimate(problem, assessment, apart),
         certificate=judged.of_height(scales.height),
         unknowns=state.unknowns,
+    )
+
+
+def _gaps(problem: Problem, state: Evaluation | GapEvaluation) -> Gaps:
+    """Return the gaps of a state with contact patches, by its pressure or by its gaps, whichever were the unknowns."""
+    if isinstance(state, Evaluation):
+        open_gaps = gaps.open_gaps(problem.profile, state.pressure(), state.penetration, problem.compliance_ratio)
+        widths = gaps.gap_widths(state.pressure())
+        found = gaps.statistics(np.split(open_gaps.height, np.cumsum(open_gaps.count)[:-1]), widths)
+        separation = problem.profile.max_height - state.penetration
+    else:
+        widths = 2 * state.gaps.half_width
+        found = gaps.statistics_of_openings(state.gaps.half_width, state.opening)
+        separation = state.separation
+    return _gaps_of(problem, found, separation * problem.scales.height, float(np.sum(widths)) / (2 * np.pi))
+
+
+def _gaps_of(problem: Problem, found: GapStatistics, separation: float, open_fraction: float) -> Gaps:
+    """Return gap statistics in SI units."""
+    height = problem.scales.height
+    return Gaps(
+        mean_open=separation / open_fraction,
+        mean_cubic_root=float(np.cbrt(found.mean_cube)) * height,
+        quantiles=GapQuantiles(*(float(quantile) * height for quantile in found.quantiles)),
+        widest_channel=found.widest * problem.scales.length,
+        open_fraction=open_fraction,
     )
 
 
@@ -166,6 +198,7 @@ def separated_state(problem: Problem, penetration: float) -> State:
         separation=separation,
         total_displacement=total_displacement(problem, depth, 0.0),
         largest_gap=separation + lowest.max_height,
+        gaps=_gaps_of(problem, gaps.apart(problem.profile, penetration), separation, 1.0),
         error_estimate=EXACT,
     )
 
@@ -193,6 +226,7 @@ def complete_state(problem: Problem, complete: CompleteContact, load: float) -> 
         total_energy=elastic + adhesion,
         peak_pressure=None if math.isnan(load) else mean_pressure + complete.pressure.max_height * scales.stress,
         largest_gap=0.0,
+        gaps=CLOSED,
         error_estimate=replace(EXACT, elastic_energy=left_out, total_energy=left_out),
     )
 

@@ -16,7 +16,7 @@ from bem.certified_states import EXACT
 from bem.missed import flat_apart, sentence, verdict
 from bem.record import Record
 from bem.scene.elastic_tables import elastic_effects
-from bem.scene.result import Result, State
+from bem.scene.result import CLOSED, GapQuantiles, Gaps, Result, State
 from bem.scene.scene import Scene
 
 
@@ -60,6 +60,7 @@ def _flat_state(scene: Scene, target: float, compliance: float | None, joined: b
             separation=-height,
             total_displacement=None if compliance is None else height,
             largest_gap=-height,
+            gaps=Gaps(-height, -height, GapQuantiles(*[-height] * 5), scene.surface().period, 1.0),
             error_estimate=EXACT,
         )
     if control == "total_displacement" and compliance:
@@ -83,6 +84,7 @@ def _complete(scene: Scene, mean_pressure: float, total: float | None) -> State:
         total_energy=work,
         peak_pressure=None if math.isnan(mean_pressure) else mean_pressure,
         largest_gap=0.0,
+        gaps=CLOSED,
         error_estimate=EXACT,
     )
 

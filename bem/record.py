@@ -121,7 +121,7 @@ class Record:
             told = f"a state between targets is not certified, {uncertified(state)}; the run is judged by its targets"
             self.warned.append(Caution(BETWEEN, told))
         if not state.target:
-            state = replace(state, peak_pressure=None, largest_gap=None)
+            state = replace(state, peak_pressure=None, largest_gap=None, gaps=None)
         self.entries.append(Entry(tuple(self.ahead), state, fields, tuple(self.warned), tension))
         self.ahead, self.warned = [], []
         return state

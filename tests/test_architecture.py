@@ -48,7 +48,7 @@ ORDER = (
     "bem/loading",
     "bem/adhesive",
     "bem/continuation",
-    "bem/leaps",
+    "bem/windows",
     "bem/nonadhesive",
     "bem/observables",
     "bem/scans",

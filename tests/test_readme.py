@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bem.__main__ import main as bem_main
 from bem.scene.scene import parse_scene
 from validation.command_line import front_door
 from validation.studies import STUDIES
@@ -28,7 +27,7 @@ def folder(tmp_path):
 
 def test_there_are_two_commands_first():
     commands = [line for block in blocks("sh") for line in block.splitlines() if line and not line.startswith("#")]
-    assert "validation run --level standard" in commands[0]
+    assert "linecontact verify --level standard" in commands[0]
     assert commands[1].endswith("python -m pytest")
 
 
@@ -46,7 +45,7 @@ def test_scan_is_taken_as_shown(folder):
     assert (asked["periodic"], steps[-1]["harmonics"]) == ("mirror", 99)
 
 
-PROGRAMS = {"linecontact": front_door.main, "python -m bem": bem_main}
+PROGRAMS = {"linecontact": front_door.main}
 
 
 @pytest.fixture

@@ -18,8 +18,10 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from bem.command_line.console import discard_stdout, positive, usable_streams
+from bem.command_line.console import positive
 from bem.command_line.folder_lock import FolderError, locked
+from bem.command_line.perform import DONE, FAILED
+from bem.command_line.perform import perform as perform_command
 from bem.scene.atomic_file import write_atomically
 from bem.scene.result_file import RESULT_FILE, CorruptResultError, installed_version
 from bem.scene.scene import SceneError
@@ -43,7 +45,6 @@ from validation.studies.bench import Bench, carried_out
 from validation.studies.own_scene import BUDGET, SEEDS
 from validation.studies.shown import text_table
 
-DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 REFUSED = (
     CaseError, ExecutorError, ReportError, CorruptResultError, SceneError, FolderError, baseline.BaselineError
 )  # fmt: skip
@@ -57,7 +58,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     0 done, 1 something failed, 2 bad input, 130 interrupted.
     """
-    parser = argparse.ArgumentParser(prog="python -m validation", description=__doc__)
+    parser = argparse.ArgumentParser(prog="linecontact", description=__doc__)
     parser.add_argument("--version", action="version", version=f"linecontact {installed_version()}")
     add_commands(parser.add_subparsers(required=True, metavar="COMMAND"))
     return perform(parser.parse_args(arguments))
@@ -65,26 +66,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def perform(options: argparse.Namespace) -> int:
     """Run the command that was parsed; its exit code."""
-    usable_streams()
-    try:
-        code = int(options.command(options))
-        print(end="", flush=True)  # here, where it can fail by name
-        return code
-    except REFUSED as error:
-        print(f"error: {error}", file=sys.stderr)
-        return BAD_INPUT
-    except (FileExistsError, IsADirectoryError, NotADirectoryError) as error:
-        print(f"error: {error.filename}: {error.strerror}", file=sys.stderr)
-        return BAD_INPUT
-    except BrokenPipeError:  # whoever read stdout, such as `head`, has enough
-        discard_stdout()
-        return FAILED
-    except OSError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return FAILED
-    except KeyboardInterrupt:
-        print("interrupted; what was finished is kept, the same command continues", file=sys.stderr)
-        return INTERRUPTED
+    return perform_command(options, REFUSED)
 
 
 def read_report(folder: Path) -> Report:

@@ -29,6 +29,13 @@ QUANTITIES = {  # name of a column of `to_table("targets")`: heading and unit
     "open_share": ("open share of the period", ""),
     "open_gap_mean": ("open gap: mean", "m"),
     "open_gap_largest": ("open gap: largest", "m"),
+    "open_gap_p50": ("open gap: 10, 50, 90 % of the open length below", "m"),
+    "mean_cubic_root": ("gap for flow along the ridges, <g³>^(1/3)", "m"),
+    "widest_channel": ("widest open channel", "m"),
+}
+TRIPLES = {  # columns shown in one cell, which is sorted by the second
+    "width_median": ("width_least", "width_median", "width_largest"),
+    "open_gap_p50": ("open_gap_p10", "open_gap_p50", "open_gap_p90"),
 }
 NO_FLAW = (
     "No pull-off: complete contact cannot open without a flaw, as a gap of no width needs an unbounded tension. Set "
@@ -40,7 +47,7 @@ Inputs = Mapping[int, Mapping[str, float]]  # relative uncertainty of the input,
 
 
 def axis_unit(largest: float, unit: str) -> tuple[float, str]:
-    """Factor and unit with a prefix with which the largest of some numbers lies between 1 and 1000.
+    """Return the factor and the unit with a prefix that bring the largest of some numbers between 1 and 1000.
 
     Examples
     --------
@@ -52,7 +59,7 @@ def axis_unit(largest: float, unit: str) -> tuple[float, str]:
 
 
 def digits(relative: float) -> int:
-    """Digits that a relative uncertainty leaves, two to four.
+    """Return the number of digits that a relative uncertainty leaves, two to four.
 
     Examples
     --------
@@ -63,7 +70,7 @@ def digits(relative: float) -> int:
 
 
 def readable(value: float, unit: str, figures: int) -> str:
-    """A number with so many digits and a prefix before its unit.
+    """Return a number with `figures` digits and a prefix before its unit.
 
     Examples
     --------
@@ -80,7 +87,7 @@ def readable(value: float, unit: str, figures: int) -> str:
 
 
 def quantity(value: float, unit: str) -> str:
-    """A number that is given, with the digits that it has and a prefix before its unit.
+    """Return a given number with all its digits, up to six, and a prefix before its unit.
 
     Examples
     --------
@@ -92,7 +99,7 @@ def quantity(value: float, unit: str) -> str:
 
 
 def _fixed(value: float, figures: int) -> str:
-    """A number with so many digits, without an exponent where it is of common size."""
+    """Return a number with `figures` digits, without an exponent from 1e-4 to 1e6."""
     if value == 0:
         return "0"
     scientific = f"{value:.{figures - 1}e}"
@@ -101,7 +108,7 @@ def _fixed(value: float, figures: int) -> str:
 
 
 def share(relative: float) -> str:
-    """A relative uncertainty in per cent.
+    """Return a relative uncertainty in per cent.
 
     Examples
     --------
@@ -150,10 +157,10 @@ def _cell(row: Mapping[str, float], name: str, unit: str, inputs: Mapping[str, f
         return UNKNOWN, ""
     if name == "n_patches":
         return ("complete" if row["contact_fraction"] == 1 else f"{value:.0f}"), value
-    if name == "width_median":
-        widths = [row[f"width_{name}"] for name in ("least", "median", "largest")]
-        factor, prefixed = axis_unit(widths[-1], unit)
-        return f"{', '.join(_fixed(width * factor, 3) for width in widths)} {prefixed}", value
+    if name in TRIPLES:
+        values = [row[column] for column in TRIPLES[name]]
+        factor, prefixed = axis_unit(values[-1], unit)
+        return f"{', '.join(_fixed(number * factor, 3) for number in values)} {prefixed}", value
     own, outer = _relative(row, name, inputs)
     if math.isnan(outer):
         outer = inputs.get("contact_fraction", 0.0)
@@ -213,7 +220,7 @@ def stays_complete(result: Result) -> bool:
 
 
 def csv_text(result: Result) -> str:
-    """The answer as comma-separated values in SI units, which the headings name; empty where nothing is known."""
+    """Return the answer as comma-separated values in SI units, named in the headings; unknown values are empty."""
     columns = result.to_table("targets")
     units = {name: UNITS.get(name.removeprefix("error_estimate_"), "") for name in columns}
     lines = [",".join(f"{name} / {unit}" if unit else name for name, unit in units.items())]
@@ -223,12 +230,12 @@ def csv_text(result: Result) -> str:
 
 
 def _plain(value: float) -> str:
-    """A number with all its digits; nothing where there is none."""
+    """Return a number with all its digits, an unknown one as an empty text."""
     return "" if math.isnan(value) else f"{value:.17g}"
 
 
 def table_text(result: Result, inputs: Inputs | None = None) -> str:
-    """The answer for a terminal: a line for each quantity, a column for each target."""
+    """Return the answer for a terminal: a line for each quantity, a column for each target."""
     heads, rows = answer(result, inputs)
     listed = [heads, *([text for text, _ in row] for row in rows)]
     columns = [_padded(column, k) for k, column in enumerate(listed)]
@@ -237,6 +244,6 @@ def table_text(result: Result, inputs: Inputs | None = None) -> str:
 
 
 def _padded(column: Sequence[str], place: int) -> list[str]:
-    """Texts of equal width, headings to the left."""
+    """Return the texts padded to equal width, headings to the left."""
     width = max(map(len, column))
     return [f"{text:<{width}}" if place == 0 else f"{text:>{width}}" for text in column]

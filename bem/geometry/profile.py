@@ -21,6 +21,7 @@ from bem.compiled.kernels import mirrored
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.ranges import check, check_harmonics
 
+EQUAL_STEPS = 1e-6  # limit: of the mean step: larger differences would move heights
 EQUAL_HEIGHTS = 1e-12  # derived: of the rms height: crests as high as each other, to rounding
 _POINTS_PER_WAVELENGTH = 16  # derived: of the table of heights: with `_TAYLOR_TERMS` its truncation is 1e-15 of h
 _TAYLOR_TERMS = 14  # derived: terms about a point of the table
@@ -118,6 +119,12 @@ class Profile:
         """
         position, height = np.asarray(x, dtype=np.float64), np.asarray(h, dtype=np.float64)
         n = position.size
+        steps = np.diff(position)
+        equal = n > 1 and np.all(np.abs(steps - steps.mean()) <= EQUAL_STEPS * steps.mean())
+        if not equal or not np.all(np.isfinite(height)):
+            found = "missing heights" if equal else "unequal or falling steps"
+            prepared = 'profile={"kind": "samples", "x": x, "h": h} of bem.solve prepares them'
+            raise ValueError(f"samples with {found}; allowed: finite heights at equal steps ({prepared})")
         if not 1 <= harmonics <= (n - 1) // 2:
             raise ValueError(f"harmonics: {harmonics} must lie in 1..{(n - 1) // 2} for {n} samples")
         if detrend == "line":

@@ -21,7 +21,11 @@ from pydantic.dataclasses import dataclass as checked_dataclass
 from bem.geometry.ranges import RANGES, Mistake, shown, unknown_key
 
 WORDS = Path(__file__).parents[1] / "scene" / "keys.toml"
-REMOVED = {"output.cut_sensitivity": "leave it out: `linecontact study scene` solves the scene with other cuts"}
+REMOVED = {
+    "output.cut_sensitivity": "leave it out: `linecontact study scene` solves the scene with other cuts",
+    "output.width_distributions": "leave it out: widths are differences of `edges`, which every state has",
+    "output.contact_slopes": "leave it out: slopes of the profile between `edges`, which every state has",
+}
 CONFIG = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
 
 Kind = TypeVar("Kind")

@@ -4,11 +4,8 @@ shapes:                 x_k, displacement_k, gap_k (m), pressure_k (Pa, nan outs
 spectra:                q (rad/m), C_h, C_u_k (m^3), C_sigma_k (Pa^2 m), two-sided per line, at q = m q0
 pressure_distribution:  sigma_k (Pa, bin centers), P_k (1/Pa, mean over the bin), sigma_bounds_k (Pa),
                         outside_contact_k (weight of the delta function at zero), tail_coefficient_k (Pa^2)
-width_distributions:    patch_width_k, gap_width_k (m, sorted), patch_share_k, gap_share_k (share up to that width)
-contact_slopes:         slope_q (rad/m), contact_slope_k (rms), slope_own_k, slope_kept_k (variances over the contact)
 
-k is the index of the stored state.  Methods: shapes.py, spectra.py, pressure_distribution.py, width_distributions.py,
-contact_slopes.py.
+k is `State.stored`.  Methods: shapes.py, spectra.py, pressure_distribution.py.
 """
 
 from __future__ import annotations
@@ -26,7 +23,6 @@ from bem.geometry.scaling import Scales
 from bem.loading.complete_contact import CompleteContact
 
 if TYPE_CHECKING:
-    from bem.observables.contact_slopes import ContactSlopes
     from bem.observables.pressure_distribution import PressureDistribution
     from bem.observables.shapes import Shape
     from bem.observables.spectra import Spectra
@@ -71,23 +67,13 @@ def contact_fields(
         from bem.observables.pressure_distribution import pressure_distribution
 
         fields |= _distribution(problem, pressure_distribution(pressure), index)
-    if "width_distributions" in wanted:
-        gaps = np.append(pressure.left[1:], pressure.left[:1] + 2 * np.pi) - pressure.right
-        fields |= _widths(problem, pressure.right - pressure.left, gaps, index)
-    if "contact_slopes" in wanted:
-        from bem.observables.contact_slopes import contact_slopes
-
-        fields |= _slopes(problem, contact_slopes(problem.profile, pressure.left, pressure.right), index)
     return fields
 
 
 def complete_contact_fields(
     wanted: Collection[str], problem: Posed, complete: CompleteContact, load: float, index: int
 ) -> Fields:
-    """Arrays of complete contact under a dimensionless load per period; widths are empty, there being no edge.
-
-    The others as of `contact_fields`.
-    """
+    """Return the arrays of complete contact under a dimensionless load per period; as of `contact_fields`."""
     fields: Fields = {}
     mean = load / (2 * np.pi)
     if "shapes" in wanted:
@@ -102,12 +88,6 @@ def complete_contact_fields(
         from bem.observables.pressure_distribution import complete_contact_distribution
 
         fields |= _distribution(problem, complete_contact_distribution(complete.pressure, mean), index)
-    if "width_distributions" in wanted:
-        fields |= _widths(problem, np.empty(0), np.empty(0), index)
-    if "contact_slopes" in wanted:
-        from bem.observables.contact_slopes import complete_contact_slopes
-
-        fields |= _slopes(problem, complete_contact_slopes(problem.profile), index)
     return fields
 
 
@@ -149,24 +129,3 @@ def _distribution(problem: Posed, found: PressureDistribution, index: int) -> Fi
         f"outside_contact_{index}": np.array(found.outside_contact),
         f"tail_coefficient_{index}": np.array(found.tail_coefficient * stress**2),
     }
-
-
-def _slopes(problem: Posed, found: ContactSlopes, index: int) -> Fields:
-    scales = problem.scales
-    slope = scales.height / scales.length
-    return {
-        "slope_q": found.orders / scales.length,
-        f"contact_slope_{index}": np.array(found.rms * slope),
-        f"slope_own_{index}": found.own * slope**2,
-        f"slope_kept_{index}": found.kept * slope**2,
-    }
-
-
-def _widths(problem: Posed, patches: FloatArray, gaps: FloatArray, index: int) -> Fields:
-    from bem.observables.width_distributions import width_distribution
-
-    fields: Fields = {}
-    for name, widths in (("patch", patches), ("gap", gaps)):
-        found = width_distribution(widths * problem.scales.length)
-        fields |= {f"{name}_width_{index}": found.widths, f"{name}_share_{index}": found.number_share}
-    return fields

@@ -16,13 +16,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.fft import dct
 
-from bem.audit.displacement import ComplianceRatio, DisplacementField, GapPoints
+from bem.audit.displacement import ComplianceRatio
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
+from bem.observables.gaps import clustered, contact_shape, open_gaps, points_on, uniform
 
-POINTS_PER_WAVELENGTH = 16  # format: of stored shapes
-LEAST_POINTS = 24  # format: on a patch or gap
 OUTSIDE = -1  # format: mark of points outside contact
 
 
@@ -50,22 +49,18 @@ def shape(
     """
     if pressure.left.size == 0:
         raise ValueError("pressure: without patches use separated_shape or complete_contact_shape")
-    density = POINTS_PER_WAVELENGTH / 4 * profile.max_order
-    gap_width = np.append(pressure.left[1:], pressure.left[:1] + 2 * np.pi) - pressure.right
-    patch_count, gap_count = _points(pressure.right - pressure.left, density), _points(gap_width, density)
-    patch, gap = np.repeat(np.arange(patch_count.size), patch_count), np.repeat(np.arange(gap_count.size), gap_count)
+    width = pressure.right - pressure.left
+    patch_count = points_on(width, profile)
+    patch = np.repeat(np.arange(patch_count.size), patch_count)
+    inner_x = pressure.left[patch] + clustered(width, patch_count)
+    gaps = open_gaps(profile, pressure, penetration, compliance_ratio)
+    outer_x, outer = gaps.x, gaps.displacement
 
-    inner_x = pressure.left[patch] + _clustered(pressure.right - pressure.left, patch_count)
-    from_left = _clustered(gap_width, gap_count)
-    points = GapPoints(gap, from_left, gap_width[gap] - from_left)
-    field = DisplacementField(pressure, compliance_ratio)
-    outer_x, outer = field.positions(points), field.in_gaps(points)
-
-    inner = _contact_shape(profile, inner_x, penetration)
+    inner = contact_shape(profile, inner_x, penetration)
     sigma = np.concatenate(
         [
             _pressure_at_midpoints(charge, n) / r
-            for charge, n, r in zip(pressure.charges, patch_count, (pressure.right - pressure.left) / 2, strict=True)
+            for charge, n, r in zip(pressure.charges, patch_count, width / 2, strict=True)
         ]
     )
     x = np.concatenate([inner_x, outer_x]) % (2 * np.pi)
@@ -73,7 +68,7 @@ def shape(
     return Shape(
         x=x[order],
         displacement=np.concatenate([inner, outer])[order],
-        gap=np.concatenate([np.zeros(inner.size), outer - _contact_shape(profile, outer_x, penetration)])[order],
+        gap=np.concatenate([np.zeros(inner.size), gaps.height])[order],
         pressure=np.concatenate([sigma, np.full(outer.size, np.nan)])[order],
         patch=np.concatenate([patch, np.full(outer.size, OUTSIDE)])[order],
     )
@@ -81,11 +76,11 @@ def shape(
 
 def separated_shape(profile: Profile, penetration: float) -> Shape:
     """Fields of surfaces apart, on a uniform grid: no displacement, no pressure."""
-    x = _uniform(profile)
+    x = uniform(profile)
     return Shape(
         x=x,
         displacement=np.zeros(x.size),
-        gap=-_contact_shape(profile, x, penetration),
+        gap=-contact_shape(profile, x, penetration),
         pressure=np.full(x.size, np.nan),
         patch=np.full(x.size, OUTSIDE),
     )
@@ -93,7 +88,7 @@ def separated_shape(profile: Profile, penetration: float) -> Shape:
 
 def complete_contact_shape(profile: Profile, pressure: Profile, mean_pressure: float) -> Shape:
     """Fields of complete contact, on a uniform grid: u = h, sigma = sigma_0 + its zero-mean part `pressure`."""
-    x = _uniform(profile)
+    x = uniform(profile)
     return Shape(
         x=x,
         displacement=profile.height(x),
@@ -101,23 +96,6 @@ def complete_contact_shape(profile: Profile, pressure: Profile, mean_pressure: f
         pressure=mean_pressure + pressure.height(x),
         patch=np.zeros(x.size, dtype=np.int64),
     )
-
-
-def _contact_shape(profile: Profile, x: FloatArray, penetration: float) -> FloatArray:
-    """h - h_max + Delta, (n,)."""
-    return np.asarray(profile.height(x) - profile.max_height + penetration)
-
-
-def _points(width: FloatArray, density: float) -> IntArray:
-    """Points on intervals of these widths, (n,)."""
-    return np.maximum(np.ceil(density * width), LEAST_POINTS).astype(np.int64)
-
-
-def _clustered(width: FloatArray, count: IntArray) -> FloatArray:
-    """Distances width (1 - cos theta)/2 from the start of every interval, joined."""
-    share = [np.sin((np.arange(n) + 0.5) * (np.pi / 2 / n)) ** 2 for n in count]
-    joined: FloatArray = np.repeat(width, count) * np.concatenate(share)
-    return joined
 
 
 def _pressure_at_midpoints(charge: FloatArray, n: int) -> FloatArray:
@@ -129,9 +107,3 @@ def _pressure_at_midpoints(charge: FloatArray, n: int) -> FloatArray:
     padded[0] = charge[0]
     q: FloatArray = dct(padded, type=3)[factor // 2 :: factor][::-1]
     return np.asarray(q / np.sin((np.arange(n) + 0.5) * np.pi / n))
-
-
-def _uniform(profile: Profile) -> FloatArray:
-    """Uniform points, 16 per shortest wavelength and at least 256."""
-    n = max(POINTS_PER_WAVELENGTH * profile.max_order, 256)
-    return np.linspace(0.0, 2 * np.pi, n, endpoint=False)

@@ -39,23 +39,23 @@ class GaussianFilter:
 
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> GaussianFilter:
-        """The filter of the keys cutoff_short and cutoff_long of [profile], as far as they are given."""
+        """Return the filter of the keys cutoff_short and cutoff_long of [profile], as far as they are given."""
         given = {name: values.get(f"cutoff_{name}") for name in ("short", "long")}
         return cls(**{name: float(value) for name, value in given.items() if value is not None})
 
     @property
     def cuts(self) -> dict[str, float]:
-        """The cut-offs that there are, by their keys."""
-        found = {"cutoff_short": self.short, "cutoff_long": self.long}
-        return {key: value for key, value in found.items() if 0 < value < math.inf}
+        """Finite cut-offs by their keys."""
+        both = {"cutoff_short": self.short, "cutoff_long": self.long}
+        return {key: value for key, value in both.items() if 0 < value < math.inf}
 
     def transmission(self, frequency: ArrayLike) -> FloatArray:
-        """Amplitude passed over amplitude at frequencies 1 / lambda > 0 (1/m), of their shape."""
+        """Return the amplitude passed over amplitude at frequencies 1 / lambda > 0 (1/m), of their shape."""
         f = np.asarray(frequency, dtype=np.float64)
         return np.exp2(-((self.short * f) ** 2)) * -np.expm1(-math.log(2) * (self.long * f) ** 2)
 
     def refusals(self, spacing: float, length: float) -> Iterator[Refusal]:
-        """Cut-offs that a line of this sample distance and length (m) does not hold, or out of order."""
+        """Yield what is wrong with cut-offs for a line of this sample distance and length (m)."""
         wrong = [key for key, value in self.cuts.items() if not 2 * spacing <= value <= length]
         for key in wrong:
             allowed = f"from two sample distances to the length measured, {2 * spacing:.6g} to {length:.6g} (m)"
@@ -64,7 +64,7 @@ class GaussianFilter:
             yield Refusal("cutoff_short", f"= {self.short:g}", f"a length below cutoff_long = {self.long:g} (m)")
 
     def applied(self, h: FloatArray, spacing: float) -> FloatArray:
-        """Heights of a period filtered mode by mode, (n,); the mean is left."""
+        """Return the heights of a period, (n,), filtered mode by mode; their mean stays."""
         modes = np.fft.rfft(h)
         modes[1:] *= self.transmission(np.arange(1, modes.size) / (h.size * spacing))
         return np.fft.irfft(modes, h.size)

@@ -17,7 +17,7 @@ POINTS = 8  # format: for the shortest wave, whose peak is then missed by 8 % at
 
 
 def height_parameters(h: FloatArray, harmonics: int, halves: int = 1) -> dict[str, float]:
-    """Ra, Rq and Rz in the unit of the heights.
+    """Return Ra, Rq and Rz in the unit of the heights.
 
     Parameters
     ----------

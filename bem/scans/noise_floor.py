@@ -1,4 +1,4 @@
-"""The power spectrum of a scan, its noise floor, and where the profile falls below it.
+"""Power spectrum of a scan, its noise floor, and the wavelength at which the profile falls below the floor.
 
 The one-sided density S(f) in m^3 over spatial frequencies f = 1 / lambda, sum S df = <h^2>, is that of the line and
 the same in reverse after it, whatever is solved: without a jump at the ends, leakage falls as f^-4, as no profile does
@@ -42,7 +42,7 @@ FEWEST_BANDS = 3  # format: of a power law
 
 @dataclass(frozen=True)
 class PowerLaw:
-    """A density factor * frequency^-exponent, with the standard error of the exponent."""
+    """Density factor * frequency^-exponent, with the standard error of the exponent."""
 
     factor: float
     exponent: float
@@ -51,7 +51,7 @@ class PowerLaw:
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """The density of a line of uniform heights (n,) at a sample distance, m.
+    """Power spectrum of a line of uniform heights (n,) at a sample distance, m.
 
     Examples
     --------
@@ -77,13 +77,13 @@ class Spectrum:
         f, density = self.modes
         below = np.floor(-BANDS * np.log2(2 * self.spacing * f)).astype(int)
         counts = np.bincount(below).astype(float)
-        there = counts > 0
-        sums = [np.bincount(below, weights=values)[there] / counts[there] for values in (np.log(f), density)]
-        return np.exp(sums[0])[::-1], sums[1][::-1], counts[there][::-1]
+        filled = counts > 0
+        sums = [np.bincount(below, weights=values)[filled] / counts[filled] for values in (np.log(f), density)]
+        return np.exp(sums[0])[::-1], sums[1][::-1], counts[filled][::-1]
 
     @cached_property
     def tail(self) -> PowerLaw | None:
-        """The power law of the highest octave; None where bands of it are empty or without heights."""
+        """Power law of the highest octave; None where bands of it are empty or without heights."""
         f, density, _ = self.bands
         octave = slice(-BANDS, None)
         return self._fit(octave) if f.size > BANDS and np.all(density[octave] > 0) else None
@@ -102,7 +102,7 @@ class Spectrum:
 
     @cached_property
     def law(self) -> PowerLaw | None:
-        """The power law of the profile above the floor; None where there is no floor, or no fall to it."""
+        """Power law of the profile above the floor; None where there is no floor, or no fall to it."""
         _, density, counts = self.bands
         if not self.floor:
             return None
@@ -125,30 +125,30 @@ class Spectrum:
         return wavelength if 2 * self.spacing <= wavelength <= self.h.size * self.spacing else None
 
     def noise_share(self, harmonics: int, period: float, gaussian: GaussianFilter) -> float:
-        """Share of the mean square slope that noise makes of what is left by filters and a cut."""
+        """Return the share of noise in the mean square slope that filters and a cut leave."""
         f, density = self.modes
-        kept = f <= harmonics / period
-        weights = (f[kept] * gaussian.transmission(f[kept])) ** 2
-        total = float(weights @ density[kept])
+        passed = f <= harmonics / period
+        weights = (f[passed] * gaussian.transmission(f[passed])) ** 2
+        total = float(weights @ density[passed])
         return self.floor * float(weights.sum()) / total if total > 0 else 0.0
 
     def facts(self) -> dict[str, Any]:
-        """What is found, as plain values."""
+        """Return the noise floor, the power law and the suggested cut as plain values."""
         if self.tail is None:
             return {"noise": "no floor: no heights of short wavelengths"}
         if not self.floor:
             fell = f"the highest octave is as f^{-self.tail.exponent:.2g} +- {self.tail.error:.1g}"
             few = f"; {self.h.size} samples are too few to tell" * (self.tail.error > LARGEST_ERROR)
             return {"noise": f"no floor: {fell}{few}"}
-        found: dict[str, Any] = {"noise": "flat tail", "noise_density": self.floor, "noise_rms": self.noise_rms}
+        facts: dict[str, Any] = {"noise": "flat tail", "noise_density": self.floor, "noise_rms": self.noise_rms}
         if self.law is not None:
-            found |= {"exponent": self.law.exponent, "law_at_1_per_m": self.law.factor}
+            facts |= {"exponent": self.law.exponent, "law_at_1_per_m": self.law.factor}
         if self.crossing is not None:
-            found["suggested_cutoff"] = self.crossing
-        return found
+            facts["suggested_cutoff"] = self.crossing
+        return facts
 
     def _fit(self, part: slice) -> PowerLaw:
-        """The power law of the density in some bands, by weighted least squares."""
+        """Return the power law of the density in some bands, by weighted least squares."""
         f, density, counts = (values[part] for values in self.bands)
         special = import_module("scipy.special")
         weights = 1 / special.polygamma(1, counts / 2)

@@ -32,7 +32,7 @@ from bem.scans.prepare_spacing import equally_spaced, refuse_disorder
 from bem.scans.prepared_scan import Line, Scan, Step, compared, roughness
 from bem.scans.read_scan import RawScan
 from bem.scans.scan_keys import DEFAULTS
-from bem.scans.scan_refusal import ScanFileError
+from bem.scans.scan_refusal import ScanFileError, refused
 
 TAPER = 0.1  # format: of the line, at either end
 DEGREES = {"mean": 0, "line": 1, "quadratic": 2, "cubic": 3}
@@ -92,6 +92,8 @@ def _detrended(line: Line, method: str) -> tuple[Line, Step]:
     facts: Step = {"tilt": float(tilt.deriv()(0.0)), "rms_without_tilt": float(np.std(h - tilt(x)))}
     if method == "none":
         return line, facts
+    if DEGREES[method] >= x.size:
+        raise refused("detrend", f'= "{method}" of {x.size} samples', f"more than {DEGREES[method]} samples")
     if DEGREES[method] == 0:
         return (x, h - h.mean()), facts | {"removed": [float(h.mean())] * 2}
     trend = np.polynomial.Polynomial.fit(x, h, DEGREES[method])(x)

@@ -1,13 +1,13 @@
 """Rows of a map in a text file.
 
-map      A row of heights on each line of the file: `row` names one, or the mean of all.  A first line or column of axes
-         is refused: numbers in order where those of the next two lines or columns are not.
+map      A row of heights on each line of the file: `row` names one, or the mean of all.  A line or column of axes at a
+         side is refused: numbers in order where those of the next two lines or columns are not.
 points   Columns x, y and h, one scan line after another: `row` names one, or the mean of all.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -77,31 +77,42 @@ def rows_allowed(count: int) -> str:
 
 
 def map_of(table: TextTable, values: Mapping[str, Any]) -> FloatArray:
-    """Return the numbers of a map; ScanFileError for keys and headings of columns, and for axes."""
+    """Return the heights of a map; ScanFileError for keys and headings of columns, and for axes."""
     width = table.values.shape[1]
     if width <= 2:
-        found = f"= {values['row']!r} of a file with {width} columns"
-        raise refused("row", found, "leave it out: only a map has rows, one on each line of the file")
+        problem = f"= {values['row']!r} of a file with {width} columns"
+        raise refused("row", problem, "leave it out: only a map has rows, one on each line of the file")
     for key in ("columns", "valid_column"):
         if key in values:
             raise refused(key, f"= {values[key]!r} beside row", "leave it out: the row of a map is all of a line")
     if table.heading:
-        found = f"line {table.heading} states units of columns, which a map does not have"
-        raise refused("file", found, f"skip_lines = {table.heading}, with unit_h and unit_x")
-    axes = [f"the first line (line {table.lines[0]})"] * _has_axis(table.values)
-    axes += ["the first column"] * _has_axis(table.values.T)
+        problem = f"line {table.heading} states units of columns, which a map does not have"
+        raise refused("file", problem, f"skip_lines = {table.heading}, with unit_h and unit_x")
+    refuse_axes(table, ("first line", "last line", "first column", "last column"))
+    return without_missing(table.values, values)
+
+
+def without_missing(heights: FloatArray, values: Mapping[str, Any]) -> FloatArray:
+    """Return heights, NaN where they are the missing_value of the scene."""
+    return np.where(heights == values["missing_value"], np.nan, heights) if "missing_value" in values else heights
+
+
+def refuse_axes(table: TextTable, sides: Iterable[str]) -> None:
+    """Raise ScanFileError for sides of the table that hold axes."""
+    turned = {"line": table.values, "column": table.values.T}
+    rows = {side: turned[side.split()[1]][:: 1 if side.startswith("first") else -1] for side in sides}
+    axes = " and ".join(f"the {side}" for side in sides if _has_axis(rows[side]))
     if axes:
-        named = " and ".join(axes)
-        allowed = f"heights alone: remove {named}, and give the step of the axis along the lines as spacing"
-        raise refused("file", f"has axes in {named}, which are no heights", allowed)
-    return table.values
+        allowed = f"heights alone: remove {axes}, and give the step of the axis along the lines as spacing"
+        raise refused("file", f"has axes in {axes}, which are no heights", allowed)
 
 
 def _has_axis(rows: FloatArray) -> bool:
-    """Return whether the first row holds positions: in order where the next two rows are not."""
+    """Return whether the first row, but for a corner, holds positions: in order where the next two rows are not."""
+    parts = rows[:3], rows[:3, 1:], rows[:3, :-1]
     return any(
-        any(_ordered(row, stepped) for row in (rows[0], rows[0, 1:]))
-        and not any(_ordered(row, stepped) for row in (*rows[1:3], *rows[1:3, 1:]))
+        any(_ordered(part[0], stepped) for part in parts)
+        and not any(_ordered(row, stepped) for part in parts for row in part[1:])
         for stepped in (True, False)
     )
 

@@ -86,6 +86,44 @@ class ErrorEstimate:
     contact_stiffness: float | None = None
 
 
+@dataclass(frozen=True)
+class GapQuantiles:
+    """Heights below which the gap lies on 10, 25, 50, 75 and 90 % of the open length, m."""
+
+    p10: float
+    p25: float
+    p50: float
+    p75: float
+    p90: float
+
+
+@dataclass(frozen=True)
+class Gaps:
+    """Gap between the surfaces at a target, m (bem/observables/gaps.py).
+
+    Attributes
+    ----------
+    mean_open : float
+        Mean over the open length: the separation over `open_fraction`.
+    mean_cubic_root : float
+        Cubic root of the mean of g^3 over the period: the flow along the ridges is that of a channel of this height.
+    quantiles : GapQuantiles
+    widest_channel : float
+        Widest interval without contact; the period where the surfaces are apart.
+    open_fraction : float
+        Share of the period that is open.
+    """
+
+    mean_open: float
+    mean_cubic_root: float
+    quantiles: GapQuantiles
+    widest_channel: float
+    open_fraction: float
+
+
+CLOSED = Gaps(0.0, 0.0, GapQuantiles(0.0, 0.0, 0.0, 0.0, 0.0), 0.0, 0.0)
+
+
 @dataclass(frozen=True, repr=False, kw_only=True)
 class State:
     """An equilibrium on the path; energies in J/m^2 of nominal area, edges in m, `contact_stiffness` in Pa/m.
@@ -111,6 +149,8 @@ class State:
         Number of events up to this state.
     peak_pressure, largest_gap : float or None
         Pa and m, of samples of pressure and gap; known at targets alone.  There is no peak without contact.
+    gaps : Gaps or None
+        Known at targets alone.
     unknowns, evaluations, cpu_seconds
         Unknowns of the system; evaluations and CPU seconds since the state before.
 
@@ -139,6 +179,7 @@ class State:
     stable_at_fixed_load: bool | None = None
     peak_pressure: float | None = None
     largest_gap: float | None = None
+    gaps: Gaps | None = None
     error_estimate: ErrorEstimate = field(default_factory=ErrorEstimate)
     certificate: Certificate = field(default_factory=Certificate)
     events: int = 0

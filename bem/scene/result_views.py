@@ -24,12 +24,14 @@ UNITS = {
     **dict.fromkeys(
         ("width_least", "width_median", "width_largest", "open_gap_mean", "open_gap_largest", "largest_gap"), "m"
     ),
+    **dict.fromkeys(("open_gap_p10", "open_gap_p25", "open_gap_p50", "open_gap_p75", "open_gap_p90"), "m"),
+    **dict.fromkeys(("mean_cubic_root", "widest_channel"), "m"),
     **dict.fromkeys(("contact_pressure", "peak_pressure"), "Pa"),
     **dict.fromkeys(("elastic_energy", "adhesion_energy", "total_energy", "energy_released"), "J/m^2"),
     **{"mean_pressure": "Pa", "stress_intensity_max": "Pa m^1/2", "contact_stiffness": "Pa/m", "cpu_seconds": "s"},
 }
 FIELD_UNITS = {  # of fields.npz, by the names without the numbers of states
-    **dict.fromkeys(("x", "displacement", "gap", "patch_width", "gap_width"), "m"),
+    **dict.fromkeys(("x", "displacement", "gap"), "m"),
     **dict.fromkeys(("scan_x", "scan_h", "profile_x", "profile_h"), "m"),
     **{"pressure": "Pa", "sigma": "Pa", "sigma_bounds": "Pa", "P": "1/Pa", "tail_coefficient": "Pa^2"},
     **{"q": "rad/m", "slope_q": "rad/m", "C_h": "m^3", "C_u": "m^3", "C_sigma": "Pa^2 m"},
@@ -40,15 +42,13 @@ SAMPLED = {  # fields of fields.npz on points of their own, by the name of these
     **dict.fromkeys(("x", "displacement", "gap", "pressure", "patch"), "point_{k}"),
     **dict.fromkeys(("q", "C_h", "C_u", "C_sigma"), "wavenumber"),
     **dict.fromkeys(("sigma", "P"), "level_{k}"),
-    **dict.fromkeys(("patch_width", "patch_share"), "contact_{k}"),
-    **dict.fromkeys(("gap_width", "gap_share"), "opening_{k}"),
     **dict.fromkeys(("scan_x", "scan_h"), "scan_point"),
     **dict.fromkeys(("profile_x", "profile_h"), "profile_point"),
 }
 
 
 class Views:
-    """What a `Result` looks like, from its states, events and fields."""
+    """Views of a `Result`: tables, a dataset, curves and a few words."""
 
     scene: dict[str, Any]
     states: tuple[Any, ...]
@@ -58,13 +58,14 @@ class Views:
     failure: str | None
 
     def to_table(self, of: Literal["states", "events", "targets"] = "states") -> dict[str, NDArray[Any]]:
-        """States, events or the answer at targets by columns, one array each, as `pandas.DataFrame` takes them.
+        """Return states, events or the answer at targets by columns, one array each, as `pandas.DataFrame` takes them.
 
         Parameters
         ----------
         of : {"states", "events", "targets"}
             Targets have what a design asks for, SI: mean, contact and peak pressure, number and widths of the contacts,
-            mean and largest height of the open gaps, share of the period that is open; NaN where it is not known.
+            mean, largest and quantiles of the height of the open gaps, <g^3>^(1/3), the widest channel, share of the
+            period that is open; NaN where it is not known.
 
         Raises
         ------
@@ -85,7 +86,7 @@ class Views:
         return first.penetration + first.separation - depths[-1] if depths and first is not None else None
 
     def to_xarray(self) -> Any:
-        """States, events (`event_...`) and fields as an `xarray.Dataset` (extra `xarray`).
+        """Return states, events (`event_...`) and fields as an `xarray.Dataset` (extra `xarray`).
 
         Every number has its unit ("1" where it has none).  Coordinates are the numbers of states and events, branch,
         separation, penetration and mean pressure of states, and the points on which fields are sampled.
@@ -115,7 +116,7 @@ class Views:
         return dataset.assign_coords(counted).set_coords([*(COORDINATES & set(found)), *of_points])
 
     def plot(self) -> Figure:
-        """Mean pressure against contact fraction and against separation, with its estimated error, by matplotlib."""
+        """Draw the mean pressure against contact fraction and against separation, with its estimated error."""
         figure: Figure = import_module("bem.scene.plots").curves(self.states)
         return figure
 
@@ -145,7 +146,7 @@ def _answers(states: Sequence[Any], loading: dict[str, Any]) -> dict[str, NDArra
 
 
 def _answer(state: Any) -> dict[str, float | None]:
-    """The numbers of a target, those that no state gives left out."""
+    """Return the numbers of a target; None where no state has them."""
     widths = sorted(b - a for a, b in state.edges) or [math.nan]
     known = state.found
     share = state.contact_fraction if known else math.nan
@@ -165,12 +166,22 @@ def _answer(state: Any) -> dict[str, float | None]:
         "open_share": opened,
         "open_gap_mean": state.separation / opened if opened > 0 else 0.0 if known else math.nan,
         "open_gap_largest": state.largest_gap if known else None,
+        **_gap_columns(state),
         "certified": state.certificate.ok,
     }
 
 
+def _gap_columns(state: Any) -> dict[str, float]:
+    """Return the numbers of leakage of a target, m; NaN where no state was found."""
+    gaps = state.gaps if state.found else None
+    levels = ("p10", "p25", "p50", "p75", "p90")
+    columns = {f"open_gap_{level}": math.nan if gaps is None else getattr(gaps.quantiles, level) for level in levels}
+    names = ("mean_cubic_root", "widest_channel")
+    return columns | {name: math.nan if gaps is None else getattr(gaps, name) for name in names}
+
+
 def _columns(kind: type, records: Sequence[Any], prefix: str = "") -> dict[str, NDArray[Any]]:
-    """Records of a dataclass by columns, those that they hold in turn with the name of these before theirs."""
+    """Return records of a dataclass by columns; columns of nested records begin with the name of the record."""
     found: dict[str, NDArray[Any]] = {}
     for name, hint in get_type_hints(kind).items():
         values = [getattr(record, name) for record in records]

@@ -21,8 +21,11 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict
 
+import numpy as np
+from numpy.typing import NDArray
+
 from bem.geometry.profile import Profile
-from bem.geometry.ranges import LEAPING, MOST_HARMONICS, Mistake, shown, unknown_key
+from bem.geometry.ranges import MOST_HARMONICS, Mistake, shown, unknown_key
 from bem.geometry.scaling import Solid
 from bem.geometry.table import TableError, plain
 from bem.scans.scan_keys import BACKSLASHES, CUTOFFS, DEFAULTS, SCAN_KEYS
@@ -51,18 +54,20 @@ from bem.scene.scene_tables import (
     required_keys,
 )
 from bem.scene.stored_start import StoredState, other_problem, stored_start
-from bem.scene.targets import expanded, found, origin
+from bem.scene.targets import equal_target, expanded, origin
 
 if TYPE_CHECKING:
     from bem.adhesive.adhesion import Adhesion
     from bem.elastic.layer import Layer
     from bem.scans.prepared_scan import Scan, Step
 
+IN_MEMORY = "arrays in memory"  # the name of the file of samples that are given as arrays
 LISTED = 12  # format: targets listed in an error
 
 __all__ = ["Loading", "Mistake", "Scene", "SceneError", "StoredStart", "load_scene", "parse_scene", "scene_of"]
 
 Table = Mapping[str, Any]
+Arrays = tuple[NDArray[Any], NDArray[Any]]
 
 
 class Tables(TypedDict, total=False):
@@ -140,16 +145,7 @@ class Scene:
         asked = getattr(self.output, output)
         if isinstance(asked, bool):
             return asked
-        return index < len(self.loading.targets) and found(self.loading.targets[index], asked) is not None
-
-    @property
-    def leaps(self) -> bool:
-        """Whether its path goes by leaps: few digits of an adhesive contact whose load is not what is held.
-
-        Nor may its profile repeat: what breaks such a symmetry would be decided by the end of a leap.
-        """
-        few = self.accuracy.tolerance >= LEAPING and self.loading.control != "mean_pressure"
-        return self.adhesion is not None and few and not self.surface().repeats
+        return index < len(self.loading.targets) and equal_target(self.loading.targets[index], asked) is not None
 
     def resolved(self) -> dict[str, Any]:
         """Return all tables as plain values, defaults included; a file is given by its name and digest."""
@@ -231,7 +227,8 @@ def parse_scene(data: Mapping[str, Any], base_dir: Path | str = ".") -> Scene:
     Parameters
     ----------
     data : mapping
-        Tables by name, as `tomllib` returns them, or objects (`Tables`).
+        Tables by name, as `tomllib` returns them, or objects (`Tables`).  A profile of samples may have arrays `x` and
+        `h` in m instead of `file`; they are prepared like the samples of a file.
     base_dir : Path or str
         Folder relative file names start from.
 
@@ -251,6 +248,7 @@ def parse_scene(data: Mapping[str, Any], base_dir: Path | str = ".") -> Scene:
     ((2e-06, 1e-06), None)
     """
     base_dir, mistakes = Path(base_dir), []
+    data, arrays = _without_arrays(data)
     for name in data:
         if name not in TABLES and name != "title":
             mistakes.append(Mistake(name, f"= {shown(data[name])} is unknown", unknown_key(name, ["title", *TABLES])))
@@ -270,13 +268,25 @@ def parse_scene(data: Mapping[str, Any], base_dir: Path | str = ".") -> Scene:
     if "loading" in data:
         tables = [name for name in TABLES if data.get(name) is not None]
         mistakes += loading_mistakes(loading, given["loading"], tables, profile.get("period"))
-    scan, wrong = _scan(profile, given["profile"], base_dir)
+    scan, wrong = _scan(profile, given["profile"], base_dir, arrays)
     mistakes += wrong
     start, wrong = stored_start(loading.get("initial"), loading.get("control"), base_dir)
     mistakes += wrong
     if mistakes:
         raise SceneError(mistakes)
     return _resolved(data.get("title", ""), made, scan, start)
+
+
+def _without_arrays(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], Arrays | None]:
+    """Return the tables with a name in place of the arrays x and h of a profile of samples, and the arrays."""
+    profile = data.get("profile")
+    if not isinstance(profile, Mapping) or "file" in profile:
+        return data, None
+    x, h = profile.get("x"), profile.get("h")
+    if not isinstance(x, np.ndarray) or not isinstance(h, np.ndarray):
+        return data, None
+    rest = {key: value for key, value in profile.items() if key not in ("x", "h")}
+    return {**data, "profile": rest | {"file": IN_MEMORY}}, (x, h)
 
 
 def _as_mapping(table: Any) -> Any:
@@ -300,18 +310,21 @@ def _made(name: str, raw: Any) -> tuple[Any, dict[str, Any], list[Mistake]]:
         return None, error.valid, error.mistakes
 
 
-def _scan(profile: Mapping[str, Any], given: set[str], base_dir: Path) -> tuple[Scan | None, list[Mistake]]:
-    """Return the prepared samples of profile.file, if the profile has any and says properly how to read them."""
+def _scan(
+    profile: Mapping[str, Any], given: set[str], base_dir: Path, arrays: Arrays | None
+) -> tuple[Scan | None, list[Mistake]]:
+    """Return the prepared samples of profile.file or of arrays, if the profile says properly how to read them."""
     wrong = [key for key in given.intersection((*SCAN_KEYS, *DEFAULTS, *CUTOFFS)) if key not in profile]
     if profile.get("kind") != "samples" or "file" not in profile or wrong:
         return None, []
     from bem.scans.prepare_scan import prepare
-    from bem.scans.read_scan import read_scan
+    from bem.scans.read_scan import read_scan, scan_of_arrays
     from bem.scans.scan_refusal import ScanFileError
 
     name = profile["file"]
     try:
-        scan = prepare(read_scan(base_dir / name, profile), profile)
+        raw = read_scan(base_dir / name, profile) if arrays is None else scan_of_arrays(*arrays, profile)
+        scan = prepare(raw, profile)
     except ScanFileError as error:
         told = [
             (key, f"= {shown(name)}: {found}" if key == "file" else found, allowed)
@@ -375,5 +388,5 @@ def _output_mistakes(scene: Scene) -> Iterator[Mistake]:
     for name in OUTPUTS:
         asked = getattr(scene.output, name)
         for k, value in enumerate(() if isinstance(asked, bool) else asked):
-            if found(value, targets) is None:
+            if equal_target(value, targets) is None:
                 yield Mistake(f"output.{name}[{k}]", f"= {value:g} is not a target", allowed)

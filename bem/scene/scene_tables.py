@@ -107,8 +107,6 @@ class Output:
     shapes: bool | Numbers = False
     spectra: bool | Numbers = False
     pressure_distribution: bool | Numbers = False
-    width_distributions: bool | Numbers = False
-    contact_slopes: bool | Numbers = False
 
 
 TABLES = {
@@ -122,7 +120,7 @@ TABLES = {
 }
 REQUIRED_TABLES = ("solid", "profile", "loading")
 WITH_DEFAULTS = ("accuracy", "output")  # tables that are made where they are absent
-OUTPUTS = ("shapes", "spectra", "pressure_distribution", "width_distributions", "contact_slopes")
+OUTPUTS = ("shapes", "spectra", "pressure_distribution")
 
 
 def class_of(name: str) -> type[Any]:

@@ -20,13 +20,10 @@ GROUPS = (  # arrays of a stored state k, each named with "_k"; a group is compl
     ("x", "displacement", "gap", "pressure", "patch"),
     ("C_u", "C_sigma"),
     ("sigma", "P", "sigma_bounds", "outside_contact", "tail_coefficient"),
-    ("patch_width", "patch_share", "gap_width", "gap_share"),
-    ("contact_slope", "slope_own", "slope_kept"),
 )
 SHARED = {  # arrays without k, with those of the same length
     "q": "C_h",
     "C_h": "q",
-    "slope_q": "slope_q",
     "scan_x": "scan_h",
     "scan_h": "scan_x",
     "scan_wavelength": "scan_density",
@@ -39,11 +36,9 @@ SHARED = {  # arrays without k, with those of the same length
 AS_LONG = {  # arrays of a state, and an array of the same length: of the state, or without k
     **dict.fromkeys(("displacement", "gap", "pressure", "patch"), "x"),
     **dict.fromkeys(("C_u", "C_sigma"), "q"),
-    **{"P": "sigma", "patch_share": "patch_width", "gap_share": "gap_width"},
-    **dict.fromkeys(("slope_own", "slope_kept"), "slope_q"),
+    "P": "sigma",
 }
-SCALARS = ("outside_contact", "tail_coefficient", "contact_slope")
-MAYBE_EMPTY = ("patch_width", "patch_share", "gap_width", "gap_share")  # without an edge
+SCALARS = ("outside_contact", "tail_coefficient")
 NUMBERS = "biuf"  # kinds of arrays that a result holds
 LONGEST_NAME = 64  # format: characters of the name of an array
 
@@ -111,7 +106,7 @@ def _check_length(arrays: Mapping[str, NDArray[Any]], name: str, stem: str, k: s
     values = arrays[name]
     if values.ndim != (stem not in SCALARS):
         raise CorruptArraysError(f"{name} has the shape {values.shape}")
-    if values.size == 0 and stem not in MAYBE_EMPTY:
+    if values.size == 0:
         raise CorruptArraysError(f"{name} is empty")
     partner = AS_LONG.get(stem) if k else SHARED[name]
     if partner is None:

@@ -1,6 +1,6 @@
 """A rough scene as a file, and a run of it by the command line in this process."""
 
-import bem.__main__ as command_line
+from bem import scene_commands as command_line
 
 SCENE = """
 title = "wave"

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import bem
-import bem.__main__ as bem_main
 import validation.__main__ as validation_main
+from bem import scene_commands as bem_main
 from validation.command_line.examples import EXAMPLES
 from validation.command_line.front_door import main
 

@@ -14,7 +14,7 @@ from bem.geometry.profile import Profile
 from bem.scene.scene import SceneError, parse_scene
 from bem.solver import solve
 from validation.corpus.hard import copies, scene_case
-from validation.corpus.hard.any_result import AT_EVENTS, Solved, balances, findings_of
+from validation.corpus.hard.any_result import SAFETY, Solved, balances, findings_of
 from validation.corpus.hard.hard_case_run import run
 from validation.corpus.hard.hard_case_scenes import rough, scene, waves
 from validation.corpus.random import random_trial as trial
@@ -165,7 +165,7 @@ def test_balance_sees_the_energy_of_every_event(name):
     for part in balances(taken(posed, result)):
         seen += part.events
         event = result.events[seen - 1]
-        if part.events and 0.04 * event.energy_released > AT_EVENTS * part.quadrature:
+        if part.events and 0.04 * event.energy_released > SAFETY * part.quadrature:
             resolved += 1
             wrong = event_changed(result, seen - 1, energy_released=lambda energy: 1.05 * energy)
             assert "energy balance" in kinds(findings_of(taken(posed, wrong)))

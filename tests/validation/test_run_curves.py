@@ -17,7 +17,7 @@ PRESSED = {
     **{name: table for name, table in ROUGH.items() if name != "adhesion"},
     "profile": ROUGH["profile"] | {"harmonics": 100},
     "loading": {"control": "mean_pressure", "targets": [2e3, 1e4]},
-    "output": {"width_distributions": True, "pressure_distribution": [1e4]},
+    "output": {"pressure_distribution": [1e4]},
 }
 
 

@@ -1,7 +1,6 @@
 """All commands of `linecontact`: scenes and their results, the verification, and the studies.
 
-The commands of `python -m bem` and `python -m validation` are the same here, by the same parsers; `verify` is
-`python -m validation run`.  Exit codes: 0 done, 1 something failed (named), 2 bad input, 130 interrupted.
+`python -m bem` and `python -m validation` have a part of them, by the same parsers; `verify` is `run` there.
 """
 
 import argparse
@@ -12,8 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import bem
-import bem.__main__ as scenes
 import validation.__main__ as harness
+from bem import scene_commands as scenes
+from bem.command_line.perform import BAD_INPUT, DONE, FAILED
 from validation.command_line import comparison, examples, fem_answer
 from validation.harness.schema import Report
 from validation.report.history import history_of, named, write_history
@@ -21,15 +21,15 @@ from validation.report.history import history_of, named, write_history
 SHELLS = ("bash", "zsh", "tcsh")
 
 
-def main(arguments: Sequence[str], program: str) -> int:
-    """Run one command of a program; its exit code."""
-    options = _parser(program).parse_args(arguments)
+def main(arguments: Sequence[str]) -> int:
+    """Run one command of `linecontact` and return its exit code."""
+    options = _parser().parse_args(arguments)
     perform: Callable[[argparse.Namespace], int] = options.perform
     return perform(options)
 
 
-def _parser(program: str) -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog=program, description="Adhesive contact of rough profiles, verified.")
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="linecontact", description="Adhesive contact of rough profiles, verified.")
     parser.add_argument("--version", action="version", version=f"%(prog)s {bem.__version__}")
     parser.add_argument("--print-completion", action=_PrintCompletion, choices=SHELLS, help="print shell completion")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
@@ -55,10 +55,10 @@ def _parser(program: str) -> argparse.ArgumentParser:
 def _example(options: argparse.Namespace) -> int:
     if options.name is None:
         print("\n".join(examples.listed()))
-        return harness.DONE
+        return DONE
     for path in examples.write_example(options.name, Path()):
         print(path)
-    return harness.DONE
+    return DONE
 
 
 def _compare(options: argparse.Namespace) -> int:
@@ -82,7 +82,7 @@ def _history(reports: list[Report], options: argparse.Namespace) -> int:
         told = f"{len(reports)} reports, {len(found.lines)} errors and counts: {ending}; {found.unjudged} not judged"
         notes = [f"not in the newest report: case {name}" for name in found.gone]
         print(*notes, *(f"RISES {line}" for line in rises), told + (f"; page: {page}" if page else ""), sep="\n")
-    return harness.FAILED if rises else harness.DONE
+    return FAILED if rises else DONE
 
 
 def _compare_two(a: Path, b: Path, as_json: bool) -> int:
@@ -99,7 +99,7 @@ def _compare_two(a: Path, b: Path, as_json: bool) -> int:
             ending = f"{apart} differ, and {len(found.others)} other differences"
         said = [*found.notes, *(f"DIFFERS {line}" for line in differing)]
         print(*said, f"{len(found.numbers)} numbers compared: {ending}", sep="\n")
-    return harness.FAILED if differing else harness.DONE
+    return FAILED if differing else DONE
 
 
 class _PrintCompletion(argparse.Action):
@@ -109,10 +109,10 @@ class _PrintCompletion(argparse.Action):
         try:
             shtab = import_module("shtab")
         except ImportError:
-            parser.exit(harness.BAD_INPUT, f"error: {option}: not installed: pip install 'linecontact[completion]'\n")
+            parser.exit(BAD_INPUT, f"error: {option}: not installed: pip install 'linecontact[completion]'\n")
         _complete_paths(parser, shtab)
         print(shtab.complete(parser, values))
-        parser.exit(harness.DONE)
+        parser.exit(DONE)
 
 
 def _complete_paths(parser: argparse.ArgumentParser, shtab: Any) -> None:

@@ -17,11 +17,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         gc.disable()
     words = sys.argv[1:] if arguments is None else arguments
     of_a_scene = bool(words) and words[0] in OF_A_SCENE
-    commands = import_module("bem.__main__" if of_a_scene else "validation.command_line.commands")
+    commands = import_module("bem.scene_commands" if of_a_scene else "validation.command_line.commands")
     if arguments is None:
         gc.freeze()
         gc.enable()
-    return int(commands.main(words, "linecontact"))
+    return int(commands.main(words))
 
 
 if __name__ == "__main__":

@@ -56,7 +56,6 @@ EFFECTS: tuple[Effect, ...] = (
     Effect("shapes", "slope term", ADHESIVE | {"output": {"shapes": TARGETS}}),
     Effect("spectra", "slope term", ADHESIVE | {"output": {"spectra": True}}),
     Effect("pressure distribution", "slope term", ADHESIVE | {"output": {"pressure_distribution": True}}),
-    Effect("width distributions", "slope term", ADHESIVE | {"output": {"width_distributions": True}}),
 )
 
 

@@ -15,6 +15,7 @@ from validation.report.run_curves import curves_of, finite
 from validation.report.scan_figure import preparation_figure, spectrum_figure
 
 MOST_SHAPES = 8
+FEW = 4  # contacts, of which fewer have no distribution of widths
 
 Array = NDArray[Any]
 
@@ -76,20 +77,20 @@ def _shapes(result: Result) -> Iterator[Figure]:
 
 
 def distributions_of(result: Result) -> Iterator[Figure]:
-    """Distributions that were asked for: widths of contacts and gaps, pressures."""
-    fields, states = result.fields, list(stored_states(result).items())[:MOST_SHAPES]
-    widths = [(name, state) for name, state in states if fields.get(f"patch_width_{name}", np.empty(0)).size]
-    if widths:
-        widest = max(float(fields[f"{of}_width_{name}"][-1]) for name, _ in widths for of in ("patch", "gap"))
-        factor, unit = axis_unit(widest, "m")
+    """Yield distributions: widths of contacts and gaps at targets, and pressures that were asked for."""
+    touching = [state for state in result.targets if state.n_patches >= FEW][:MOST_SHAPES]
+    if touching:
+        period = result.scene["profile"]["period"]
+        widths = [_widths(state, period) for state in touching]
+        factor, unit = axis_unit(max(float(of[-1]) for pair in widths for of in pair), "m")
         series = [
-            trace(f"{said} at {_where(state)}", factor * fields[f"{of}_width_{name}"],
-                  fields[f"{of}_share_{name}"], style, hue=k)
-            for k, (name, state) in enumerate(widths)
-            for of, said, style in (("patch", "contacts", "line"), ("gap", "gaps", "dashed"))
-        ]  # fmt: skip
+            trace(f"{label} at {_where(state)}", factor * of, np.arange(1, of.size + 1) / of.size, style, hue=k)
+            for k, (state, pair) in enumerate(zip(touching, widths, strict=True))
+            for of, label, style in zip(pair, ("contacts", "gaps"), ("line", "dashed"), strict=True)
+        ]
         yield drawn("widths", "Share of the contacts and of the gaps that are not wider.",
                     semilogx(f"width / {unit}", "share of their number", *series))  # fmt: skip
+    fields, states = result.fields, list(stored_states(result).items())[:MOST_SHAPES]
     pressures = [(name, state) for name, state in states if f"sigma_{name}" in fields]
     if pressures:
         most = max(float(np.max(fields[f"sigma_{name}"])) for name, _ in pressures)
@@ -101,6 +102,12 @@ def distributions_of(result: Result) -> Iterator[Figure]:
             series.append(trace(f"at {_where(state)}", factor * sigma[shown], density[shown] / factor))
         yield drawn("pressures", "Distribution of the contact pressure over the nominal length, what is open left out.",
                     axes(f"pressure / {unit}", f"density / (1/{unit})", *series))  # fmt: skip
+
+
+def _widths(state: State, period: float) -> tuple[Array, Array]:
+    """Return the widths of the contacts and of the gaps between them, sorted, m."""
+    left, right = np.transpose(state.edges)
+    return np.sort(right - left), np.sort(np.append(left[1:], left[0] + period) - right)
 
 
 def _where(state: State) -> str:

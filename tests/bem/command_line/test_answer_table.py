@@ -9,9 +9,9 @@ import pytest
 from rough_scene import ROUGH
 
 import bem
-from bem.__main__ import main
 from bem.command_line.answer_table import NO_FLAW, UNKNOWN, answer, csv_text, digits, pull_off_words, table_text
 from bem.scene.result import LargestTension, TensionError
+from bem.scene_commands import main
 
 PERIOD, HEIGHT, MODULUS = 0.01, 1e-4, 1e6 / 0.75
 FRACTION = 0.4

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 from stored_states import lasting
 
-import bem.__main__ as command_line
 from bem import record
+from bem import scene_commands as command_line
 from bem.command_line import checkpoint
 from bem.scene import atomic_file, result_file
 from bem.scene.result_file import read_result

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-import bem.__main__ as command_line
+from bem import scene_commands as command_line
 from bem.command_line.keys import json_schema, keys_text, toml
 from bem.geometry.table import allowed, words
 from bem.scene.scene import SceneError, parse_scene

@@ -20,7 +20,8 @@ def scene(tmp_path):
 
 
 def test_figures_bars_and_layer_are_not_imported_to_check(scene):
-    code = "import sys; import bem.__main__ as c; c.main(['check', sys.argv[1]]); print(sorted(sys.modules))"
+    code = "import sys; from bem.scene_commands import main; main(['check', sys.argv[1]])"
+    code += "; print(sorted(sys.modules))"
     process = subprocess.run([sys.executable, "-c", code, str(scene)], capture_output=True, text=True, check=True)
     modules = process.stdout.splitlines()[-1]
     assert "'matplotlib'" not in modules

@@ -8,10 +8,8 @@ from bem.elastic.layer import Layer
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 from bem.loading.complete_contact import complete_contact
-from bem.observables.contact_slopes import contact_slopes
 from bem.observables.observables import complete_contact_fields, contact_fields
 from bem.observables.shapes import OUTSIDE, complete_contact_shape, separated_shape, shape
-from bem.observables.width_distributions import width_distribution
 from bem.problem import Problem, pose
 from bem.scene.scene_tables import OUTPUTS
 from validation.references.dense import dense_nodes, evaluate_dense
@@ -155,16 +153,6 @@ def test_shape_of_nothing_is_refused():
         shape(WAVE, NOTHING, 0.0)
 
 
-def test_widths_are_sorted_with_their_shares():
-    found = width_distribution(np.array([2.0, 1.0, 5.0]))
-    assert found.widths.tolist() == [1.0, 2.0, 5.0]
-    np.testing.assert_allclose(found.number_share, [1 / 3, 2 / 3, 1])
-
-
-def test_no_widths_give_an_empty_distribution():
-    assert width_distribution(np.empty(0)).number_share.size == 0
-
-
 SCENE = """
 [solid]
 youngs_modulus = 2.0e6
@@ -231,49 +219,10 @@ def test_tail_is_that_of_the_stress_intensities(problem, rough, fields):
     assert fields["tail_coefficient_3"] == pytest.approx(expected, rel=3e-14)  # measured 9e-15
 
 
-def test_widths_fill_the_period(fields):
-    assert np.sum(fields["patch_width_3"]) + np.sum(fields["gap_width_3"]) == pytest.approx(0.02, rel=1e-14)
-
-
 def test_only_what_is_asked_for_is_stored(problem, rough):
     _, state = rough
-    stored = contact_fields(("width_distributions",), problem, state.pressure, state.penetration, 0)
-    assert set(stored) == {"patch_width_0", "patch_share_0", "gap_width_0", "gap_share_0"}
-
-
-@pytest.mark.parametrize("fraction", [1e-3, 0.2, 0.5, 0.99])
-def test_slope_over_the_contact_of_a_wave(fraction):
-    """h = cos x, |x| < pi A: <h'^2> = 1/2 - sin(2 pi A) / (4 pi A); one harmonic has nothing to correlate with."""
-    half = np.pi * fraction
-    found = contact_slopes(WAVE, np.array([2 * np.pi - half]), np.array([2 * np.pi + half]))
-    # the difference of numbers of order one: 2e-16 measured
-    assert found.rms**2 == pytest.approx(0.5 - np.sin(2 * half) / (4 * half), abs=6e-16)
-    assert found.own[0] == pytest.approx(found.kept[0], abs=6e-16)
-
-
-def test_slopes_over_the_contact_are_their_integrals(problem, rough, fields):
-    """<h'_m h'> and <h'_m^2> by Gauss-Legendre on the patches."""
-    profile, state = rough
-    t, weight = np.polynomial.legendre.leggauss(200)
-    half, centre = (state.pressure.right - state.pressure.left) / 2, (state.pressure.right + state.pressure.left) / 2
-    x, share = (centre[:, None] + half[:, None] * t).ravel(), (half[:, None] * weight).ravel() / np.sum(2 * half)
-    m = profile.orders
-    each = -m * profile.amplitudes * np.sin(np.multiply.outer(x, m) + profile.phases)
-    slope = problem.scales.height / problem.scales.length
-    own, kept = fields["slope_own_3"] / slope**2, fields["slope_kept_3"] / slope**2
-    np.testing.assert_allclose(own, share @ each**2, rtol=1.4e-14)  # 4.4e-15 measured
-    np.testing.assert_allclose(kept, share @ (each * profile.slope(x)[:, None]), atol=6e-14)  # 2.1e-14 of 1.2
-    assert np.min(kept / own) < 0.9  # here harmonics do correlate
-    rms = fields["contact_slope_3"] / slope
-    assert rms**2 == pytest.approx(share @ profile.slope(x) ** 2, rel=4.5e-15)  # 1.5e-15
-    assert fields["slope_q"][0] == pytest.approx(2 * np.pi / 0.02, rel=1e-14)
-
-
-def test_over_the_whole_period_no_harmonics_correlate(problem):
-    complete = complete_contact(problem.profile, problem.law, problem.elastic.compliance)
-    stored = complete_contact_fields(("contact_slopes",), problem, complete, 0.1, 0)
-    assert stored["contact_slope_0"] == pytest.approx(Profile.self_affine(0.02, 0.7, 3e-5, 40, 0).rms_slope, rel=1e-13)
-    assert stored["slope_kept_0"].tolist() == stored["slope_own_0"].tolist()
+    stored = contact_fields(("spectra",), problem, state.pressure, state.penetration, 0)
+    assert set(stored) == {"q", "C_h", "C_u_0", "C_sigma_0"}
 
 
 def test_separated_state_stores_no_pressure(problem):
@@ -284,7 +233,6 @@ def test_separated_state_stores_no_pressure(problem):
     )  # the crest lies between points; measured 7e-3
     assert not np.any(stored["C_u_0"])
     assert not np.any(stored["P_0"])
-    assert stored["contact_slope_0"] == 0
     assert stored["outside_contact_0"] == 1.0
 
 
@@ -296,4 +244,3 @@ def test_complete_contact_stores_the_closed_form(problem):
     np.testing.assert_array_equal(stored["gap_0"], 0.0)
     assert np.mean(stored["pressure_0"]) == pytest.approx(50.0 * problem.scales.stress, rel=1e-12)
     assert np.sum(stored["P_0"] * np.diff(stored["sigma_bounds_0"])) == pytest.approx(1.0, abs=1e-12)
-    assert stored["patch_width_0"].size == 0

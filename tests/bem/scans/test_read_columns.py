@@ -61,11 +61,11 @@ def test_heights_flagged_0_are_missing(valid, at, columns, tmp_path):
     np.testing.assert_allclose(scan.h, np.where(FLAGS, H, np.nan) * 1e-6, rtol=1e-12)
 
 
-@pytest.mark.parametrize("flags", [FLAGS, 1.0 - np.array(FLAGS), np.arange(COUNT) % 3, 100 * np.array(FLAGS), UNSET])
+@pytest.mark.parametrize("flags", [FLAGS, 1.0 - np.array(FLAGS), np.arange(COUNT) % 3, np.arange(COUNT) % 11, UNSET])
 def test_column_that_may_be_a_flag_is_not_passed_over(flags, tmp_path):
     text = rows(X, H, flags)
     refusal = refusal_of(tmp_path, text, columns=[1, 2], **UNITS)
-    assert (refusal.key, "is needed: column 3 holds" in refusal.found) == ("valid_column", True)
+    assert (refusal.key, "is needed: column 3 holds" in refusal.problem) == ("valid_column", True)
     scan = scan_of(tmp_path, text, columns=[1, 2], valid_column=0, **UNITS)
     np.testing.assert_allclose(scan.h, H * 1e-6, rtol=1e-12)
 
@@ -103,22 +103,28 @@ DOWN = {"steps": np.arange(6) * 0.5, "falling": -np.arange(6) * 0.5, "counts": n
 @pytest.mark.parametrize("corner", ["0", "nan", "", "-1.5"])
 @pytest.mark.parametrize("along", [None, *AXES])
 @pytest.mark.parametrize("down", [None, *DOWN])
-def test_axes_of_a_map_are_refused_by_name(heights, along, down, corner, tmp_path):
+@pytest.mark.parametrize("end", [False, True])
+def test_axes_of_a_map_are_refused_by_name(heights, along, down, corner, end, tmp_path):
     """Axes of a tilted map are told by their equal steps."""
-    if heights is not ROWS and along in ("unequal", "rounded"):
+    if (heights is not ROWS and along in ("unequal", "rounded")) or (along is None and down is None):
         return
-    lines = [[*([str(DOWN[down][k])] if down else []), *map(str, heights[k])] for k in range(6)]
+    at = COUNT if end else 0
+    lines = [list(map(str, line)) for line in heights]
+    for k, line in enumerate(lines) if down else ():
+        line.insert(at, str(DOWN[down][k]))
     if along:
-        lines.insert(0, [*([corner] if down else []), *map(str, AXES[along])])
-    text = "".join(",".join(line) + "\n" for line in lines)
-    if along is None and down is None:
-        assert scan_of(tmp_path, text, row=1, **SPACED).h[3] == pytest.approx(heights[1, 3] * 1e-6)
-        return
-    refusal = refusal_of(tmp_path, text, row=1, **SPACED)
-    assert ("the first line" in refusal.found, "the first column" in refusal.found) == (
-        along is not None,
-        down is not None,
-    )
+        axis = list(map(str, AXES[along]))
+        axis[at:at] = [corner] * (down is not None)
+        lines.insert(len(lines) if end else 0, axis)
+    refusal = refusal_of(tmp_path, "".join(",".join(line) + "\n" for line in lines), row=1, **SPACED)
+    sides = [f"the {'last' if end else 'first'} {side}" for side, axis in (("line", along), ("column", down)) if axis]
+    assert refusal.problem == f"has axes in {' and '.join(sides)}, which are no heights"
+
+
+def test_axis_above_columns_is_refused(tmp_path):
+    lines = [[-1.0, *np.arange(6) * 0.5], *np.column_stack([X, ROWS.T])]
+    text = "".join(",".join(map(str, line)) + "\n" for line in lines)
+    assert "the first line" in refusal_of(tmp_path, text, columns=[1, 3], **UNITS).problem
 
 
 @pytest.mark.parametrize("wave", [1, 2.5])
@@ -151,7 +157,7 @@ def test_scan_line_of_points(row, more, turned, tmp_path):
 
 def test_mean_of_scan_lines_at_other_positions_is_refused(tmp_path):
     text = rows(*zip(*[(-a if b == 0.5 else a, b, h) for a, b, h in POINTS], strict=True))
-    assert "different positions" in refusal_of(tmp_path, text, row="mean", **UNITS).found
+    assert "different positions" in refusal_of(tmp_path, text, row="mean", **UNITS).problem
 
 
 TABLE, LINE, MAP = rows(X, H, H + 0.3), rows(X, H), rows(*ROWS.T)
@@ -160,7 +166,7 @@ ALONE = rows(H)
 
 
 @pytest.mark.parametrize(
-    ("text", "values", "key", "found"),
+    ("text", "values", "key", "problem"),
     [
         pytest.param(TABLE, UNITS, "columns", "3 columns", id="which columns"),
         pytest.param(LINE, {"columns": [1, 3], **UNITS}, "columns", "= [1, 3]", id="column that is not there"),
@@ -168,6 +174,7 @@ ALONE = rows(H)
             TABLE, {"columns": [1, 3], "valid_column": 3, **UNITS}, "columns", "= [1, 3]", id="flag as height"
         ),
         pytest.param(LINE, {"valid_column": 3, **UNITS}, "valid_column", "= 3", id="flag that is not there"),
+        pytest.param(ALONE, {"valid_column": 1, **SPACED}, "valid_column", "= 1 of 1", id="flag without heights"),
         pytest.param(TABLE, {"valid_column": 3, **UNITS}, "valid_column", "holds -", id="heights as flags"),
         pytest.param(LINE, {"row": 0, **UNITS}, "row", "2 columns", id="row of a line"),
         pytest.param(MAP, {"row": 6, **SPACED}, "row", "= 6", id="row that is not there"),
@@ -187,6 +194,6 @@ ALONE = rows(H)
         pytest.param(LINE, {"channel": 0, **UNITS}, "channel", "= 0", id="channel of text"),
     ],
 )
-def test_keys_that_do_not_fit_the_columns_are_refused(text, values, key, found, tmp_path):
+def test_keys_that_do_not_fit_the_columns_are_refused(text, values, key, problem, tmp_path):
     refusal = refusal_of(tmp_path, text, **values)
-    assert (refusal.key, found in refusal.found) == (key, True), refusal
+    assert (refusal.key, problem in refusal.problem) == (key, True), refusal

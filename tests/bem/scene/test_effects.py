@@ -65,11 +65,9 @@ def test_every_effect_is_listed_once_with_a_reason():
                 "output": {
                     "spectra": True,
                     "pressure_distribution": [3e-5],
-                    "width_distributions": True,
-                    "contact_slopes": True,
                 }
             },
-            {"half_space", "adhesion", "spectra", "pressure_distribution", "width_distributions", "contact_slopes"},
+            {"half_space", "adhesion", "spectra", "pressure_distribution"},
             id="observables",
         ),
     ],

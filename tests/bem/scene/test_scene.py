@@ -2,17 +2,17 @@
 
 import copy
 import math
+import os
 import pickle
 from dataclasses import FrozenInstanceError, replace
 
 import numpy as np
 import pytest
-from made_up_table import COATING, allow_coatings
 from stored_states import stored_state
 
 from bem.scene.result import Result
 from bem.scene.result_file import write_result
-from bem.scene.scene import SceneError, load_scene, parse_scene
+from bem.scene.scene import SceneError, load_scene, parse_scene, read_tables
 
 BASE = {
     "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
@@ -135,8 +135,6 @@ def paths_of(data, base_dir="."):
         ("output", {"spectra": 1}, "output.spectra"),
         ("output", {"spectra": [31e-6]}, "output.spectra[0]"),
         ("output", {"pressure_distribution": "yes"}, "output.pressure_distribution"),
-        ("output", {"width_distributions": [True]}, "output.width_distributions[0]"),
-        ("output", {"contact_slopes": [1.0]}, "output.contact_slopes[0]"),
         ("solid.density", 1e3, "solid.density"),
         ("friction", {}, "friction"),
     ],
@@ -322,6 +320,19 @@ def test_file_that_is_no_scene_is_told(content, tmp_path):
         load_scene(path)
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes of POSIX")
+def test_a_scene_that_is_no_file_is_refused_at_once(tmp_path):
+    os.mkfifo(tmp_path / "pipe.toml")
+    for path in (tmp_path / "pipe.toml", "/dev/zero", tmp_path):
+        with pytest.raises(SceneError, match="is no file; allowed: a TOML file"):
+            load_scene(path)
+
+
+def test_a_byte_order_mark_is_no_part_of_a_scene(tmp_path):
+    (tmp_path / "scene.toml").write_bytes(b"\xef\xbb\xbf" + b'title = "marked"')
+    assert read_tables(tmp_path / "scene.toml") == {"title": "marked"}
+
+
 def stored_result(folder, tables=None, **changes):
     """A result of BASE and more tables with one state, in folder/before."""
     state = replace(STATE, **changes)
@@ -356,25 +367,18 @@ def test_stored_state_of_another_solid_is_told(tmp_path):
     assert "another [solid]" in str(mistake)
 
 
-@pytest.mark.parametrize(("before", "now"), [(None, COATING), (COATING, None), (COATING, {"thickness": 2e-6})], ids=str)
-def test_stored_state_of_another_table_is_told_whatever_its_name(before, now, tmp_path, monkeypatch):
-    allow_coatings(monkeypatch)
-    data = stored_result(tmp_path, {"coating": before} if before else {})
-    (mistake,) = mistakes_of(data | ({"coating": now} if now else {}), tmp_path)
-    assert "another [coating]" in str(mistake)
+LAYER = {"thickness": 1e-3}
 
 
-def test_stored_state_with_a_table_that_scenes_do_not_have_is_told(tmp_path):
-    with pytest.MonkeyPatch.context() as monkeypatch:
-        allow_coatings(monkeypatch)
-        data = stored_result(tmp_path, {"coating": COATING})
-    (mistake,) = mistakes_of(data, tmp_path)
-    assert "another [coating]" in str(mistake)
+@pytest.mark.parametrize(("before", "now"), [(None, LAYER), (LAYER, None), (LAYER, {"thickness": 2e-3})], ids=str)
+def test_stored_state_of_another_layer_is_told(before, now, tmp_path):
+    data = stored_result(tmp_path, {"layer": before} if before else {})
+    (mistake,) = mistakes_of(data | ({"layer": now} if now else {}), tmp_path)
+    assert "another [layer]" in str(mistake)
 
 
-def test_stored_state_of_the_same_tables_is_taken(tmp_path, monkeypatch):
-    allow_coatings(monkeypatch)
-    data = stored_result(tmp_path, {"coating": COATING}) | {"coating": COATING}
+def test_stored_state_of_the_same_tables_is_taken(tmp_path):
+    data = stored_result(tmp_path, {"layer": LAYER}) | {"layer": LAYER}
     assert parse_scene(data | {"accuracy": {"tolerance": 1e-3}}, tmp_path).start_state == STATE
 
 

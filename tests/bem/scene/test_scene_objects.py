@@ -93,3 +93,38 @@ def test_mistakes_are_those_of_a_scene(changes, said):
 def test_what_is_wrong_is_named(scene, tables, said):
     with pytest.raises(TypeError, match=said):
         bem.solve(scene, **tables)
+
+
+def scanned(tmp_path, **profile):
+    """A scan with a spike and a gap: the tables with its file, and with its arrays."""
+    x = 1e-5 * np.arange(200)
+    h = 1e-6 * np.cos(2 * np.pi * x / 2e-3) + 1e-7 * np.cos(34 * np.pi * x / 2e-3)
+    h[50], h[90] = 3e-5, np.nan
+    np.savetxt(tmp_path / "scan.csv", np.column_stack([x, h]), delimiter=",", fmt="%.17g")
+    rest = {"solid": bem.Solid(1e6, 0.5), "loading": {"control": "mean_pressure", "targets": [500.0]}}
+    by_file = {"kind": "samples", "file": str(tmp_path / "scan.csv"), "unit_x": "m", "unit_h": "m", **profile}
+    return rest | {"profile": by_file}, rest | {"profile": {"kind": "samples", "x": x, "h": h, **profile}}
+
+
+def test_samples_in_memory_are_prepared_and_warned_of_like_those_of_a_file(tmp_path):
+    by_file, by_arrays = (bem.solve(**one) for one in scanned(tmp_path, missing="interpolate", outliers="replace"))
+    fractions = [[state.contact_fraction for state in result.states] for result in (by_file, by_arrays)]
+    assert fractions[0] == fractions[1]
+    heights = [[step.get("rms_height") for step in result.profile_preparation] for result in (by_file, by_arrays)]
+    assert heights[0] == heights[1]
+    assert by_file.warnings == by_arrays.warnings
+    for tables in scanned(tmp_path):
+        with pytest.raises(bem.SceneError, match=r"profile\.missing"):
+            bem.solve(**tables)
+
+
+def test_keys_of_files_are_refused_beside_arrays(tmp_path):
+    _, tables = scanned(tmp_path, unit_x="mm")
+    with pytest.raises(bem.SceneError, match=r"profile\.unit_x = 'mm' is for files, arrays are in m"):
+        bem.solve(**tables)
+
+
+@pytest.mark.parametrize(("x", "h"), [([0, 1, 2.5, 3], [0, 1, 0, 1]), ([0, 1, 2, 3], [0, np.nan, 0, 1])])
+def test_a_profile_of_samples_that_need_preparation_is_refused(x, h):
+    with pytest.raises(ValueError, match="finite heights at equal steps"):
+        bem.Profile.from_samples(x, h, 1)

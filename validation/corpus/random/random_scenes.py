@@ -282,7 +282,7 @@ def _accuracy(rng: np.random.Generator, span: float) -> Table:
 def _output(rng: np.random.Generator, loading: Table) -> Table:
     """[output], for a part of the scenes."""
     table: Table = {}
-    for name in ("spectra", "pressure_distribution", "width_distributions"):
+    for name in ("spectra", "pressure_distribution"):
         if rng.random() < 0.12:
             table[name] = True
     if rng.random() < 0.12 and "targets" in loading and loading.get("initial") is None:

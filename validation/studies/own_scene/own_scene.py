@@ -10,14 +10,13 @@ DIR gets study.json (findings.py) and study.html (validation/report/study_page.p
 
 import json
 import math
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from bem.scene.result_file import digest
-from bem.scene.scene import SceneError, load_scene, parse_scene
+from bem.scene.scene import SceneError, load_scene, parse_scene, read_tables
 from validation.harness.execution import Listener, Note
 from validation.harness.executors import local_processes
 from validation.harness.provenance import provenance
@@ -57,7 +56,7 @@ def run(path: Path, folder: Path, options: Options, report: Listener) -> int:
         (folder / PAGE).unlink(missing_ok=True)
         _write(folder, {"scene": resolved, "status": "interrupted"})
     facts = provenance()
-    tables = tomllib.loads(path.read_text("utf-8"))
+    tables = read_tables(path)
     settings = settings_of(scene, tables, (path.parent, folder / PARTS), options.seeds, options.quick)
     answered = _answered(settings, Desk(path.parent, options, store_in(folder, report), report))
     head = {"scene": resolved, "command": f"linecontact study scene {path.name} --out {folder.name}{_words(options)}"}

@@ -176,15 +176,6 @@ def _distribution() -> Digits:
     return error, ROUNDING, "Westergaard 1939, share of the period above a pressure, and the highest pressure"
 
 
-def _widths() -> Digits:
-    width = float(_fields(width_distributions=True)["patch_width_0"][0])
-    return (
-        abs(width / (DRY.angle(DEPTH) * 2 / np.pi * DRY.wavelength) - 1),
-        ROUNDING,
-        "Westergaard 1939, width of the contact",
-    )
-
-
 def _estimate() -> Digits:
     state = _solved(JOHNSON).targets[-1]
     estimated = state.error_estimate.contact_fraction or math.nan
@@ -204,6 +195,5 @@ DIGITS: dict[str, Callable[[], Digits]] = {
     "shapes": _shapes,
     "spectra": _spectra,
     "pressure distribution": _distribution,
-    "width distributions": _widths,
     "error estimate": _estimate,
 }

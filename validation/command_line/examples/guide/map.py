@@ -24,8 +24,8 @@ def tension(hurst: float, theta: float) -> float:
     targets = [RMS_HEIGHT / 2, face.max_height + 6 * RMS_HEIGHT]
     loading = {"control": "separation", "targets": targets}
     adhesion = bem.Adhesion(work_of_adhesion=theta * energy)
-    pull_off = bem.solve(solid=RUBBER, profile=face, adhesion=adhesion, loading=loading).pull_off()
-    return math.nan if pull_off is None else pull_off.tension
+    largest = bem.solve(solid=RUBBER, profile=face, adhesion=adhesion, loading=loading).largest_tension
+    return math.nan if largest is None else -largest.mean_pressure
 
 
 def draw(values: list[list[float]], path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Windows: many patches, cut into few that leap alone in the far field of all others.
+"""Windows: many patches, cut into few that are followed alone in the far field of all others.
 
 An event moves edges four patches away by 7e-5 of their edge scale (median of 186 jumps; of one in a hundred more than
 8e-4).  A window is a core of some 24 patches and a buffer of two to five on either side, its ends in the widest of the

@@ -95,12 +95,12 @@ def _runs(process):
 
 @pytest.mark.usefixtures("_at_once")
 def test_windows_in_two_processes_are_those_of_one():
-    alone, seen = solve(banded_scene([4e-6, 3e-6])), set()
+    alone, seen = solve(banded_scene([2.5e-6, 2.4e-6])), set()
 
     def look(progress):
         seen.update(child.pid for child in multiprocessing.active_children())
 
-    together = solve(banded_scene([4e-6, 3e-6]), progress=look, jobs=2)
+    together = solve(banded_scene([2.5e-6, 2.4e-6]), progress=look, jobs=2)
     assert len(seen) == 2 and not multiprocessing.active_children()
     assert together.status == "converged"
     assert together.events == alone.events
