@@ -18,11 +18,11 @@ from validation.paper.double_gaussian_fit import Sample
 from validation.paper.ensemble import read_member
 from validation.paper.evidence import Evidence, Realisation, jackknife, joined, mean_and_error
 from validation.paper.members import LOADS, PAPER, Size
+from validation.paper.paper_sketch import sketch_scene
 from validation.paper.pressure import decay_power, density
 from validation.paper.spectra import banded, exponent, exponent_of, exponent_of_mean
 from validation.paper.statements import Check, Statement, headline
 from validation.references.paper_problem import MODULUS
-from validation.references.paper_sketch import sketch_scene
 from validation.report.figures import table_of, write_figure
 
 TINY = Size(seeds=2, harmonics=16, fewer_harmonics=12, hurst_seeds=2)

@@ -10,8 +10,8 @@ Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.
 import numpy as np
 
 from validation.paper.evidence import Evidence, mean_over_period
+from validation.paper.paper_sketch import POISSON_RATIO, mean_displacement, sketches
 from validation.paper.statements import Check, Statement, Topic
-from validation.references.paper_sketch import POISSON_RATIO, mean_displacement, sketches
 
 SPREADING = (1 - POISSON_RATIO) ** 2 / (1 - 2 * POISSON_RATIO)
 
