@@ -70,7 +70,7 @@ ORDER = (
     "validation/studies/own_scene",
     "validation/studies/faults",
     "validation/fits",
-    "validation/replicate",
+    "validation/paper",
     "validation",
     "validation/command_line",
     "validation/command_line/examples/guide",
@@ -81,7 +81,7 @@ APART = {  # besides the order: folders that these do not import from either
     "bem/nonadhesive": ("bem/adhesive", "bem/continuation"),
     "bem/scene": ("bem/continuation", "bem/nonadhesive"),
     "validation/studies": ("validation/cases",),
-    "validation/replicate": ("validation/cases",),
+    "validation/paper": ("validation/cases",),
 }
 ONE_PATH = ("bem/solver.py", "bem/record.py")  # ask a path only what bem/loading/loading_path.py says
 

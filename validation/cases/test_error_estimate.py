@@ -30,7 +30,6 @@ class Number:
     """Reported number: true and estimated error over the largest value of its quantity in the scene."""
 
     quantity: str
-    leaps: bool
     true: float
     estimate: float
 
@@ -91,7 +90,7 @@ def numbers(scene, wave, states):
     scale = {name: max(abs(values[name]) for values in known) for name in known[0]}
     zero = ("adhesion_energy", "stress_intensity_max") if scene.adhesion is None else ()
     return [
-        Number(name, scene.leaps, abs(getattr(state, name) - values[name]) / scale[name], estimate / scale[name])
+        Number(name, abs(getattr(state, name) - values[name]) / scale[name], estimate / scale[name])
         for state, values in zip(states, known, strict=True)
         for name, estimate in asdict(state.error_estimate).items()
         if estimate is not None and scale[name] != 0 and name not in zero
@@ -126,8 +125,7 @@ def test_estimates_bound_true_errors(rows, solved):
         rows.compare(f"share of bounded errors: {name.replace('_', ' ')}", np.mean([n.bounded for n in several]), 1.0,
                      of=Code.BEM, by=Code.EXACT, quantity=Quantity.COUNT, uncertainty=0.0, required=0.05,
                      because="estimates claim 95 %", source=f"{len(several)} numbers")  # fmt: skip
-    # the estimate of a path by leaps also covers another branch, and is not asked to be close
-    close = np.mean([number.ratio <= ORDERS for number in every if not number.leaps])
+    close = np.mean([number.ratio <= ORDERS for number in every])
     rows.compare("share of estimates at most a hundred times the true error", close, 1.0, of=Code.BEM, by=Code.EXACT,
                  quantity=Quantity.COUNT, uncertainty=0.0, required=0.05, because="estimates claim 95 %")  # fmt: skip
     assert max(number.true / number.estimate for number in every) <= 4  # no true error is far above its estimate

@@ -199,8 +199,8 @@ def test_many_bad_lines_are_counted(tmp_path):
     assert [refusal.problem for refusal in caught.value.refusals][-1] == "and 7 more lines like that"
 
 
-def test_a_million_points_are_read_at_once(tmp_path):
-    count = 1_000_000
+def test_many_points_are_read_at_once(tmp_path):
+    count = 300_000
     scan = scan_of(tmp_path, "\n".join(f"{k / 4},{k % 1000 / 8}" for k in range(count)), **UNITS)
     assert scan.h.size == count
     assert (scan.x[-1], scan.h[-1]) == pytest.approx(((count - 1) / 4e3, 999 / 8e6), rel=1e-12)
