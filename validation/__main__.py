@@ -24,7 +24,6 @@ from bem.scene.result_file import RESULT_FILE, CorruptResultError, installed_ver
 from bem.scene.scene import SceneError
 from validation.challenge import judge as challenge
 from validation.harness.execution import Note
-from validation.harness.executors import ExecutorError
 from validation.plugin import verify
 from validation.plugin.content import SCHEMA
 from validation.report.pages import PAGE, ReportError
@@ -48,7 +47,7 @@ class UsageError(ValueError):
     """A command that cannot be carried out as it was written."""
 
 
-REFUSED = (ExecutorError, ReportError, CorruptResultError, SceneError, FolderError, UsageError)
+REFUSED = (ReportError, CorruptResultError, SceneError, FolderError, UsageError)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -2,32 +2,10 @@
 
 import multiprocessing
 import os
-import pickle
 import warnings
-from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 
 import pytest
-
-from validation.harness.executors import Workers
-
-
-class Here(Executor):
-    """Runs what is submitted at once; it and its answer are pickled, and every exception is handed back, as there."""
-
-    def submit(self, fn, /, *args, **kwargs):
-        future = Future()
-        try:
-            function, given, named = pickle.loads(pickle.dumps((fn, args, kwargs)))
-            future.set_result(pickle.loads(pickle.dumps(function(*given, **named))))
-        except BaseException as error:
-            future.set_exception(error)
-        return future
-
-
-@contextmanager
-def here(_):
-    yield Workers(Here(), lambda: 1)
 
 
 @contextmanager

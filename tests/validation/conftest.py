@@ -1,9 +1,9 @@
 """What tests of studies share."""
 
 import pytest
-from in_this_process import Here, forking
+from in_this_process import forking
 
-from validation.harness import executors, store
+from validation.harness import store
 from validation.harness.execution import Ended
 
 
@@ -19,12 +19,6 @@ def here(monkeypatch):
                 yield Ended(item, error, 0.1)
 
     monkeypatch.setattr(store, "run_in_processes", in_this_process)
-
-
-@pytest.fixture
-def in_this_process(monkeypatch):
-    """Work for processes of this machine is done in this one."""
-    monkeypatch.setattr(executors, "ProcessPoolExecutor", lambda workers, **options: Here())
 
 
 @pytest.fixture

@@ -124,7 +124,8 @@ def crests_and_gaps() -> Iterator[Hard]:
                wave("separation", fractions, WAVE_WORK), checks=("wave", "tension"),
                reached={"largest": 0.9999})  # fmt: skip
     yield Hard("rough contact fraction to 0.9999", "the load ends tensile on the last gap of a rough profile",
-               sticky(8, "separation", [6e-5, 1e-11]), checks=("last gap", "tension"), reached={"largest": 0.9999})  # fmt: skip
+               sticky(8, "separation", [6e-5, 1e-11]), checks=("last gap", "tension"),
+               reached={"largest": 0.9999})  # fmt: skip
     yield Hard("rough from 1e-5 to 0.998, dry", "from one crest that hardly touches to the last gap",
                scene(rough(20), "mean_pressure", [3e-4, 1e2, 1.2085e5]),
                reached={"least": 1e-5, "largest": 0.998})  # fmt: skip

@@ -1,12 +1,7 @@
-"""One interface to all that can run work elsewhere: a `concurrent.futures.Executor`, opened by a short text.
+"""Worker processes of this machine: started afresh (spawn), one BLAS thread each, ended with their parent.
 
-`local`               processes of this machine, started afresh (spawn), one BLAS thread each, ended with their parent
-`dask://host:port`    the workers of a dask scheduler, by `Client.get_executor` of `distributed` (extra `cluster`)
-
-Work is a function importable by name with arguments that can be pickled.  A dask worker that dies has its work done
-again by another one, at most as often as the scheduler allows; a scheduler that dies is a ConnectionError; the work of
-a local one ends with BrokenProcessPool, and nobody else's does.  (pebble, whose pools have time limits, was tried: work
-that ends its process with exit code 0 is never reported there.)
+Work is a function importable by name with arguments that can be pickled.  The work of a process that dies ends with
+BrokenProcessPool, and nobody else's does.
 """
 
 import multiprocessing
@@ -17,7 +12,6 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
-from importlib import import_module
 from multiprocessing.process import BaseProcess
 from typing import Any, TypeVar
 
@@ -26,15 +20,9 @@ from threadpoolctl import threadpool_limits
 from bem.loading.workers import obey_parent
 
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-LOCAL, DASK = "local", "dask://"
-PATIENCE = 30.0  # s for a scheduler to answer and to have a worker
 
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
-
-
-class ExecutorError(ValueError):
-    """An executor that is unknown, not installed or out of reach."""
 
 
 @dataclass(frozen=True)
@@ -47,28 +35,6 @@ class Workers:
 
 
 Opener = Callable[[int], AbstractContextManager[Workers]]
-
-
-def opener_of(spec: str) -> Opener:
-    """The function that opens the executor of this text, given the number of local processes.
-
-    ExecutorError where it is neither `local` nor `dask://host:port`.
-
-    Examples
-    --------
-    >>> opener_of("local") is local_processes
-    True
-    >>> opener_of("slurm")
-    Traceback (most recent call last):
-    ...
-    validation.harness.executors.ExecutorError: --executor 'slurm': neither 'local' nor 'dask://host:port'
-    """
-    if spec == LOCAL:
-        return local_processes
-    host, _, port = spec.removeprefix(DASK).rpartition(":")
-    if spec.startswith(DASK) and host and port.isdecimal():
-        return partial(_dask_workers, f"tcp://{host}:{port}")
-    raise ExecutorError(f"--executor {spec!r}: neither {LOCAL!r} nor '{DASK}host:port'")
 
 
 @contextmanager
@@ -140,31 +106,6 @@ class Processes(Executor):
             del self._process[slot]
         else:
             self._idle.append(slot)
-
-
-@contextmanager
-def _dask_workers(address: str, _: int) -> Iterator[Workers]:
-    """The workers of a scheduler, which stay when the connection is closed; work not finished is cancelled."""
-    try:
-        distributed = import_module("distributed")
-    except ImportError as error:
-        raise ExecutorError(f"{address}: needs the extra 'cluster' (pip install linecontact[cluster])") from error
-    try:
-        client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
-    except (OSError, TimeoutError) as error:
-        raise ExecutorError(f"{address}: no dask scheduler answers ({error})") from error
-    with client:
-        try:
-            client.wait_for_workers(1, timeout=PATIENCE)
-        except TimeoutError as error:
-            raise ExecutorError(f"{address}: the scheduler has no workers") from error
-        executor = client.get_executor(pure=False)
-        try:
-            yield Workers(executor, lambda: max(1, sum(client.ncores().values())))
-        except import_module("distributed.comm").CommClosedError as error:
-            raise ConnectionError(f"{address}: the scheduler is gone; what was finished is kept") from error
-        finally:
-            executor.shutdown(wait=False)
 
 
 def on_one_thread(function: Callable[[Item], Answer], item: Item) -> Answer:
