@@ -144,22 +144,27 @@ def elastic_states(rows, posed, surface, states):
     kernel = None
     if posed.layer is not None:
         kernel = LayerKernel.of(q0 * posed.layer.thickness, posed.solid.poisson_ratio)
-    loads, closures = [], []
+    loads, rounding, closures = [], [], []
     for state in states:
         left, right = angles(state)
         nodes = dense_nodes(surface, left, right)
         if kernel is not None:
             nodes = np.maximum(nodes, layer_nodes(left, right, q0 * posed.layer.thickness))
         dense = evaluate_dense(scaled, left, right, state.penetration, nodes, kernel)
-        loads.append(dense.load / (2 * np.pi) * modulus * q0 / 2)
+        unit = modulus * q0 / 2 / (2 * np.pi)
+        loads.append(dense.load * unit)
+        # heights and places of edges are rounded
+        moved = abs(dense.load_rate) * surface.highest + 2 * np.pi * np.abs(dense.load_jacobian).sum()
+        rounding.append(ROUNDINGS * EPS * moved * unit)
         if work is not None:
             slope = surface.height(np.concatenate([left, right]) / q0, 1) if work.slope_term else 0.0
             needed = work.work_of_adhesion * np.sqrt(1 + slope**2)
             closures.append((dense.stress_intensity * modulus * np.sqrt(q0) / 2) ** 2 / (2 * modulus * needed) - 1)
     scale = np.maximum(np.abs(loads), pressure_unit(posed, surface))
-    theirs = [rounded_pressure(surface, state) for state in states] + 2e-10 * scale
+    own = np.array([state.error_estimate.mean_pressure or 0.0 for state in states])
+    theirs = rounding + 2e-10 * scale
     rows.compare("mean pressure at the stored edges", [state.mean_pressure for state in states], loads, of=Code.BEM,
-                 by=Code.DENSE, quantity=Quantity.PRESSURE, unit="Pa", uncertainty=(0.0 * scale, theirs),
+                 by=Code.DENSE, quantity=Quantity.PRESSURE, unit="Pa", uncertainty=(own, theirs),
                  source="elastic state at given edges and penetration")  # fmt: skip
     if closures:
         rows.compare("G / w at every edge", 1 + np.concatenate(closures), 1.0, of=Code.BEM, by=Code.DENSE,
