@@ -15,7 +15,7 @@ scenes with fewer realisations and harmonics: it shows that everything runs, and
 from dataclasses import dataclass
 
 from bem.geometry.profile import Profile
-from validation.harness.ensemble import Member
+from validation.paper.ensemble import Member
 from validation.references.paper_problem import (
     HURST,
     MODULUS,
