@@ -146,8 +146,8 @@ def _in_metres(
 ) -> RawScan:
     """Return positions and heights in m, in the units that the source states or the scene gives."""
     if line.x is None and "spacing" not in values:
-        found = "is missing: the file has heights alone, without positions or lengths"
-        raise refused("spacing", found, "spacing = the distance of two samples, in unit_x")
+        problem = "is missing: the file has heights alone, without positions or lengths"
+        raise refused("spacing", problem, "spacing = the distance of two samples, in unit_x")
     units = resolved_units(values, stated, source)
     metres = METRES[units["x"]]
     x = line.x * metres if line.x is not None else values["spacing"] * metres * np.arange(line.h.size)
