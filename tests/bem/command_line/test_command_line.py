@@ -48,7 +48,7 @@ class FakeSolver:
         if resume is not None:
             record.entries = list(entries_of(resume, record.begun))
         targets, x = scene.loading.targets, np.linspace(0, 0.01, 5)
-        shape = {"x_0": x, "displacement_0": x, "gap_0": x, "pressure_0": x, "patch_0": np.zeros(5)}
+        shape = {"x_0": x, "displacement_0": x, "gap_0": x, "pressure_0": x, "patch_0": np.zeros(5, dtype=int)}
         status = "converged"
         for index in range(len(record.entries), len(targets)):
             if index == self.stop_at:
