@@ -1,10 +1,7 @@
-"""The path that a scene calls for: convex without adhesion, else event by event, with a flaw where the scene has one.
+"""Path that a scene calls for: convex without adhesion, else event by event, with a flaw where the scene has one.
 
-Where few digits are asked for, a path with adhesion goes by leaps; under a given load it does not, as the contact may
-come apart or together at once in a leap that is too long.
-
-A flaw that the pressure shuts where it would open is a mistake of the scene.  The modules of the other path are not
-imported.
+Where few digits are asked for, many patches on a half-space are followed in windows.  A flaw that the pressure shuts
+where it would open is a mistake of the scene.  The modules of the other paths are not imported.
 """
 
 from __future__ import annotations
@@ -14,15 +11,14 @@ from typing import TYPE_CHECKING, Any
 from bem.loading.complete_contact import CompleteContact, complete_contact
 from bem.loading.crew import Crew
 from bem.loading.loading_path import LoadingPath
-from bem.problem import Problem, increments_of, pose
+from bem.problem import FEW_DIGITS, Problem, increments_of, pose
 from bem.scene.scene import Scene
 from bem.scene.scene_rules import Mistake, SceneError
 
 if TYPE_CHECKING:
     from bem.continuation.points_with_edges import Equilibrium, Point
-    from bem.leaps.leaping_path import AnyPoint
-    from bem.leaps.spread import Spread
     from bem.nonadhesive.convex_path import ContactPoint, ConvexPoint
+    from bem.windows.windowed_path import AnyPoint
 
 
 def check_path(scene: Scene) -> None:
@@ -71,11 +67,13 @@ def path_for(
     asked = tuple(problem.load_of(pressure) for pressure in pressures)
     exact = Path(system, increments, highest, complete, flaw, asked)
     adhesive: LoadingPath[Point, Equilibrium] = exact
-    if scene.leaps:
-        from bem.leaps.leaping_path import LeapingPath
+    if (
+        scene.accuracy.tolerance >= FEW_DIGITS
+        and problem.elastic.compliance is None
+        and not problem.control.load_weight
+    ):
+        from bem.windows.windowed_path import WindowedPath
 
-        leaping: LoadingPath[AnyPoint, Equilibrium | Spread] = LeapingPath(
-            exact, scene.accuracy.tolerance, crew or Crew()
-        )
-        return leaping
+        windowed: LoadingPath[AnyPoint, Equilibrium] = WindowedPath(exact, crew or Crew())
+        return windowed
     return adhesive

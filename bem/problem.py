@@ -25,6 +25,9 @@ from bem.scene.scene import Scene
 
 INCREMENTS_PER_LARGEST = 25  # the smallest increment, at which events are resolved, is this part of the largest
 FINEST = 1e-14  # derived: tolerance of an evaluation
+FEW_DIGITS = 1e-4  # accuracy.tolerance of an adhesive path that stores few states
+STATES_APART = 20.0  # format: times the largest increment between them: a state takes as long as ten steps
+COARSEST_WAY = 1e-4  # tolerance of evaluations on the way to targets, at most
 COARSEST_EVENT = 0.002  # of the rms height (or its equal in load): events are never resolved coarser
 
 
@@ -120,11 +123,17 @@ def increments_of(scene: Scene, problem: Problem) -> Increments:
     tolerance = scene.accuracy.tolerance
     coarse = max(min(COARSE.tolerance, 0.1 * _critical_intensity(problem)), FINEST)
     fine = max(min(1e-8, 1e-2 * tolerance, coarse), FINEST)
-    allowed = 0.5 * max(1e-10, 1e-3 * tolerance)  # half of what the certificate allows
+    exactly = problem.law is None or problem.surface.repeats  # among equal parts a small error decides which one moves
+    way = fine if exactly else max(min(COARSEST_WAY, 1e-2 * tolerance, coarse), fine)
+    few = problem.law is not None and tolerance >= FEW_DIGITS
+    sharp = tolerance if problem.law is None else min(tolerance, 1e-6)  # a gap that is closed decides the branch
+    allowed = 0.5 * max(1e-10, 1e-3 * sharp)  # half of what the certificate allows
     return Increments(
         largest=largest,
+        apart=largest * (STATES_APART if few else 1.0),
         smallest=min(largest / INCREMENTS_PER_LARGEST, COARSEST_EVENT * unit, _jump_distance(problem) * unit),
         coarse=Accuracy(coarse, COARSE.residual, allowed),
+        way=Accuracy(way, max(1e-1 * way, 1e-12), max(allowed, 0.5e-3 * way)),
         fine=Accuracy(fine, max(1e-1 * fine, 1e-12), allowed),
         deepest=scene.accuracy.max_increment,
     )

@@ -91,7 +91,7 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
 
 
 def _check(options: argparse.Namespace) -> int:
-    """Print what a scene amounts to."""
+    """Print the resolved scene, its groups, effects and memory."""
     scene = load_scene(options.scene)
     refuse_beyond_memory(scene)
     check_path(scene)
@@ -140,7 +140,7 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _run_alone(scene: Scene, options: argparse.Namespace, new: bool) -> int:
-    """Solve a scene into a folder that is ours alone; `new` says whether it was made for this."""
+    """Solve a scene into a locked folder; `new` says whether the folder was made for this run."""
     cautions = cautions_of(scene, groups_of(scene))
     if not options.quiet:
         _warn(cautions)
@@ -168,7 +168,7 @@ def _warn(cautions: Iterable[Caution]) -> None:
 
 
 def _keep_start(scene: Scene, options: argparse.Namespace) -> None:
-    """Refuse to overwrite the result the path starts from."""
+    """Raise SceneError if --overwrite would replace the result that the path starts from."""
     initial = scene.loading.initial
     if not isinstance(initial, StoredStart) or not options.overwrite:
         return
@@ -177,7 +177,7 @@ def _keep_start(scene: Scene, options: argparse.Namespace) -> None:
 
 
 def _solved(scene: Scene, stored: Result | None, options: argparse.Namespace) -> Result:
-    """Solve, keeping what converges as it does, and write the result."""
+    """Solve a scene, write every state as it converges, and write the result."""
     checkpoint = Checkpoint(options.out)
     report = reporter(sys.stderr, options.quiet, scene.loading.targets)
     try:
@@ -190,7 +190,7 @@ def _solved(scene: Scene, stored: Result | None, options: argparse.Namespace) ->
 
 
 def _draw(result: Result, folder: Path) -> None:
-    """Mean pressure against contact fraction and separation, and the stored shapes, as PNG."""
+    """Draw the mean pressure against contact fraction and separation, and the stored shapes, as PNG."""
     plots = import_module("bem.scene.plots")
     for quantity in CURVES:
         plots.curves(result.states, [quantity]).savefig(folder / f"{quantity}.png", dpi=150)

@@ -257,10 +257,10 @@ class _Run:
         return point
 
     def _spacing(self, goal: float) -> float:
-        """Least change of the control between stored states on the way to a goal: the largest increment, or more."""
+        """Return the least change of the control between states stored on the way to a goal."""
         joined = self.problem.control.value(self.problem.profile.max_height, self.complete.least_load)
         start, stop = (min(max(value, -joined), joined) for value in (self.point.value, goal))
-        return max(self.path.increments.largest, abs(stop - start) / MOST_BETWEEN)
+        return max(self.path.increments.apart, abs(stop - start) / MOST_BETWEEN)
 
     def _is_far(self, point: AnyPoint, spacing: float) -> bool:
         """Whether a point between targets is far enough from the last state stored to be stored as well."""

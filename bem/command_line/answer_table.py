@@ -47,7 +47,7 @@ Inputs = Mapping[int, Mapping[str, float]]  # relative uncertainty of the input,
 
 
 def axis_unit(largest: float, unit: str) -> tuple[float, str]:
-    """Factor and unit with a prefix with which the largest of some numbers lies between 1 and 1000.
+    """Return the factor and the unit with a prefix that bring the largest of some numbers between 1 and 1000.
 
     Examples
     --------
@@ -59,7 +59,7 @@ def axis_unit(largest: float, unit: str) -> tuple[float, str]:
 
 
 def digits(relative: float) -> int:
-    """Digits that a relative uncertainty leaves, two to four.
+    """Return the number of digits that a relative uncertainty leaves, two to four.
 
     Examples
     --------
@@ -70,7 +70,7 @@ def digits(relative: float) -> int:
 
 
 def readable(value: float, unit: str, figures: int) -> str:
-    """A number with so many digits and a prefix before its unit.
+    """Return a number with `figures` digits and a prefix before its unit.
 
     Examples
     --------
@@ -87,7 +87,7 @@ def readable(value: float, unit: str, figures: int) -> str:
 
 
 def quantity(value: float, unit: str) -> str:
-    """A number that is given, with the digits that it has and a prefix before its unit.
+    """Return a given number with all its digits, up to six, and a prefix before its unit.
 
     Examples
     --------
@@ -99,7 +99,7 @@ def quantity(value: float, unit: str) -> str:
 
 
 def _fixed(value: float, figures: int) -> str:
-    """A number with so many digits, without an exponent where it is of common size."""
+    """Return a number with `figures` digits, without an exponent from 1e-4 to 1e6."""
     if value == 0:
         return "0"
     scientific = f"{value:.{figures - 1}e}"
@@ -108,7 +108,7 @@ def _fixed(value: float, figures: int) -> str:
 
 
 def share(relative: float) -> str:
-    """A relative uncertainty in per cent.
+    """Return a relative uncertainty in per cent.
 
     Examples
     --------
@@ -220,7 +220,7 @@ def stays_complete(result: Result) -> bool:
 
 
 def csv_text(result: Result) -> str:
-    """The answer as comma-separated values in SI units, which the headings name; empty where nothing is known."""
+    """Return the answer as comma-separated values in SI units, named in the headings; unknown values are empty."""
     columns = result.to_table("targets")
     units = {name: UNITS.get(name.removeprefix("error_estimate_"), "") for name in columns}
     lines = [",".join(f"{name} / {unit}" if unit else name for name, unit in units.items())]
@@ -230,12 +230,12 @@ def csv_text(result: Result) -> str:
 
 
 def _plain(value: float) -> str:
-    """A number with all its digits; nothing where there is none."""
+    """Return a number with all its digits, an unknown one as an empty text."""
     return "" if math.isnan(value) else f"{value:.17g}"
 
 
 def table_text(result: Result, inputs: Inputs | None = None) -> str:
-    """The answer for a terminal: a line for each quantity, a column for each target."""
+    """Return the answer for a terminal: a line for each quantity, a column for each target."""
     heads, rows = answer(result, inputs)
     listed = [heads, *([text for text, _ in row] for row in rows)]
     columns = [_padded(column, k) for k, column in enumerate(listed)]
@@ -244,6 +244,6 @@ def table_text(result: Result, inputs: Inputs | None = None) -> str:
 
 
 def _padded(column: Sequence[str], place: int) -> list[str]:
-    """Texts of equal width, headings to the left."""
+    """Return the texts padded to equal width, headings to the left."""
     width = max(map(len, column))
     return [f"{text:<{width}}" if place == 0 else f"{text:>{width}}" for text in column]

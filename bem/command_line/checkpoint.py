@@ -1,4 +1,4 @@
-"""What a run keeps on disk as it goes, and the stored result that a run resumes.
+"""Files of a run in progress, and the stored result that a run resumes.
 
 Every state is appended to the journal of the folder when it is found (result_file.py), so that no end of the process
 loses it.  For whoever watches, result.json is written without fields now and then, and takes little of the time: the
@@ -37,17 +37,17 @@ PAUSE = 10.0  # format: times the duration of a write of result.json until the n
 
 
 class OutputFolderError(ValueError):
-    """An output folder that cannot be used; nothing was written."""
+    """Output folder that cannot be used; nothing was written."""
 
 
 def usable(folder: Path) -> None:
-    """Refuse what exists and is not a folder, by an OutputFolderError."""
+    """Raise OutputFolderError if the path exists and is not a folder."""
     if folder.exists() and not folder.is_dir():
         raise OutputFolderError(f"{folder}: exists and is not a folder; choose another one")
 
 
 def stored_result(scene: Scene, folder: Path, resume: bool, overwrite: bool) -> Result | None:
-    """The result of an existing folder to continue from, None to begin; nothing is written.
+    """Return the stored result to continue from, None to begin a new one; nothing is written.
 
     OutputFolderError where neither resume nor overwrite is asked for; its result is corrupt or that of another scene.
     """
@@ -90,7 +90,7 @@ class Kept(Protocol):
 
 
 class Checkpoint:
-    """Keeps the states of a run in a folder as they are found; the clock counts seconds."""
+    """Writer of the states of a run into a folder as they are found; `clock` returns seconds."""
 
     def __init__(self, folder: Path, clock: Callable[[], float] = time.monotonic) -> None:
         self.journal, self.clock = Journal(folder), clock
@@ -129,7 +129,7 @@ def remove_answers(folder: Path) -> None:
 
 @contextmanager
 def interruptible() -> Iterator[None]:
-    """Within this context SIGTERM interrupts like Ctrl-C, with KeyboardInterrupt."""
+    """Raise KeyboardInterrupt on SIGTERM, as on Ctrl-C, within this context."""
 
     def interrupt(number: int, frame: FrameType | None) -> None:
         raise KeyboardInterrupt
@@ -143,7 +143,7 @@ def interruptible() -> Iterator[None]:
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
-    """Within this context neither Ctrl-C nor SIGTERM is heard: for a final write."""
+    """Ignore Ctrl-C and SIGTERM within this context, for a final write."""
     before = {number: signal.signal(number, signal.SIG_IGN) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         yield

@@ -1,4 +1,4 @@
-"""What a run says on the terminal: progress on stderr, the resolved scene, the effects and the summary.
+"""Texts of the terminal: progress on stderr, the resolved scene, the effects and the summary.
 
 Progress is a bar over the targets on a terminal, else plain lines: every `LINE_SECONDS`, and when a new target is
 approached, unless the last line is younger than `TARGET_SECONDS`.  The time left is what the way to the last target
@@ -31,7 +31,7 @@ LEAST_DONE = 0.02  # format: of the way, before which the pace says little
 
 
 def positive(text: str) -> int:
-    """An argument that is a whole number > 0."""
+    """Return the whole number > 0 of an argument."""
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"{text!r}: an integer >= 1 is needed")
     return int(text)
@@ -48,17 +48,17 @@ def usable_streams() -> None:
 
 
 class Reporter(Protocol):
-    """Takes progress reports; closed at the end."""
+    """Receiver of progress reports; closed at the end."""
 
     def __call__(self, report: Progress) -> None:
-        """Show a report, or not, if the last one was just shown."""
+        """Show a report, unless another one was shown just before."""
 
     def close(self) -> None:
         """Leave the terminal as it was found."""
 
 
 def described(report: Progress) -> str:
-    """The state of a run in a few words.
+    """Return the state of a run in a few words.
 
     Examples
     --------
@@ -106,17 +106,17 @@ class TimeLeft:
 
 
 class SilentReporter:
-    """Says nothing."""
+    """Reporter that prints nothing."""
 
     def __call__(self, report: Progress) -> None:
         """Ignore the report."""
 
     def close(self) -> None:
-        """Nothing to close."""
+        """Do nothing."""
 
 
 class LineReporter:
-    """Lines at new targets and every `LINE_SECONDS`, not more often than every `TARGET_SECONDS`."""
+    """Reporter of a line at new targets and every `LINE_SECONDS`, at most one every `TARGET_SECONDS`."""
 
     def __init__(
         self, stream: TextIO, clock: Callable[[], float] = time.monotonic, left: TimeLeft | None = None
@@ -136,11 +136,11 @@ class LineReporter:
         print(text, file=self.stream, flush=True)
 
     def close(self) -> None:
-        """Nothing to close."""
+        """Do nothing."""
 
 
 class BarReporter:
-    """A bar over the targets, for a terminal."""
+    """Reporter of a bar over the targets, for a terminal."""
 
     def __init__(self, stream: TextIO, left: TimeLeft | None = None) -> None:
         from tqdm import tqdm
@@ -173,7 +173,7 @@ def reporter(stream: TextIO, quiet: bool, targets: Sequence[float] = ()) -> Repo
 
 
 def summary(result: Result, folder: str, targets: int) -> dict[str, Any]:
-    """What a run came to, as plain values; `targets` is the number of those in the scene."""
+    """Return the summary of a run as plain values; `targets` is the number of targets of the scene."""
     found = [state for state in result.states if state.found]
     last = found[-1] if found else None
     return {
@@ -198,7 +198,7 @@ def summary(result: Result, folder: str, targets: int) -> dict[str, Any]:
 
 
 def summary_line(facts: Mapping[str, Any]) -> str:
-    """The summary on one line."""
+    """Return the summary on one line."""
     end = ""
     if facts["contact_fraction"] is not None:
         pressure = "any pressure" if facts["mean_pressure"] is None else f"{facts['mean_pressure']:.6g} Pa"
@@ -216,7 +216,7 @@ def summary_line(facts: Mapping[str, Any]) -> str:
 
 
 def scene_text(resolved: Mapping[str, Any]) -> str:
-    """A resolved scene as TOML, absent tables as comments.
+    """Return a resolved scene as TOML, absent tables as comments.
 
     Examples
     --------
@@ -238,7 +238,7 @@ def scene_text(resolved: Mapping[str, Any]) -> str:
 
 
 def preparation_text(steps: Iterable[Mapping[str, Any]]) -> str:
-    """What was done to the samples of a scan, a line for each step.
+    """Return the preparation of a scan, a line for each step.
 
     Examples
     --------
@@ -258,7 +258,7 @@ def preparation_text(steps: Iterable[Mapping[str, Any]]) -> str:
 
 
 def groups_text(groups: Mapping[str, float], cautions: Iterable[Caution]) -> str:
-    """The groups of a scene, each with what it means, and what is out of the ordinary."""
+    """Return the groups of a scene with their meanings, and the warnings."""
     said = {name: f"# {name} = {value:.4g}" for name, value in groups.items()}
     width = max(map(len, said.values()), default=0)
     lines = [f"{said[name]:<{width}}  {MEANINGS.get(name, '')}" for name in said]
@@ -287,7 +287,7 @@ def size_text(estimate: MemoryEstimate) -> str:
 
 
 def _toml(value: Any) -> str:
-    """A plain value as TOML."""
+    """Return a plain value as TOML."""
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{key} = {_toml(item)}" for key, item in value.items()) + "}"
     if isinstance(value, list | tuple):

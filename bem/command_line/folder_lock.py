@@ -21,16 +21,16 @@ PATIENCE = 0.2  # format: s; a lock file that its holder just removed is tried a
 
 
 class FolderError(RuntimeError):
-    """A folder that cannot be written to; nothing was changed."""
+    """Folder that cannot be written to; nothing was changed."""
 
 
 class FolderInUseError(FolderError):
-    """Another process writes to the folder."""
+    """Folder that another process writes to."""
 
 
 @contextmanager
 def locked(folder: Path) -> Iterator[bool]:
-    """Within this context no other process writes to the folder, made if need be; yields whether it is new.
+    """Keep other processes from writing to a folder within this context; yield whether the folder is new.
 
     A new folder that stays empty is removed.
 
@@ -77,7 +77,7 @@ def locked(folder: Path) -> Iterator[bool]:
 
 
 def _holder(path: Path) -> str:
-    """Who holds a lock, in the words of its file."""
+    """Return the holder of a lock in the words of its file."""
     try:
         return path.read_text("utf-8").strip() or "another process"
     except FileNotFoundError:  # it has just been given back

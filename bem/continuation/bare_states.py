@@ -131,4 +131,4 @@ class BareStates:
 
     def _relaxed(self, start: Patches, penetration: float, value: float) -> Relaxed:
         """Where the forces lead from edges that touch or open."""
-        return relax(self.system, start, penetration, value, self.jumps.increments.fine)
+        return relax(self.system, start, penetration, value, self.jumps.increments.way)

@@ -44,14 +44,14 @@ class BranchEnds:
 
     def first(self, piece: Piece, way: Way) -> End | Refused | None:
         """The first one on a piece; None where there is none."""
-        fine = self.increments.fine
-        first: LimitPoint | Touch | Refused | None = LimitPoints(self.system, way.direction, fine.tolerance).on(piece)
+        on_way = self.increments.way
+        first: LimitPoint | Touch | Refused | None = LimitPoints(self.system, way.direction, on_way.tolerance).on(piece)
         if isinstance(first, Refused):
             return first
         state, place = (piece.last.balance.state, 1.0) if first is None else (first.at.balance.state, first.place)
-        closed = interpenetration(self.system, state, fine.allowed)
+        closed = interpenetration(self.system, state, on_way.allowed)
         if closed.position.size:
-            first = locate_touch(self.system, piece, (state, place), closed, fine.tolerance)
+            first = locate_touch(self.system, piece, (state, place), closed, on_way.tolerance)
             if isinstance(first, Refused):
                 return first
         beyond = way.beyond(piece.last.value if first is None else first.at.numbers.value)

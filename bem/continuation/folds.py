@@ -37,6 +37,7 @@ from bem.continuation.locating import LOCATED, Condition, Located, Refused, Star
 from bem.geometry.arrays import FloatArray
 
 NO_WORK = 1e-3  # cosine of a mode and of the pull of the control, below which that does no work on it
+NEUTRAL_OFF = 3.0  # of the tolerance: error of an eigenvalue by an evaluation
 NEUTRAL = 1e-2  # eigenvalues of modes that are neutral together
 
 
@@ -65,6 +66,7 @@ class NeutralMode(Condition):
     modes: FloatArray = field(init=False)
     index: int = field(init=False)
     by_edges: FloatArray = field(init=False)
+    off: float = NEUTRAL_OFF
 
     def row(self, here: Balance, value: float) -> Row:
         """The eigenvalue mu and its derivatives by the edges and by the control."""

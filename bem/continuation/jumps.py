@@ -143,7 +143,7 @@ class Jumps:
     def _minimum(self, here: Balance, value: float) -> Located | None:
         """The stable equilibrium in which a jump ended, with its errors; None where there is none."""
         start = Start(here.state.patches, here.state.penetration, value)
-        found = locate(self.system, start, AtControl(value), self.increments.fine.tolerance, known=here)
+        found = locate(self.system, start, AtControl(value), self.increments.way.tolerance, known=here)
         if isinstance(found, Refused) or found.balance.factor is None:
             return None
         moved = outward_motion(here.state.patches, found.patches) / here.state.patches.edge_scale
@@ -153,9 +153,9 @@ class Jumps:
         """Whether edges feel a force along a motion: more than errors leave of one."""
         if not patches.is_ordered:
             return False
-        here = balance(self.system, patches, penetration, value, self.increments.fine.tolerance)
+        here = balance(self.system, patches, penetration, value, self.increments.way.tolerance)
         force = -float(here.gradient @ motion) / float(here.work @ np.abs(motion))
-        return force > SAFETY * self.increments.fine.residual
+        return force > SAFETY * self.increments.way.residual
 
     def _returned(self, start: Patches, relaxed: Relaxed, outward: FloatArray) -> bool:
         """Whether edges that were pushed outward fell back to an equilibrium."""
@@ -200,7 +200,7 @@ class Jumps:
     ) -> Relaxed:
         """Where the forces lead."""
         cause = Cause(unstable, found, before, local_tolerance=self.increments.coarse.tolerance)
-        return relax(self.system, patches, before.penetration, value, self.increments.fine, cause)
+        return relax(self.system, patches, before.penetration, value, self.increments.way, cause)
 
 
 def _failed(relaxed: Relaxed, events: tuple[PathEvent, ...] = ()) -> Failed:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.polynomial import polynomial
 
 from bem.adhesive.equilibrium import System
-from bem.continuation.curve import CurvePoint, Piece, curve_point
+from bem.continuation.curve import SHORT, CurvePoint, Piece, curve_point
 from bem.continuation.locating import LAST, LOCATED, AtControl, AtLoad, Refused, Start, evaluated, settle
 from bem.continuation.opening import FINEST_GAP, Flaw, flaw_of, opening_load, with_gap
 from bem.continuation.points_with_edges import Equilibrium, Stretch
@@ -40,6 +40,8 @@ class Loads:
     complete : CompleteContact
     fine : Accuracy
         Of the states found.
+    on_way : float
+        Tolerance of evaluations on the way.
     asked : tuple of float
         Loads that are asked for on the way.
     """
@@ -47,6 +49,7 @@ class Loads:
     system: System
     complete: CompleteContact
     fine: Accuracy
+    on_way: float
     asked: tuple[float, ...] = ()
 
     def on_stretch(self, stretch: Stretch, load: float) -> Equilibrium | None:
@@ -82,50 +85,70 @@ class Loads:
         return None
 
     def point(self, piece: Piece, s: float) -> CurvePoint | None:
-        """The point of the curve at a parameter of a piece."""
+        """Return the point of the curve at a parameter of a piece, evaluated so near that its tangent is right."""
         if s in (0.0, 1.0):
             return piece.first if s == 0 else piece.last
-        patches, value = piece.at(s)
-        here = evaluated(
-            self.system.sloped, Start(patches, piece.first.numbers.penetration, value), self.fine.tolerance
-        )
-        return None if isinstance(here, Refused) else curve_point(self.system, here, value, piece.normal, 1.0)
+        (patches, value), penetration = piece.at(s), piece.first.numbers.penetration
+        point, last = None, np.inf
+        while point is None or SHORT < point.off < last:
+            last = np.inf if point is None else point.off
+            here = evaluated(self.system.sloped, Start(patches, penetration, value), self.on_way)
+            point = None if isinstance(here, Refused) else curve_point(self.system, here, value, piece.normal, 1.0)
+            if point is None:
+                return None
+            patches, value, penetration = point.patches, point.value, point.numbers.penetration
+        return point
 
     def turns(self, piece: Piece, reach: float) -> Iterator[tuple[float, CurvePoint]]:
         """Where the load turns on a piece up to a parameter, if one that is asked for may lie beyond its ends there.
 
         The cubic that has the loads and their rates at both ends says so; the place is found by the secant of the rate.
         """
-        ends = (piece.first.numbers.load, piece.last.numbers.load)
-        low, high = 0.0, 1.0
-        rate_low, rate_high = (self._rate(piece, point) for point in (piece.first, piece.last))
-        if rate_low * rate_high >= 0 or not self._may_pass(ends, (rate_low, rate_high)):
+        ends, rates = self._ends(piece)
+        if rates[0] * rates[1] >= 0 or not self._may_pass(ends, rates):
             return
-        level = LOCATED * abs(rate_low - rate_high)
+        turn = self._turn(piece, rates, LOCATED)
+        if turn is not None and turn[0] < reach:
+            yield turn
+
+    def least_on(self, piece: Piece, reach: float, below: float, level: float) -> float | None:
+        """Return the parameter up to a limit at which the load is least on a piece, if it may be below a load there."""
+        ends, rates = self._ends(piece)
+        bottom = extremes(ends, rates)[1]
+        if not rates[0] < 0 < rates[1] or min(ends) - 2 * (min(ends) - bottom) >= below:
+            return None
+        turn = self._turn(piece, rates, level)
+        return None if turn is None or turn[0] >= reach else turn[0]
+
+    def _ends(self, piece: Piece) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Return the loads at both ends of a piece, and their rates by its parameter."""
+        first, last = piece.first, piece.last
+        return (first.numbers.load, last.numbers.load), (self._rate(piece, first), self._rate(piece, last))
+
+    def _turn(self, piece: Piece, rates: tuple[float, float], level: float) -> tuple[float, CurvePoint] | None:
+        """Return where the rate of the load vanishes, to a level of its change on the piece: by the Illinois secant."""
+        (low, high), (rate_low, rate_high) = (0.0, 1.0), rates
+        allowed = level * abs(rate_low - rate_high)
         for _ in range(MAXIMUM_ITERATIONS):
             s = low - rate_low * (high - low) / (rate_high - rate_low)
             point = self.point(piece, s)
             if point is None:
-                return
+                return None
             rate = self._rate(piece, point)
-            if abs(rate) <= level:
-                if s < reach:
-                    yield s, point
-                return
-            if rate * rate_low > 0:
-                low, rate_low = s, rate
+            if abs(rate) <= allowed:
+                return s, point
+            if rate * rate_high < 0:
+                low, rate_low = high, rate_high
             else:
-                high, rate_high = s, rate
+                rate_low /= 2
+            high, rate_high = s, rate
+        return None
 
     def _may_pass(self, ends: tuple[float, float], rates: tuple[float, float]) -> bool:
         """Whether a load that is asked for lies beyond both ends, twice as far as the cubic says."""
-        (first, last), (a, b) = ends, rates
-        rise = last - first
-        cubic = np.array([first, a, 3 * rise - 2 * a - b, a + b - 2 * rise])
-        at = polynomial.polyroots(polynomial.polyder(cubic)).real
-        top = polynomial.polyval(np.clip(at, 0.0, 1.0), cubic)
+        top, bottom = extremes(ends, rates)
         highest, lowest = max(ends), min(ends)
-        above, below = 2 * (max(top) - highest), 2 * (lowest - min(top))
+        above, below = 2 * (top - highest), 2 * (lowest - bottom)
         return any(highest <= load <= highest + above or lowest - below <= load <= lowest for load in self.asked)
 
     def _rate(self, piece: Piece, point: CurvePoint) -> float:
@@ -155,3 +178,13 @@ class Loads:
         allowed = max(LOAD_ACCURACY * max(abs(load), 1e-3), DIGITS * float(np.spacing(depth)) * state.load_rate)
         found = settle(system, Start(crack, depth, depth), AtLoad(system, load, allowed), self.fine)
         return None if isinstance(found, Refused) else Equilibrium.of(found[1], found[0], settled=True)
+
+
+def extremes(ends: tuple[float, float], rates: tuple[float, float]) -> tuple[float, float]:
+    """Return the largest and the least value of the cubic with given values and rates at the ends of [0, 1]."""
+    (first, last), (a, b) = ends, rates
+    rise = last - first
+    cubic = np.array([first, a, 3 * rise - 2 * a - b, a + b - 2 * rise])
+    places = np.clip(polynomial.polyroots(polynomial.polyder(cubic)).real, 0.0, 1.0)
+    values = polynomial.polyval(places, cubic)
+    return max(*ends, *values), min(*ends, *values)

@@ -12,7 +12,7 @@ Dimensionless.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 import numpy as np
@@ -23,11 +23,11 @@ from bem.adhesive.equilibrium_assessment import assess_equilibrium
 from bem.adhesive.relaxation import interpenetration
 from bem.continuation.bare_states import BareStates
 from bem.continuation.branch_ends import BranchEnds, End, Goal
-from bem.continuation.curve import LONGEST, CurvePoint, Piece
+from bem.continuation.curve import CurvePoint, Piece
 from bem.continuation.folds import LimitPoint
 from bem.continuation.jumps import Jumps, leading_patch
 from bem.continuation.loads import Loads
-from bem.continuation.locating import LOCATED, AtControl, Condition, InPlane, Refused, Start, settle
+from bem.continuation.locating import LOCATED, AtControl, Condition, InPlane, Located, Refused, Start, settle
 from bem.continuation.opening import Flaw
 from bem.continuation.points_with_edges import Equilibrium, Point, Stretch
 from bem.continuation.steps import (
@@ -41,16 +41,18 @@ from bem.continuation.steps import (
     step_from,
 )
 from bem.continuation.symmetry import alone, other_branch
+from bem.continuation.tension import LeastLoad, behind_jump, turn_of_load
 from bem.continuation.touches import Touch
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.assessment import Assessment
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.increments import MAXIMUM_ITERATIONS, Effort, Increments
-from bem.loading.path_events import PathTension, path_events
+from bem.loading.path_events import EventNumbers, PathTension, path_events
 from bem.loading.points_without_edges import Complete, Failed, Separated
 
-PER_INCREMENT = 3.0  # units per rms height of `accuracy.max_increment`: a step, if that is less than the longest
+LONGEST_STEP = 0.4  # units: the motion of the edges in a step
+PER_INCREMENT = 9.0  # units per rms height of `accuracy.max_increment`: a step, if that is less than the longest
 NATURAL = 1e-7, 1e-6, 1e-5, 1e-4  # of the unit of the control: steps of it where none along the curve is left
 
 
@@ -79,7 +81,12 @@ class Path:
     flaw: Flaw | None = None
     asked_loads: tuple[float, ...] = ()
     has_history: ClassVar[bool] = True
-    largest_tension: ClassVar[PathTension | None] = None  # not located yet
+    least_load: LeastLoad = field(default_factory=LeastLoad)
+
+    @property
+    def largest_tension(self) -> PathTension | None:
+        """Least load met on unloading since this path was made; None before any tension."""
+        return self.least_load.met
 
     @property
     def effort(self) -> Effort:
@@ -94,12 +101,13 @@ class Path:
     @property
     def bare(self) -> BareStates:
         """What leads to and from states without edges."""
-        return BareStates(self.jumps, self.crests, self.flaw)
+        finely = replace(self.increments, way=self.increments.fine)  # a release from complete contact may be tiny
+        return BareStates(Jumps(self.system, finely, self.complete), self.crests, self.flaw)
 
     @property
     def loads(self) -> Loads:
         """What finds loads on the way."""
-        return Loads(self.system, self.complete, self.increments.fine, self.asked_loads)
+        return Loads(self.system, self.complete, self.increments.fine, self.increments.way.tolerance, self.asked_loads)
 
     def direction(self, point: Point, goal: float, separation: float | None = None) -> float:
         """Sign of the motion of the control from a point to a goal; `separation` is the goal again, not needed here."""
@@ -116,6 +124,9 @@ class Path:
         while point.value != goal:
             if not isinstance(point, Equilibrium):
                 start, point = point, self.bare.advance(point, goal)
+                if goal < start.value and point.events and np.isfinite(point.events[0].at.load):
+                    self.least_load.note("jump", point.events[0].at, point.events[0].error)
+                    self._note_behind(point, point.events[0].error)
                 yield point
                 joined = isinstance(start, Separated) and isinstance(point, Complete)
                 if not isinstance(point, Equilibrium) and not joined:
@@ -186,8 +197,8 @@ class Path:
         if control.load_weight:  # a stiff contact hardly moves
             growth_of_control = control.penetration_weight + control.load_weight * point.balance.stiffness
             largest = max(largest, self.increments.deepest * growth_of_control)
-        longest = min(LONGEST, PER_INCREMENT * self.increments.deepest)
-        return Way(direction, end, longest, largest, self.increments.fine.tolerance)
+        longest = min(LONGEST_STEP, PER_INCREMENT * self.increments.deepest)
+        return Way(direction, end, longest, largest, self.increments.way.tolerance)
 
     def _along(self, point: Equilibrium, goal: float) -> Iterator[Point]:
         """Points along the curve of a state, to the goal or to what is behind the first end of the branch."""
@@ -224,6 +235,7 @@ class Path:
             if found is not None:
                 yield from self._ended(piece, found, way, load)
                 return
+            self._note_turn(piece, 1.0, way)
             yield from self._stretches(piece, 1.0, Equilibrium.near(piece.last), load)
             at, length, again = piece.last, min(way.longest, tried * growth(piece)), True
             load = at.numbers.load
@@ -244,17 +256,38 @@ class Path:
 
     def _ended(self, piece: Piece, end: End, way: Way, load: float) -> Iterator[Point]:
         """The end of a branch, to which a piece leads from a load, and what is behind it."""
+        self._note_turn(piece, end.place, way)
         if isinstance(end, Goal):
             yield from self._stretches(piece, end.place, Equilibrium.of(way.end, end.balance, settled=True), load)
             return
         at = end.at
         yield from self._stretches(piece, end.place, Equilibrium.near(at, last=True), load)
         if isinstance(end, Touch):
-            yield self.jumps.from_touch(end)
+            behind = self.jumps.from_touch(end)
         elif end.kind == "fold":
-            yield self.jumps.from_fold(end) or self._by_control(piece.first, way)
+            behind = self.jumps.from_fold(end) or self._by_control(piece.first, way)
         else:
-            yield self._behind_broken_symmetry(piece, end, way)
+            behind = self._behind_broken_symmetry(piece, end, way)
+        if way.direction < 0:
+            self.least_load.note(
+                "fold" if isinstance(end, LimitPoint) and end.kind == "fold" else "jump", at.numbers, at.error
+            )
+            self._note_behind(behind, at.error)
+        yield behind
+
+    def _note_turn(self, piece: Piece, reach: float, way: Way) -> None:
+        """Note the least load on a piece on unloading, if it is less than before."""
+        if way.direction < 0:
+            turn = turn_of_load(self.system, self.loads, piece, reach, self.least_load.load)
+            if isinstance(turn, Located):
+                self.least_load.note("turn", turn.numbers, turn.error)
+
+    def _note_behind(self, behind: Point, error: EventNumbers) -> None:
+        """Note the load behind a jump that begins where the control has an error, if it is less than before."""
+        if isinstance(behind, Equilibrium) and behind.load < self.least_load.load:
+            at = behind_jump(self.system, behind, error, self.increments.way.tolerance)
+            if isinstance(at, Located):
+                self.least_load.note("jump", at.numbers, at.error)
 
     def _behind_broken_symmetry(self, piece: Piece, limit: LimitPoint, way: Way) -> Point:
         """The branch that begins where a symmetry breaks, if it is stable and leads on; else where forces lead.
@@ -286,7 +319,7 @@ class Path:
             found = self._stable(Start(at.patches, at.numbers.penetration, value))
             if isinstance(found, Failed):
                 continue
-            if interpenetration(self.system, found.state, self.increments.fine.allowed).position.size == 0:
+            if interpenetration(self.system, found.state, self.increments.way.allowed).position.size == 0:
                 return found
         self.effort.unlocated += 1
         return self.jumps.unlocated(at.balance, at.value, value)

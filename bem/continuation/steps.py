@@ -23,7 +23,7 @@ from bem.continuation.locating import Refused, Start, evaluated_anywhere, evalua
 from bem.continuation.points_with_edges import Equilibrium
 from bem.geometry.arrays import FloatArray
 
-MISFIT = 0.02  # of the chord, and of the rise of the control: what the two ends of a step may disagree by
+MISFIT = 0.06  # of the chord, and of the rise of the control: what the two ends of a step may disagree by
 GOOD = MISFIT / 2  # units: the Newton step that a prediction should leave
 SHORTER = 3.0  # times: a step that is refused is repeated
 LONGER = SHORTER**0.5  # times the last step: the next, at most

@@ -74,7 +74,11 @@ class GapCloses(Condition):
             for values in (state.intensity_by_probes, state.load_by_probes)
         )
         by_edges = state.stress_intensity * intensity / 2
-        by_control = (load - 1) * control.rate(state)
+        far, outside = self.system.elastic.far, 0.0
+        if far is not None:  # what the penetration changes of the field of patches outside the window
+            at = (1 - share) * self.places[0][place] + share * self.places[1][place]
+            outside = float(far.at(np.array([at]), state.penetration)[1][0]) / np.pi
+        by_control = (load - 1 - outside) * control.rate(state)
         return by_edges - control.load_weight * by_control * here.load_gradient, by_control
 
 

@@ -1,7 +1,7 @@
-"""What the numbers that a user gives may be: one table, and the same words, for scene files and objects.
+"""Ranges of the numbers that a user gives, in scene files and in Python, with the words of their error messages.
 
-A range is that of a number, or of every item of a list; NaN is in none.  Magnitudes in SI units lie between `LEAST` and
-`MOST`, so that no product of them leaves double precision.
+A range holds for a number, or for every item of a list; no range holds NaN.  Magnitudes in SI units lie between `LEAST`
+and `MOST`, so that no product of them leaves double precision.
 """
 
 from __future__ import annotations
@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 
-LEAPING = 1e-4  # accuracy.tolerance from which the path of an adhesive contact goes by leaps
 MOST_HARMONICS = 1_000_000  # limit: 15 GB of tables, by 1.5 GB for a tenth of them
 MOST_SEED = 2**128 - 1  # format: what NumPy draws where none is given
 LEAST, MOST = 1e-60, 1e60  # derived: SI magnitudes: no product of them leaves double precision; the same from above
@@ -25,7 +24,7 @@ POSITIVE = f"a finite number > 0, from {LEAST:g} to {MOST:g}"
 
 @dataclass(frozen=True)
 class Range:
-    """A range of numbers and what is said of it; limits as pydantic names them, none where infinite."""
+    """Range of numbers and its words; limits as pydantic names them, none where infinite."""
 
     words: str
     ge: float = -math.inf
@@ -36,12 +35,12 @@ class Range:
 
     @property
     def limits(self) -> dict[str, Any]:
-        """The finite limits by their names."""
+        """Limits that are finite, by their names."""
         named = {"ge": self.ge, "gt": self.gt, "le": self.le, "lt": self.lt}
         return {name: limit for name, limit in named.items() if math.isfinite(limit)}
 
     def holds(self, value: Any) -> bool:
-        """Whether a value is a number (no truth value, no text) in the range."""
+        """Return whether a value is a number in the range; truth values and texts are no numbers."""
         if isinstance(value, bool) or not isinstance(value, numbers.Integral if self.whole else numbers.Real):
             return False
         number: Any = value if isinstance(value, numbers.Integral) else float(value)  # integers may be too large for it
@@ -69,7 +68,7 @@ RANGES = {
 
 @dataclass(frozen=True)
 class Mistake:
-    """One mistake: where, what was found, what is allowed.
+    """Mistake in a scene: where it is, what stands there, what is allowed.
 
     Examples
     --------
@@ -86,7 +85,7 @@ class Mistake:
 
 
 def shown(value: Any) -> str:
-    """A value as in the scene file, shortened."""
+    """Return a value as in the scene file, shortened."""
     try:
         text = json.dumps(value, default=str, ensure_ascii=False)
     except (ValueError, RecursionError):
@@ -101,7 +100,7 @@ def unknown_key(name: str, known: Collection[str]) -> str:
 
 
 def refuse(*mistakes: Mistake) -> None:
-    """ValueError with all mistakes, if there are any."""
+    """Raise ValueError with all mistakes, if there are any."""
     if mistakes:
         raise ValueError("; ".join(map(str, mistakes)))
 
@@ -145,7 +144,7 @@ def check_harmonics(orders: Any, amplitudes: Any, phases: Any) -> None:
 
 
 def _wrong_items(path: str, items: np.ndarray[Any, Any]) -> Iterator[Mistake]:
-    """The first item of a list outside its range, if there is one."""
+    """Yield a mistake for the first item of a list outside its range, if there is one."""
     allowed = RANGES[path]
     if items.ndim != 1 or not items.size or items.dtype.kind not in ("iu" if allowed.whole else "iuf"):
         yield Mistake(path, f"= {shown(items.tolist())}", allowed.words)
@@ -156,7 +155,7 @@ def _wrong_items(path: str, items: np.ndarray[Any, Any]) -> Iterator[Mistake]:
 
 
 def harmonic_mistakes(values: Mapping[str, Any]) -> Iterator[Mistake]:
-    """Orders, amplitudes and phases, as far as given, that differ in length, and orders that repeat."""
+    """Yield mistakes of orders, amplitudes and phases: lists of different lengths, and orders that repeat."""
     lengths = {key: len(values[key]) for key in ("orders", "amplitudes", "phases") if key in values}
     if len(set(lengths.values())) > 1:
         counted = ", ".join(f"{count} {key}" for key, count in lengths.items())

@@ -41,10 +41,11 @@ class Increments:
 
     Parameters
     ----------
-    largest, smallest : float
-        Increments; an event is resolved within the smallest, or less in thin layers.
-    coarse, fine : Accuracy
-        Of leaps and of descents in a frozen field, and of the path and its targets.
+    largest, smallest, apart : float
+        Increments; an event is resolved within the smallest, or less in thin layers; states stored between targets are
+        `apart`.
+    coarse, way, fine : Accuracy
+        Of descents in a frozen field, of the path and its events, and of its targets.
     deepest : float
         Change of the penetration, in rms heights, up to which an increment may be longer than `largest`: under load a
         stiff contact hardly moves.
@@ -52,7 +53,9 @@ class Increments:
 
     largest: float
     smallest: float
+    apart: float
     coarse: Accuracy = COARSE
+    way: Accuracy = FINE
     fine: Accuracy = FINE
     deepest: float = 0.05
 

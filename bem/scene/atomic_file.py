@@ -1,4 +1,4 @@
-"""Files that are there whole or not at all: written under a temporary name, flushed to disk and renamed."""
+"""Files that exist in full or not at all: written under a temporary name, flushed to disk and renamed."""
 
 from __future__ import annotations
 

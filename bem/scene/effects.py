@@ -26,7 +26,7 @@ def effects_of(scene: Scene) -> tuple[Effect, ...]:
 
 
 def _reasons(scene: Scene) -> Iterator[tuple[str, tuple[bool, str]]]:
-    """Name, whether active, and why."""
+    """Yield the name of every effect, whether it is active, and the reason."""
     yield from _elastic_reasons(scene)
     adhesion = scene.adhesion
     if adhesion is None:
@@ -45,7 +45,7 @@ def _reasons(scene: Scene) -> Iterator[tuple[str, tuple[bool, str]]]:
 
 
 def _elastic_reasons(scene: Scene) -> Iterator[tuple[str, tuple[bool, str]]]:
-    """Half-space or what changes it, and the default cut of a scan."""
+    """Yield the elastic effects: the half-space or the tables that change it, with the default cut of a scan."""
     note = ""
     if scene.cut_by_default and scene.scan is not None:
         note = f"; profile.harmonics = {scene.profile.harmonics} by default for {scene.scan.x.size} samples"
@@ -66,12 +66,12 @@ def _elastic_reasons(scene: Scene) -> Iterator[tuple[str, tuple[bool, str]]]:
 
 
 def _legs(scene: Scene) -> list[bool]:
-    """Whether each leg of the path, from one target to the next, unloads."""
+    """Return for each leg of the path, from one target to the next, whether it unloads."""
     targets = scene.loading.targets
     starts = (scene.origin, *targets[:-1])
     return [unloads(scene.loading.control, a, b) for a, b in zip(starts, targets, strict=True) if a != b]
 
 
 def _outputs(scene: Scene, name: str) -> int:
-    """Number of targets at which an output is asked for."""
+    """Return the number of targets at which an output is asked for."""
     return sum(scene.wants(name, index) for index in range(len(scene.loading.targets)))

@@ -25,5 +25,5 @@ def elastic_effects(scene: Scene) -> dict[str, ElasticEffect]:
 
 
 def negligible(scene: Scene) -> float:
-    """Largest change of the compliance of any mode that is left out."""
+    """Return the largest relative change of the compliance of a mode that is left out."""
     return NEGLIGIBLE * scene.accuracy.tolerance

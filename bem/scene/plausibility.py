@@ -16,7 +16,6 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from bem.geometry.ranges import LEAPING
 from bem.scene.result import Caution, State
 from bem.scene.scene import Scene
 
@@ -76,7 +75,7 @@ def pressure_groups(groups: Mapping[str, float], states: Sequence[State]) -> dic
 
 def cautions_of(scene: Scene, groups: Mapping[str, float]) -> tuple[Caution, ...]:
     """Return the warnings about a scene with these groups, each with the probable cause."""
-    warnings = (_lengths, _pressures, _slopes, _adhesion, _noise, _leaps)
+    warnings = (_lengths, _pressures, _slopes, _adhesion, _noise)
     return tuple(Caution(about, message) for warn in warnings for about, message in warn(scene, groups))
 
 
@@ -149,14 +148,6 @@ def _noise(scene: Scene, groups: Mapping[str, float]) -> Warnings:
         reason = f"there the profile, as f^{-spectrum.law.exponent:.2g}, falls below the noise floor"
         told = f"{told}: cutoff_short = {spectrum.crossing:.3g} ({spectrum.crossing * 1e6:.3g} um), {reason}"
     yield "profile.cutoff_short", told
-
-
-def _leaps(scene: Scene, groups: Mapping[str, float]) -> Warnings:
-    """States of a path that goes by leaps, which may belong to another branch."""
-    if scene.leaps:
-        told = f"at {scene.accuracy.tolerance:g} the path goes by leaps: events are known only to within their errors, "
-        told += "and a state may belong to another branch; its errors allow for that but are no bounds "
-        yield "accuracy.tolerance", told + f"(below {LEAPING:g} events are located)"
 
 
 def _doubted(scene: Scene, *keys: str) -> list[str]:

@@ -21,17 +21,17 @@ BRANCHES = {"loading": "o-", "unloading": "s--"}
 
 
 class ShownFigure(Figure):
-    """A figure that a notebook shows, whether pyplot is in use there or not."""
+    """Figure that a notebook shows as a picture, with or without pyplot."""
 
     def _repr_png_(self) -> bytes:
-        """What a notebook shows."""
+        """Return the picture for a notebook."""
         drawn = io.BytesIO()
         self.savefig(drawn, format="png")
         return drawn.getvalue()
 
 
 def curves(states: Sequence[Any], quantities: Sequence[str] = tuple(CURVES)) -> Figure:
-    """Mean pressure against each of some quantities of `CURVES`."""
+    """Draw the mean pressure against each of some quantities of `CURVES`."""
     figure = ShownFigure(figsize=(6.4 * len(quantities), 4.8), layout="constrained")
     for place, quantity in enumerate(quantities, 1):
         label, factor = CURVES[quantity]
@@ -47,7 +47,7 @@ def curves(states: Sequence[Any], quantities: Sequence[str] = tuple(CURVES)) -> 
 
 
 def shape(fields: dict[str, NDArray[Any]], name: str) -> Figure:
-    """Displaced surface and rigid profile of a stored shape, by its number in the names of the fields."""
+    """Draw the displaced surface and the rigid profile of a stored shape, by its number in the names of the fields."""
     x, displacement, gap = (1e6 * fields[f"{quantity}_{name}"] for quantity in ("x", "displacement", "gap"))
     figure = ShownFigure(layout="constrained")
     axes = figure.add_subplot(xlabel="x / µm", ylabel="height / µm")
@@ -58,5 +58,5 @@ def shape(fields: dict[str, NDArray[Any]], name: str) -> Figure:
 
 
 def _finite(error: float | None) -> float:
-    """An estimated error, none where there is no finite one."""
+    """Return an estimated error, zero where it is unknown or infinite."""
     return 0.0 if error is None or not math.isfinite(error) else error

@@ -48,7 +48,7 @@ SAMPLED = {  # fields of fields.npz on points of their own, by the name of these
 
 
 class Views:
-    """What a `Result` looks like, from its states, events and fields."""
+    """Views of a `Result`: tables, a dataset, curves and a few words."""
 
     scene: dict[str, Any]
     states: tuple[Any, ...]
@@ -58,7 +58,7 @@ class Views:
     failure: str | None
 
     def to_table(self, of: Literal["states", "events", "targets"] = "states") -> dict[str, NDArray[Any]]:
-        """States, events or the answer at targets by columns, one array each, as `pandas.DataFrame` takes them.
+        """Return states, events or the answer at targets by columns, one array each, as `pandas.DataFrame` takes them.
 
         Parameters
         ----------
@@ -86,7 +86,7 @@ class Views:
         return first.penetration + first.separation - depths[-1] if depths and first is not None else None
 
     def to_xarray(self) -> Any:
-        """States, events (`event_...`) and fields as an `xarray.Dataset` (extra `xarray`).
+        """Return states, events (`event_...`) and fields as an `xarray.Dataset` (extra `xarray`).
 
         Every number has its unit ("1" where it has none).  Coordinates are the numbers of states and events, branch,
         separation, penetration and mean pressure of states, and the points on which fields are sampled.
@@ -116,7 +116,7 @@ class Views:
         return dataset.assign_coords(counted).set_coords([*(COORDINATES & set(found)), *of_points])
 
     def plot(self) -> Figure:
-        """Mean pressure against contact fraction and against separation, with its estimated error, by matplotlib."""
+        """Draw the mean pressure against contact fraction and against separation, with its estimated error."""
         figure: Figure = import_module("bem.scene.plots").curves(self.states)
         return figure
 
@@ -146,7 +146,7 @@ def _answers(states: Sequence[Any], loading: dict[str, Any]) -> dict[str, NDArra
 
 
 def _answer(state: Any) -> dict[str, float | None]:
-    """The numbers of a target, those that no state gives left out."""
+    """Return the numbers of a target; None where no state has them."""
     widths = sorted(b - a for a, b in state.edges) or [math.nan]
     known = state.found
     share = state.contact_fraction if known else math.nan
@@ -181,7 +181,7 @@ def _gap_columns(state: Any) -> dict[str, float]:
 
 
 def _columns(kind: type, records: Sequence[Any], prefix: str = "") -> dict[str, NDArray[Any]]:
-    """Records of a dataclass by columns, those that they hold in turn with the name of these before theirs."""
+    """Return records of a dataclass by columns; columns of nested records begin with the name of the record."""
     found: dict[str, NDArray[Any]] = {}
     for name, hint in get_type_hints(kind).items():
         values = [getattr(record, name) for record in records]

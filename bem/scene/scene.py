@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.geometry.profile import Profile
-from bem.geometry.ranges import LEAPING, MOST_HARMONICS, Mistake, shown, unknown_key
+from bem.geometry.ranges import MOST_HARMONICS, Mistake, shown, unknown_key
 from bem.geometry.scaling import Solid
 from bem.geometry.table import TableError, plain
 from bem.scans.scan_keys import BACKSLASHES, CUTOFFS, DEFAULTS, SCAN_KEYS
@@ -54,7 +54,7 @@ from bem.scene.scene_tables import (
     required_keys,
 )
 from bem.scene.stored_start import StoredState, other_problem, stored_start
-from bem.scene.targets import expanded, found, origin
+from bem.scene.targets import equal_target, expanded, origin
 
 if TYPE_CHECKING:
     from bem.adhesive.adhesion import Adhesion
@@ -145,16 +145,7 @@ class Scene:
         asked = getattr(self.output, output)
         if isinstance(asked, bool):
             return asked
-        return index < len(self.loading.targets) and found(self.loading.targets[index], asked) is not None
-
-    @property
-    def leaps(self) -> bool:
-        """Whether its path goes by leaps: few digits of an adhesive contact whose load is not what is held.
-
-        Nor may its profile repeat: what breaks such a symmetry would be decided by the end of a leap.
-        """
-        few = self.accuracy.tolerance >= LEAPING and self.loading.control != "mean_pressure"
-        return self.adhesion is not None and few and not self.surface().repeats
+        return index < len(self.loading.targets) and equal_target(self.loading.targets[index], asked) is not None
 
     def resolved(self) -> dict[str, Any]:
         """Return all tables as plain values, defaults included; a file is given by its name and digest."""
@@ -397,5 +388,5 @@ def _output_mistakes(scene: Scene) -> Iterator[Mistake]:
     for name in OUTPUTS:
         asked = getattr(scene.output, name)
         for k, value in enumerate(() if isinstance(asked, bool) else asked):
-            if found(value, targets) is None:
+            if equal_target(value, targets) is None:
                 yield Mistake(f"output.{name}[{k}]", f"= {value:g} is not a target", allowed)

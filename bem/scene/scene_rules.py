@@ -1,7 +1,7 @@
-"""What a scene must satisfy beyond the type and range of each key: keys that need, exclude or bound one another.
+"""Rules of a scene beyond the type and range of each key: keys that need, exclude or bound one another.
 
-Works on plain values of the keys that are valid by themselves (`values`), and on the names of all keys present
-(`given`), so that one mistake does not hide another.
+The rules take the plain values of the keys that are valid by themselves (`values`), and the names of all keys present
+(`given`).  So one mistake does not hide another.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ QUESTIONS = ("title", "loading", "accuracy", "output")  # of a scene; all other 
 
 
 class SceneError(ValueError):
-    """A scene that cannot be solved; `mistakes` lists all that is wrong with it."""
+    """Scene that cannot be solved; `mistakes` lists all its mistakes."""
 
     def __init__(self, mistakes: Iterable[Mistake]) -> None:
         self.mistakes = tuple(mistakes)
@@ -49,12 +49,12 @@ class SceneError(ValueError):
         super().__init__("\n  ".join([f"{count}:", *map(str, self.mistakes)]))
 
     def __reduce__(self) -> tuple[type[SceneError], tuple[tuple[Mistake, ...]]]:
-        """What a worker process hands back is the same error."""
+        """Return what pickle needs to build an equal error in another process."""
         return SceneError, (self.mistakes,)
 
 
 def as_said(limit: float) -> float:
-    """A limit as a mistake prints it: the number that is said is allowed itself.
+    """Return a limit rounded as a message prints it, so that the printed number is itself allowed.
 
     Examples
     --------
@@ -65,7 +65,7 @@ def as_said(limit: float) -> float:
 
 
 def profile_mistakes(values: Mapping[str, Any], given: Collection[str]) -> Iterator[Mistake]:
-    """Keys the kind of profile needs and does not use; lists that do not match."""
+    """Yield missing keys and unused keys of the kind of profile, and lists that do not match."""
     kind = values.get("kind")
     if kind is None:
         return
@@ -84,7 +84,7 @@ def profile_mistakes(values: Mapping[str, Any], given: Collection[str]) -> Itera
 
 
 def scan_mistakes(values: Mapping[str, Any], scan: Scan) -> Iterator[Mistake]:
-    """Period and cut of a profile that do not fit its samples."""
+    """Yield a period and a cut that do not fit the samples of a scan."""
     period, harmonics = values.get("period"), values.get("harmonics")
     if period is not None and abs(period - scan.period) > 0.5 * scan.spacing:
         yield Mistake(
@@ -106,7 +106,7 @@ def loading_mistakes(
     tables: Collection[str],
     period: float | None,
 ) -> Iterator[Mistake]:
-    """How the path is given, signs of separations, what the control and the initial state need.
+    """Yield mistakes of the path, of the signs of separations, and of the needs of the control and the initial state.
 
     `values` and `given` are of [loading], `tables` are the names of the tables present; `period` is profile.period, if
     known.
@@ -137,9 +137,9 @@ def loading_mistakes(
 
 
 def magnitude_mistakes(tables: Mapping[str, Any], profile: Profile) -> Iterator[Mistake]:
-    """Ratios of magnitudes in the tables that the solver's numbers or memory do not hold, each with its key.
+    """Yield keys whose magnitudes, relative to the scales of the profile, exceed double precision or memory.
 
-    The scales are those of scaling.py; a flat profile has none.
+    scaling.py defines the scales; a flat profile has none.
     """
     largest = float(np.max(np.abs(profile.amplitudes)))
     period = profile.period
@@ -178,7 +178,7 @@ def magnitude_mistakes(tables: Mapping[str, Any], profile: Profile) -> Iterator[
 
 
 def _path_mistakes(values: Mapping[str, Any], given: Collection[str]) -> Iterator[Mistake]:
-    """Targets, or start, stop, count and perhaps then_back_to."""
+    """Yield mistakes of the path, which is given by targets, or by start, stop, count and perhaps then_back_to."""
     ranged = [key for key in (*RANGE, "then_back_to") if key in given]
     if "targets" in given and ranged:
         yield Mistake("loading.targets", f"and {', '.join(ranged)} are both given", "targets, or start, stop and count")
@@ -199,7 +199,7 @@ def _path_mistakes(values: Mapping[str, Any], given: Collection[str]) -> Iterato
 
 
 def _negative(path: str, value: float | Sequence[float] | None) -> Iterator[Mistake]:
-    """Separations below zero."""
+    """Yield separations below zero."""
     allowed = "a separation > 0 (m), or exactly 0 for complete contact"
     if isinstance(value, list | tuple):
         for k, item in enumerate(value):
@@ -210,7 +210,7 @@ def _negative(path: str, value: float | Sequence[float] | None) -> Iterator[Mist
 
 
 def surface_of(values: Mapping[str, Any], scan: Scan | None) -> Profile:
-    """The profile in SI units from the valid keys of [profile], defaults filled in."""
+    """Return the profile in SI units of a resolved [profile], given as plain values."""
     kind = values["kind"]
     if kind == "self_affine":
         return Profile.self_affine(

@@ -1,4 +1,4 @@
-"""A path that starts from a stored state: the state a scene names, found, sound, converged, of the same problem."""
+"""Start of a path from a stored state: it is read, must have converged, and must belong to the same bodies."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from bem.scene.scene_rules import QUESTIONS, Mistake, shown
 
 @dataclass(frozen=True)
 class StoredState:
-    """A state, and the resolved scene it was computed with."""
+    """State with the resolved scene it was computed with."""
 
     state: State
     scene: dict[str, Any]
 
 
 def stored_start(initial: Any, control: str | None, base_dir: Path) -> tuple[StoredState | None, list[Mistake]]:
-    """The state that a valid loading.initial names, if it is a table {result, state}, or what is wrong with it.
+    """Return the state that a valid loading.initial names, None if it names none, and the mistakes.
 
     The state must provide the quantity of loading.control; relative names start from `base_dir`.
     """
@@ -48,7 +48,7 @@ def stored_start(initial: Any, control: str | None, base_dir: Path) -> tuple[Sto
 
 
 def other_problem(resolved: Mapping[str, Any], start: StoredState | None) -> Iterator[Mistake]:
-    """A stored start with another table than the resolved scene has, or lacks, that is not one of `QUESTIONS`."""
+    """Yield a mistake for every table but `QUESTIONS` that differs between a stored start and the resolved scene."""
     if start is None:
         return
     for name in dict.fromkeys([*resolved, *start.scene]):

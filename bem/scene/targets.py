@@ -1,4 +1,4 @@
-"""The targets of a loading path: expansion of a range, the way back, and targets that equal a value.
+"""Targets of a loading path: expansion of a range, the way back, and targets that equal a value.
 
 Values are those of the controlled quantity (m, or Pa for mean_pressure).  The path begins at an origin that
 may be infinite: a separated profile comes from separation +inf (penetration -inf), one in complete contact
@@ -16,7 +16,7 @@ SAME = 1e-9  # values closer than this, relative to the largest one, are one tar
 
 
 def expanded(start: float, stop: float, count: int, then_back_to: float | None = None) -> tuple[float, ...]:
-    """`count` values from start to stop and, if asked for, as many back, the turning point once.
+    """Return `count` values from start to stop and, if asked for, as many back, the turning point once.
 
     Examples
     --------
@@ -30,7 +30,7 @@ def expanded(start: float, stop: float, count: int, then_back_to: float | None =
 
 
 def origin(control: str, initial: str, first: float) -> float:
-    """Where the path begins: `initial` is "separated" or "complete_contact", `first` the first target."""
+    """Return the controlled value where the path begins, for `initial` "separated" or "complete_contact"."""
     if control == "mean_pressure":
         return 0.0 if initial == "separated" else first
     away = math.inf if control == "separation" else -math.inf
@@ -38,7 +38,7 @@ def origin(control: str, initial: str, first: float) -> float:
 
 
 def unloads(control: str, start: float, stop: float) -> bool:
-    """Whether a leg of the path reduces penetration or load.
+    """Return whether a leg of the path reduces penetration or load.
 
     Examples
     --------
@@ -48,8 +48,8 @@ def unloads(control: str, start: float, stop: float) -> bool:
     return stop > start if control == "separation" else stop < start
 
 
-def found(value: float, targets: Sequence[float]) -> float | None:
-    """The target equal to `value` within `SAME` of the largest one, else None."""
+def equal_target(value: float, targets: Sequence[float]) -> float | None:
+    """Return the target that equals `value` within `SAME` of the largest one, None if there is none."""
     if not targets:
         return None
     nearest = min(targets, key=lambda target: abs(target - value))

@@ -55,9 +55,9 @@ def test_absent_effects_are_not_imported_and_not_run(effect, absent):
     assert not {f"{name.split('.')[-1]}.py" for name in absent} & files
 
 
-def test_leaps_are_not_imported_where_many_digits_are_asked_for():
+def test_windows_are_not_imported_where_many_digits_are_asked_for():
     modules, _ = modules_and_files("adhesion")
-    assert not [name for name in modules if name.startswith("bem.leaps")]
+    assert not [name for name in modules if name.startswith("bem.windows")]
 
 
 def test_outputs_not_asked_for_are_not_imported():

@@ -142,7 +142,7 @@ def test_resumption_ends_the_same_bit_for_bit(unbroken, name, share):
 
 def test_resumption_computes_nothing_up_to_the_last_target_again(rough):
     counts = []
-    half, _ = halves(rough_scene(TARGETS), 90)
+    half, _ = halves(rough_scene(TARGETS), 75)
     assert len(half.targets) >= 3
     solve(rough_scene(TARGETS), progress=lambda progress: counts.append(progress.evaluations), resume=half)
     last = max(k for k, state in enumerate(half.states) if state.target)

@@ -55,10 +55,10 @@ def rough_scene(targets, harmonics=40, seed=1, adhesion=0.03, control="separatio
 
 
 def banded_scene(targets, **changes):
-    """A scene with short waves only, so that contact has many patches: 60 to 90 here."""
-    orders = np.arange(60, 140)
+    """A scene with short waves only, so that contact has many patches: 120 to 140 at separations about 2.4e-6 m."""
+    orders = np.arange(100, 200)
     amplitudes = orders**-1.2
     phases = np.random.default_rng(0).uniform(-np.pi, np.pi, orders.size)
-    amplitudes = amplitudes * 5e-6 / np.sqrt(np.sum(amplitudes**2) / 2)
+    amplitudes = amplitudes * 3e-6 / np.sqrt(np.sum(amplitudes**2) / 2)
     profile = waves(orders.tolist(), amplitudes.tolist(), phases.tolist())
     return parse_scene(tables(profile, "separation", targets, 3e-3, accuracy={"tolerance": 1e-2}) | changes)

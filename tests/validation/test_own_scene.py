@@ -173,13 +173,6 @@ def test_advice_is_the_cheapest_setting_that_is_accurate_enough():
     assert (advice[2].open_source, advice[2].open_share) == ("seed", pytest.approx(0.1))
 
 
-def test_a_path_in_leaps_is_advised_for_no_more_digits_than_it_was_asked_for():
-    lucky = Setting("numerical", "tolerance", "0.001"), replace(answer(0.5, 2.0, 20), path_doubt=1e-3)
-    advice = {one.digits: one for one in findings_of([*made_up(), lucky]).advice}
-    assert [advice[digits].evaluations for digits in (2, 3, 4)] == [20, 20, 400]
-    assert advice[3].error == 1e-3
-
-
 def test_digits_that_the_finest_setting_does_not_resolve_are_not_promised():
     coarse = [(one, replace(found, readings=(reading(0.5, 2.0, error=1e-3),))) for one, found in made_up()]
     assert [one.setting is None for one in findings_of(coarse).advice] == [False, True, True, True, True]

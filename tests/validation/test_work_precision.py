@@ -13,10 +13,8 @@ from scipy.integrate import quad
 from validation.references.closed_forms import Sinusoid
 from validation.references.posed_contacts import QUANTITIES, exact_sinusoid, highest, numbers_of, scenes
 from validation.routes import finite_elements
-from validation.routes.boundary_elements import PATH_DOUBT
 from validation.routes.persson_theory import by_separation
 from validation.studies.work_precision import work_precision
-from validation.studies.work_precision.conclusion import cheapest
 from validation.studies.work_precision.methods import METHODS, MethodPoint, Timed
 from validation.studies.work_precision.references import SOURCES, source_for
 from validation.studies.work_precision.work_precision import Sweep, measured, point_of
@@ -92,16 +90,6 @@ def test_of_several_targets_the_largest_error_counts():
     found = numbers_of({"contact_fraction": [0.1, 0.2, None], "mean_pressure": [1.0, 2.0, 3.0]})
     other = numbers_of({"contact_fraction": [0.1, 0.23, 0.3], "mean_pressure": [1.0, 2.0, 3.0]})
     assert paper.errors(found, other) == pytest.approx({"contact_fraction": 0.03, "mean_pressure": 0.0})
-
-
-def test_a_path_in_leaps_claims_no_more_digits_than_it_was_asked_for():
-    found = replace(example.off_by(SINUSOID, 1e-12), details={PATH_DOUBT: 1e-3})
-    points = [
-        point_of(SINUSOID, example.method(), Timed("0.001", found=found, cpu_seconds=1.0), example.truth(SINUSOID))
-    ]
-    (curve,) = work_precision.curves_of(points, "sinusoid")
-    assert points[0].error == pytest.approx(1e-12, rel=1e-3)  # and so it is drawn
-    assert cheapest(curve, 3) and not cheapest(curve, 4)
 
 
 def test_digits_are_not_claimed_against_a_finer_run_of_the_same_code():

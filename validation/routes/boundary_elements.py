@@ -9,10 +9,9 @@ from bem.scene.result import Event, Result, State
 from bem.scene.scene import parse_scene
 from validation.harness.arrays import FloatArray
 from validation.harness.route import Answer, Laps, Place, Problem
-from validation.references.adapters import contact_of
 from validation.references.posed_contacts import scene_tables
+from validation.routes.scenes import contact_of
 
-PATH_DOUBT = "what another branch may make"  # of an answer: that it is small in one problem says nothing of the next
 LEAST_RELEASED = 1e-3  # of the work of adhesion, by a jump that counts: what a fold of rounding size releases is less
 
 
@@ -26,7 +25,7 @@ def tables(problem: Problem, tolerance: float, increment: float = 1.0) -> dict[s
 
 
 def solve(problem: Problem, tolerance: float, increment: float = 1.0) -> Answer:
-    """All answers, at a tolerance of the solver; a path that goes by leaps may be off by it (`PATH_DOUBT`)."""
+    """All answers, at a tolerance of the solver."""
     laps = Laps()
     scene = parse_scene(tables(problem, tolerance, increment))
     laps.end("setup")
@@ -36,8 +35,7 @@ def solve(problem: Problem, tolerance: float, increment: float = 1.0) -> Answer:
     laps.end("post")
     counts = {"evaluations": sum(state.evaluations for state in result.states), "patches": result.targets[-1].n_patches}
     unknowns = max(state.unknowns for state in result.states)
-    details = {PATH_DOUBT: tolerance} if scene.leaps else {}
-    return Answer(values=values, unknowns=unknowns, counts=counts, parts=laps.parts, details=details)
+    return Answer(values=values, unknowns=unknowns, counts=counts, parts=laps.parts)
 
 
 def answers(problem: Problem, result: Result) -> dict[str, list[Any]]:

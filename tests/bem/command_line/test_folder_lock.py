@@ -10,8 +10,7 @@ import sys
 import pytest
 
 from bem.command_line.folder_lock import LOCK_FILE, FolderError, FolderInUseError, locked
-from bem.scene_commands import main as bem_main
-from validation.__main__ import main as validation_main
+from bem.scene_commands import main
 
 SCENE = """
 [solid]
@@ -100,23 +99,11 @@ def test_many_that_come_and_go_are_never_inside_together(tmp_path):
     assert [process.returncode for process in many] == [0, 0, 0], reported
 
 
-@pytest.mark.parametrize(
-    ("main", "command"),
-    [
-        (bem_main, ["run", "none.toml", "--overwrite"]),
-        (validation_main, ["run", "--only", "nothing"]),
-        (validation_main, ["study", "convergence"]),
-    ],
-    ids=["bem-run", "validation-run", "validation-study"],
-)
-def test_every_command_that_writes_asks_for_it(main, command, holder, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "none.toml").write_text(SCENE)
+def test_a_run_into_a_folder_in_use_is_refused(holder, tmp_path, capsys):
+    (tmp_path / "scene.toml").write_text(SCENE)
     before = sorted(path.name for path in (tmp_path / "out").iterdir())
-    assert main([*command, "--out", str(tmp_path / "out")]) == 2
-    said = capsys.readouterr()
-    assert said.out == ""
-    assert f"in use by process {holder.pid} on " in said.err
+    assert main(["run", str(tmp_path / "scene.toml"), "--overwrite", "--out", str(tmp_path / "out")]) == 2
+    assert f"in use by process {holder.pid} on " in capsys.readouterr().err
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == before
 
 
@@ -125,17 +112,3 @@ def test_a_folder_that_cannot_be_made_is_refused_with_the_reason(tmp_path):
     message = rf"out: cannot be made \({re.escape(str(tmp_path))}.*: Not a directory\)$"
     with pytest.raises(FolderError, match=message), locked(tmp_path / "file" / "out"):
         pass
-
-
-@pytest.mark.parametrize("program", ["bem", "validation"])
-def test_both_programs_say_so_in_plain_words(tmp_path, capsys, program):
-    (tmp_path / "scene.toml").write_text(SCENE)
-    out = ["--out", str(tmp_path / "scene.toml" / "out")]
-    if program == "bem":
-        assert bem_main(["run", str(tmp_path / "scene.toml"), *out]) == 2
-    else:
-        assert validation_main(["run", "--only", "harness", *out]) == 2
-    said = capsys.readouterr().err
-    assert said.startswith("error: ")
-    assert "cannot be made" in said
-    assert "Errno" not in said

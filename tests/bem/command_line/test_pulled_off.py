@@ -7,8 +7,6 @@ import pytest
 from bem.command_line.answer_table import answer
 from bem.scene.result_file import read_result
 from bem.scene_commands import main
-from validation.report.run_page import render_run
-from validation.report.run_words import outcome, succeeded
 
 SCENE = """
 [solid]
@@ -40,11 +38,7 @@ def test_a_completed_pull_off_is_an_answer(targets, tmp_path, capsys):
     beyond = sum(target < 0 for target in targets)
     assert f"pulled off, {beyond} of the targets being tensions beyond that: " in capsys.readouterr().out
     result = read_result(tmp_path / "out")
-    assert (result.status, result.answered, succeeded(result)) == ("unreachable", True, True)
-    met = len(targets) - beyond
-    assert outcome(result).startswith(f"Pulled off: {met} states at targets ({len(targets)} in the scene, {beyond} ")
-    assert " Why: " not in outcome(result)
-    assert 'class="verdict agrees">✓ Pulled off' in render_run(result)
+    assert (result.status, result.answered) == ("unreachable", True)
     assert result.to_table("targets")["target"].tolist() == targets
     assert [held for (held, _), *_ in answer(result)[1]][1 if beyond > 1 else 2] == "-50 kPa"
 
@@ -53,6 +47,3 @@ def test_a_tension_before_any_contact_is_a_failure(tmp_path, capsys):
     assert run_of(tmp_path, [-5e4, 100.0, -5e4], "--json") == 1
     facts = json.loads(capsys.readouterr().out)
     assert (facts["status"], facts["answered"], len(facts["missed_targets"])) == ("unreachable", False, 2)
-    result = read_result(tmp_path / "out")
-    assert not succeeded(result)
-    assert 'class="verdict deviates">✗ Unreachable' in render_run(result)

@@ -243,7 +243,9 @@ def path_of(scene, largest):
     positions, heights = problem.profile.crests
     path = Path(
         System(problem.elastic, problem.law, problem.control),
-        Increments(largest, largest / 25, Accuracy(1e-9, 1e-10), Accuracy(1e-11, 1e-11), deepest=largest),
+        Increments(
+            largest, largest / 25, largest, Accuracy(1e-9, 1e-10), *2 * (Accuracy(1e-11, 1e-11),), deepest=largest
+        ),
         positions[[np.argmax(heights)]],
         complete_contact(problem.profile, problem.law, problem.elastic.compliance),
     )

@@ -1,5 +1,7 @@
 """Touches: how the gap beside contact opens, against differences, and what Newton finds where it closes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -15,6 +17,7 @@ from bem.continuation.steps import Way, predicted, step_from
 from bem.continuation.touches import GapCloses, locate_touch
 from bem.elastic.collocation import Elastic
 from bem.elastic.compliance import Compliance
+from bem.elastic.far_field import Arc, Charges, far_fields
 from bem.elastic.gap import GapMinima, gap_field, minima_near
 from bem.elastic.kernel_series import kernel_series
 from bem.elastic.layer import LayerEffect
@@ -36,12 +39,11 @@ def system_of(control, compliance):
     return System(Elastic(profile, compliance), UniformLaw(0.2), control)
 
 
-@by_layer
-@by_control
-def test_a_gap_opens_as_differences_say(control, compliance):
-    system, start = system_of(control, compliance), Patches(np.array([-0.7, 2.0]), np.array([0.6, 2.3]))
+def assert_rates_are_differences(system, share=0.75):
+    """Compare the rates of a gap by edges and by the control with differences, at a place between two probes."""
+    start = Patches(np.array([-0.7, 2.0]), np.array([0.6, 2.3]))
     place, beside = 3.3, np.array([1])
-    closes = GapCloses(system, GapMinima(np.array([place - 3e-5]), np.zeros(1), beside), np.array([4e-5]))
+    closes = GapCloses(system, GapMinima(np.array([place - 4e-5 * share]), np.zeros(1), beside), np.array([4e-5]))
     here = balance(closes.asked(system), start, 0.4, 0.4, TOLERANCE)
 
     def gap(step, change=0.0):
@@ -50,11 +52,26 @@ def test_a_gap_opens_as_differences_say(control, compliance):
 
     step = 1e-4
     units = step * np.eye(4)
-    by_edges, by_value = closes._rates(here, 0, 0.75)
+    by_edges, by_value = closes._rates(here, 0, share)
     differences = [(gap(unit) - gap(-unit)) / (2 * step) for unit in units]
     np.testing.assert_allclose(by_edges, differences, rtol=0, atol=3e-8)  # measured 1.1e-8, of differences
     zero = np.zeros(4)
     assert by_value == pytest.approx((gap(zero, step) - gap(zero, -step)) / (2 * step), abs=4e-10)  # measured 1.3e-10
+
+
+@by_layer
+@by_control
+def test_a_gap_opens_as_differences_say(control, compliance):
+    assert_rates_are_differences(system_of(control, compliance))
+
+
+def test_a_gap_in_a_window_opens_as_differences_say():
+    """The field of patches outside the window changes with the penetration, too: its part is 0.01."""
+    system = system_of(DisplacementControl(), None)
+    position, charge = np.array([4.9, 5.0]), np.array([0.02, 0.01])
+    outside = (Charges(position, charge, 0.4), Charges(position, 3 * charge, 1.4))
+    (far,) = far_fields([Arc(-1.2, 4.5, (0.2, 0.3))], *outside)
+    assert_rates_are_differences(replace(system, elastic=replace(system.elastic, far=far)))
 
 
 def resting(system, patches, value):

@@ -12,8 +12,8 @@ from bem.elastic.gap import gap_field, low_minima
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.elastic.logarithmic_potential import LogarithmicPotential
 from bem.geometry.patches import Patches
-from bem.leaps.settling import charges_of, moved_in
-from bem.leaps.windows import windows_of
+from bem.windows.spread import charges_moved_in, charges_of
+from bem.windows.windows import windows_of
 
 TOLERANCE = 1e-8
 
@@ -27,7 +27,7 @@ def whole():
     elastic = Elastic(profile)
     state = evaluate(elastic, patches, penetration, TOLERANCE)
     windows = windows_of(patches)
-    fields = far_fields([window.arc for window in windows], charges_of(state), moved_in(state))
+    fields = far_fields([window.arc for window in windows], charges_of(state), charges_moved_in(state))
     return elastic, state, windows, fields
 
 

@@ -8,7 +8,6 @@ from dataclasses import FrozenInstanceError, replace
 
 import numpy as np
 import pytest
-from made_up_table import COATING, allow_coatings
 from stored_states import stored_state
 
 from bem.scene.result import Result
@@ -368,25 +367,18 @@ def test_stored_state_of_another_solid_is_told(tmp_path):
     assert "another [solid]" in str(mistake)
 
 
-@pytest.mark.parametrize(("before", "now"), [(None, COATING), (COATING, None), (COATING, {"thickness": 2e-6})], ids=str)
-def test_stored_state_of_another_table_is_told_whatever_its_name(before, now, tmp_path, monkeypatch):
-    allow_coatings(monkeypatch)
-    data = stored_result(tmp_path, {"coating": before} if before else {})
-    (mistake,) = mistakes_of(data | ({"coating": now} if now else {}), tmp_path)
-    assert "another [coating]" in str(mistake)
+LAYER = {"thickness": 1e-3}
 
 
-def test_stored_state_with_a_table_that_scenes_do_not_have_is_told(tmp_path):
-    with pytest.MonkeyPatch.context() as monkeypatch:
-        allow_coatings(monkeypatch)
-        data = stored_result(tmp_path, {"coating": COATING})
-    (mistake,) = mistakes_of(data, tmp_path)
-    assert "another [coating]" in str(mistake)
+@pytest.mark.parametrize(("before", "now"), [(None, LAYER), (LAYER, None), (LAYER, {"thickness": 2e-3})], ids=str)
+def test_stored_state_of_another_layer_is_told(before, now, tmp_path):
+    data = stored_result(tmp_path, {"layer": before} if before else {})
+    (mistake,) = mistakes_of(data | ({"layer": now} if now else {}), tmp_path)
+    assert "another [layer]" in str(mistake)
 
 
-def test_stored_state_of_the_same_tables_is_taken(tmp_path, monkeypatch):
-    allow_coatings(monkeypatch)
-    data = stored_result(tmp_path, {"coating": COATING}) | {"coating": COATING}
+def test_stored_state_of_the_same_tables_is_taken(tmp_path):
+    data = stored_result(tmp_path, {"layer": LAYER}) | {"layer": LAYER}
     assert parse_scene(data | {"accuracy": {"tolerance": 1e-3}}, tmp_path).start_state == STATE
 
 

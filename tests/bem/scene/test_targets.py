@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from bem.scene.targets import expanded, found, origin, unloads
+from bem.scene.targets import equal_target, expanded, origin, unloads
 
 
 def test_range_ends_exactly_where_asked():
@@ -31,5 +31,5 @@ def test_falling_control_unloads_but_for_separation(control):
     assert unloads(control, 2.0, 1.0) is not unloads("separation", 2.0, 1.0)
 
 
-def test_no_target_is_found_in_an_empty_path():
-    assert found(1.0, ()) is None
+def test_an_empty_path_has_no_equal_target():
+    assert equal_target(1.0, ()) is None

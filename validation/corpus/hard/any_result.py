@@ -40,7 +40,7 @@ ROUNDINGS = 24.0  # of the height of the profile, seen through the stiffness of 
 TARGET = 1e-11  # of the unit of the controlled quantity
 IDENTITY = 1e-12  # of the unit of the quantity
 RELEASED = 1e-12  # of E* a^2 / period: rounding of the energy that an event releases
-SAFETY, AT_EVENTS = 7.5, 4.0  # times the difference of two rules; measured 3.0, and 1.5 where events lie between
+SAFETY = 7.5  # times the difference of two rules; measured 3.0, and 5.6 where events lie between
 RESOLVED = 0.01  # of the energies of an interval: its quadrature error, above which it is not judged
 BALANCE = 1e-6  # of the energies of an interval
 
@@ -290,8 +290,7 @@ def energy_balance(found: Solved) -> Iterator[Finding]:
     for part in balances(found):
         if part.quadrature > RESOLVED * part.energies:
             continue
-        safety = AT_EVENTS if part.events else SAFETY
-        if not abs(part.missing) <= safety * part.quadrature + BALANCE * part.energies + EPS * found.units.energy:
+        if not abs(part.missing) <= SAFETY * part.quadrature + BALANCE * part.energies + EPS * found.units.energy:
             share, bar = part.missing / part.energies, part.quadrature / part.energies
             reported = f"{share:.1e} of the energies missing before state {part.state}, quadrature {bar:.1e}"
             yield Finding("energy balance", f"{reported}, {part.events} events")

@@ -163,8 +163,7 @@ def _plain(solved: Solved) -> Table:
 def compared(made: Copy, solved: Solved, other: Result, units: Units | None = None) -> list[Finding]:
     """What the result `other` of a copy says against the original, in the units of its scene or in others.
 
-    Every state and avalanche is placed as suits it, because among equals each chooses anew.  Where a path goes by leaps
-    its events are brackets, which depend on the increment.
+    Every state and avalanche is placed as suits it, because among equals each chooses anew.
     """
     result, unit = solved.result, units or solved.units
     if other.status != result.status:
@@ -180,7 +179,7 @@ def compared(made: Copy, solved: Solved, other: Result, units: Units | None = No
         if wrong:
             findings.append(Finding(made.kind, f"target {k}: {', '.join(wrong)}"))
     finer, whole = made.kind == "increment", (made.first, made.behind) == (0, None)
-    if whole and not made.near.exact and not (finer and solved.scene.leaps):
+    if whole and not made.near.exact:
         wrong = list(_other_events(ways, unit, result.events, other.events))
         kind = "events at a smaller increment" if finer else made.kind
         findings += [Finding(kind, f"events: {', '.join(wrong)}")] if wrong else []

@@ -224,15 +224,12 @@ def combined(uncertainties: Sequence[Uncertainty], kind: Kind) -> float:
 def _advice(
     numerical: Sequence[Compared], finest: Setting, floor: float, uncertain: Sequence[Uncertainty]
 ) -> Iterator[Advice]:
-    """For each number of digits the setting with the fewest evaluations; by leaps no more than were asked for.
-
-    That a path in leaps has come to the right branch here says nothing of a change of the scene.
-    """
+    """For each number of digits the setting with the fewest evaluations."""
     by_name = {one.setting.title: one for one in numerical}
     marks = [
         Spot(
             name,
-            floor if one.setting == finest else max(one.error, floor, one.solved.path_doubt),
+            floor if one.setting == finest else max(one.error, floor),
             float(one.solved.evaluations),
         )
         for name, one in by_name.items()

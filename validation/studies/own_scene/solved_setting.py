@@ -88,7 +88,6 @@ class Solved:
     pressure_scale: float = math.nan
     readings: tuple[Reading, ...] = ()
     nodes: tuple[NodeCurve, ...] = ()
-    path_doubt: float = 0.0  # tolerance of a path that goes by leaps: what another branch may make
 
     @property
     def good(self) -> bool:
@@ -125,7 +124,6 @@ def solved(task: ToSolve) -> Solved:
         rms_height=result.groups["rms_height"],
         rms_slope=result.groups["rms_slope"],
         pressure_scale=result.groups["pressure_scale"],
-        path_doubt=scene.accuracy.tolerance if scene.leaps else 0.0,
         readings=tuple(reading for reading, _ in readings(scene, result)),
         nodes=tuple(_node_curves(scene, result)) if task.nodes else (),
     )

@@ -16,7 +16,6 @@ from validation.harness.route import Answer, Problem, Route
 from validation.references.paper_method import follow
 from validation.references.posed_contacts import THEORY_LOAD, surface_of
 from validation.routes import boundary_elements, dense_algebra, finite_elements, paper_method
-from validation.routes.boundary_elements import PATH_DOUBT
 from validation.routes.persson_theory import by_route, by_separation
 
 SHOWN = ("contact_fraction", "mean_pressure")  # the error of a point is the larger of these
@@ -67,11 +66,6 @@ class MethodPoint:
     def error(self) -> float:
         """The larger of the errors of SHOWN; nan where the setting failed."""
         return max((self.errors[name] for name in SHOWN if name in self.errors), default=math.nan)
-
-    @property
-    def doubt(self) -> float:
-        """What the path leaves uncertain, whatever the error happens to be."""
-        return self.timed.found.details.get(PATH_DOUBT, 0.0) if self.timed.found else 0.0
 
     @property
     def grey(self) -> bool:

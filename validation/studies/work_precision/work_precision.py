@@ -202,8 +202,7 @@ def curves_of(points: Sequence[MethodPoint], scene: str) -> list[MethodCurve]:
     curves = []
     for name, known in by_method(points, scene).items():
         spots = tuple(
-            Spot(point.timed.setting, max(point.error, point.floor, point.doubt), point.timed.cpu_seconds)
-            for point in known
+            Spot(point.timed.setting, max(point.error, point.floor), point.timed.cpu_seconds) for point in known
         )
         independent = not known[0].reference.endswith("(self)")
         curves.append(MethodCurve(name, known[0].reference, spots, known[0].floor, independent))

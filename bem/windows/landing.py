@@ -1,0 +1,106 @@
+"""Path of one window to another penetration, in the far field of all others, by the engine of the whole contact.
+
+The window begins at edges that were joined with those of its neighbours, and comes to rest first.  Dimensionless.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from bem.adhesive.branch import numbers_of, tangent
+from bem.adhesive.equilibrium import Balance, System, balance
+from bem.continuation.locating import Start
+from bem.continuation.path import Path
+from bem.continuation.points_with_edges import Equilibrium
+from bem.continuation.rest import at_rest
+from bem.continuation.tension import LeastLoad
+from bem.elastic.far_field import FarField
+from bem.elastic.hierarchical import if_solvable
+from bem.geometry.arrays import FloatArray
+from bem.geometry.patches import Patches
+from bem.loading.path_events import EventNumbers, PathEvent, path_events
+
+
+@dataclass(frozen=True, eq=False)
+class Departure:
+    """A window before a step: its field and patches, the penetrations where it begins and ends, and its least error.
+
+    `error` is that of the penetration of an event at the very beginning.
+    """
+
+    far: FarField
+    patches: Patches
+    start: float
+    value: float
+    error: float
+
+
+@dataclass(frozen=True, eq=False)
+class Release:
+    """An event in a window, and how much the load changes in its jump: zero but for the first of an avalanche."""
+
+    event: PathEvent
+    load_change: float
+
+
+@dataclass(frozen=True, eq=False)
+class Landing:
+    """A window after a step: its patches, the rate of their edges, (2 n,), and what happened."""
+
+    patches: Patches
+    rate: FloatArray
+    releases: tuple[Release, ...]
+
+
+def landed(path: Path, departure: Departure) -> tuple[Landing | None, int]:
+    """Follow a window; None where its path fails or leaves no edges.  Also return the number of evaluations.
+
+    `path` is that of the whole contact.
+    """
+    elastic = replace(path.system.elastic, far=departure.far)
+    own = System(elastic, path.system.law, path.system.control)
+    increments = replace(path.increments, fine=path.increments.way)
+    landing = if_solvable(
+        _landing, replace(path, system=own, increments=increments, asked_loads=(), least_load=LeastLoad()), departure
+    )
+    return landing, own.effort.evaluations + own.effort.local_evaluations
+
+
+def _landing(path: Path, departure: Departure) -> Landing | None:
+    """Return where the window ends, after it came to rest at the start."""
+    way, start = path.increments.way, departure.start
+    begun = Start(departure.patches, start, start)
+    rested = at_rest(path.system, begun, way, path.increments.coarse.tolerance)
+    if rested.balance is None or rested.status != "converged":
+        return None
+    releases: list[Release] = []
+    if rested.changes:
+        before = balance(path.system, departure.patches, start, start, way.tolerance)
+        releases += _at_start(before, rested.balance, rested.changes, departure)
+    here: Equilibrium = Equilibrium.of(start, rested.balance)
+    for point in path.advance(here, departure.value):
+        if not isinstance(point, Equilibrium):
+            return None
+        if point.events:
+            releases += _jump(point.events, point.load - here.load)
+        here = point
+    if here.value != departure.value or here.balance.factor is None:
+        return None
+    return Landing(here.patches, tangent(path.system, here.balance), tuple(releases))
+
+
+def _at_start(
+    before: Balance, after: Balance, changes: tuple[tuple[str, float], ...], departure: Departure
+) -> list[Release]:
+    """Return events of a window that was not at rest: they belong to somewhere in the step before."""
+    width, released = departure.error, before.potential - after.potential
+    doubt = abs(released) + width * abs(before.state.load - after.state.load)
+    load = abs(before.stiffness) * width
+    error = EventNumbers(width, width, load, load * width)
+    events = path_events(changes, numbers_of(before, departure.start), error, released, doubt)
+    return _jump(events, after.state.load - before.state.load)
+
+
+def _jump(events: tuple[PathEvent, ...], load_change: float) -> list[Release]:
+    """Return the events of an avalanche, the first with the change of the load."""
+    return [Release(event, 0.0 if k else load_change) for k, event in enumerate(events)]

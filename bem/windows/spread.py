@@ -1,0 +1,248 @@
+"""Many patches: windows of them followed side by side over a step of the penetration, and joined.
+
+In a step every window follows its own path, in a far field that is linear in the penetration: that of the charges where
+the step begins and of those at predicted edges where it ends.  The windows' states are joined at seams and evaluated as
+one.  Where an event in one window reaches into the next, what was joined is no equilibrium: all windows come to rest
+again at the same penetration until it is (Schwarz's alternating method).  Penetration control, half-space.
+Dimensionless.
+
+Events.  A window knows its events in its far field.  How far that was off at the end of the step is what the joined
+edges miss of K, as a penetration: the error of their place.  By reciprocity a jump changes the load of the whole
+contact by as much as the generalised load of the window; between jumps the load of the whole is interpolated, by its
+rates at both ends of the step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+from numpy.polynomial import polynomial
+
+from bem.adhesive.equilibrium import edge_positions
+from bem.continuation.path import Path
+from bem.elastic.collocation import Evaluation, evaluate
+from bem.elastic.far_field import Charges, far_fields
+from bem.elastic.hierarchical import if_solvable
+from bem.geometry.arrays import FloatArray
+from bem.geometry.patches import TWO_PI, Patches, ordered
+from bem.loading.crew import Crew
+from bem.loading.path_events import EventNumbers, PathEvent, PathStatus
+from bem.loading.points_without_edges import PathPoint
+from bem.windows.landing import Departure, Landing, Release, landed
+from bem.windows.windows import Window, in_core, seams, wider, windows_of
+
+WIDER = 3, 7  # limit: patches of buffer more, for a window whose path fails
+ALIKE = 0.1  # residual of joined windows, beyond which one has felt the events of another too late: a shorter step
+JOINED = 0.5  # limit: of the shortest step: residual beyond which windows do not fit
+ROUNDS = 5  # limit: of windows that follow one another's events in it
+NEAR = 8  # edges next to an event, by which the far field of its window is judged
+PREDICTED = 0.15  # edge scales that edges are moved at most to predict the far field at the end of a step
+
+
+@dataclass(frozen=True, eq=False)
+class Spread(PathPoint):
+    """Joined windows: next to an equilibrium of many patches.
+
+    Attributes
+    ----------
+    state : Evaluation
+        Without the compliance of the edges.
+    rate : (2 L,) array
+        Derivatives of the outward motions of the edges by the penetration.
+    step : float
+        Change of the penetration that led here, or may be tried first.
+    """
+
+    state: Evaluation
+    rate: FloatArray
+    step: float
+    status: ClassVar[PathStatus] = "converged"
+
+    @property
+    def patches(self) -> Patches:
+        """The contact patches, whose ends are the edges."""
+        return self.state.patches
+
+    @property
+    def load(self) -> float:
+        """Load of the state."""
+        return self.state.load
+
+    @property
+    def stiffness(self) -> float:
+        """Derivative of the load by the penetration, the edges following."""
+        state = self.state
+        return state.load_rate + float(state.stress_intensity * state.stress_intensity_rate / 2 @ self.rate)
+
+
+@dataclass(frozen=True, eq=False)
+class Joined:
+    """Windows after a step: edges and their rates, and what happened in each, by its window's core."""
+
+    patches: Patches
+    rate: FloatArray
+    releases: tuple[Release, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Spreading:
+    """Follows many patches from penetration to penetration.
+
+    Parameters
+    ----------
+    path : Path
+        Of the whole contact.
+    crew : Crew
+        Processes in which windows are followed.
+    """
+
+    path: Path
+    crew: Crew
+
+    def at(self, value: float, patches: Patches, rate: FloatArray, step: float) -> Spread | None:
+        """Return the point at edges with their rates; None where it cannot be evaluated."""
+        state = self._evaluated(patches, value)
+        return None if state is None else Spread(value, state, rate, step)
+
+    def stepped(self, point: Spread, value: float, shortest: bool) -> Spread | None:
+        """Return the point at another penetration; None where a window fails, or windows do not fit.
+
+        In the shortest step, windows may follow one another's events.
+        """
+        releases: list[tuple[Release, float]] = []
+        start, here = point.value, point
+        for _ in range(ROUNDS if shortest else 1):
+            joined = self._joined(here, value, abs(value - start))
+            state = None if joined is None else self._evaluated(joined.patches, value)
+            if joined is None or state is None:
+                return None
+            here, missed = Spread(value, state, joined.rate, abs(value - start)), self._missed(state)
+            releases += [(release, self._error(release, state, missed)) for release in joined.releases]
+            if np.max(np.abs(missed)) <= (JOINED if shortest else ALIKE):
+                return replace(here, events=events_of(point, here, releases))
+        return None
+
+    def _joined(self, point: Spread, value: float, error: float) -> Joined | None:
+        """Return what all windows find, each in the far field of the state before."""
+        change = value - point.value
+        here, most = charges_of(point.state), PREDICTED * point.patches.edge_scale
+        ahead = charges_moved_in(point.state)
+        if change:
+            motion = np.clip(change * point.rate, -most, most)
+            there = self._evaluated(point.patches.moved(motion), value)
+            ahead = ahead if there is None else charges_of(there)
+
+        def departures(windows: Sequence[Window]) -> list[Departure]:
+            fields = far_fields([window.arc for window in windows], here, ahead)
+            return [
+                Departure(far, window.of(point.patches), point.value, value, error)
+                for window, far in zip(windows, fields, strict=True)
+            ]
+
+        windows, landings = windows_of(point.patches), []
+        for k, landing in enumerate(self._landings(departures(windows))):
+            for more in WIDER if landing is None else ():
+                again = wider(point.patches, k, more)
+                if again is None:
+                    break
+                (landing,) = self._landings(departures([again]))
+                if landing is not None:
+                    windows[k] = again
+                    break
+            if landing is None:
+                return None
+            landings.append(landing)
+        return joined_at_seams(windows, landings)
+
+    def _landings(self, departures: Sequence[Departure]) -> Iterator[Landing | None]:
+        """Yield where the paths of windows end."""
+        effort = self.path.system.effort
+        for landing, evaluations in self.crew.each(landed, self.path, departures):
+            effort.local_evaluations += evaluations
+            effort.cpu_elsewhere = self.crew.cpu_seconds
+            yield landing
+
+    def _evaluated(self, patches: Patches, value: float) -> Evaluation | None:
+        """Return all patches at a penetration, without the compliance of their edges; None where that fails."""
+        if not patches.is_ordered:
+            return None
+        system = self.path.system
+        system.effort.evaluations += 1
+        tolerance = self.path.increments.way.tolerance
+        return if_solvable(evaluate, system.elastic, patches, value, tolerance, None, False)
+
+    def _missed(self, state: Evaluation) -> FloatArray:
+        """Return 2 - K / sqrt(w), (2 L,): zero in equilibrium."""
+        work = self.path.system.law.work_and_gradient(edge_positions(state.patches))[0]
+        return np.asarray(2 - state.stress_intensity / np.sqrt(work))
+
+    def _error(self, release: Release, state: Evaluation, missed: FloatArray) -> float:
+        """Return what edges near an event miss of K, as a penetration."""
+        apart = np.abs((edge_positions(state.patches) - release.event.position + np.pi) % TWO_PI - np.pi)
+        near = np.argsort(apart)[:NEAR]
+        shift = missed[near] * state.stress_intensity[near] / (2 - missed[near]) / state.stress_intensity_rate[near]
+        return float(np.max(np.abs(shift)))
+
+
+def joined_at_seams(windows: Sequence[Window], landings: Sequence[Landing]) -> Joined | None:
+    """Return the cores of windows as one contact; None where they do not fit."""
+    places = seams(windows, [landing.patches for landing in landings])
+    if places is None:
+        return None
+    parts: list[FloatArray] = []
+    releases: tuple[Release, ...] = ()
+    for landing, seam, following in zip(landings, places, [*places[1:], places[0]], strict=True):
+        own = in_core(landing.patches.left, seam, following)
+        edges = np.stack([edge_positions(landing.patches), landing.rate])
+        parts.append(edges.reshape(2, 2, -1)[:, :, own])
+        releases += tuple(r for r in landing.releases if in_core(np.array(r.event.position), seam, following))
+    (left, right), rate = np.concatenate(parts, axis=2)
+    patches, order = ordered(left, right), np.argsort(left % TWO_PI)
+    return Joined(patches, rate[:, order].ravel(), releases) if patches.is_ordered else None
+
+
+def events_of(first: Spread, last: Spread, releases: Sequence[tuple[Release, float]]) -> tuple[PathEvent, ...]:
+    """Return events of a step in their order, with the load of the whole contact.
+
+    Parameters
+    ----------
+    first, last : Spread
+        Where the step begins and ends.
+    releases : sequence of (Release, float)
+        What windows found, with the error of its penetration by the far field.
+    """
+    change = last.value - first.value
+    direction = np.sign(change) or 1.0
+    in_order = sorted(releases, key=lambda one: direction * one[0].event.at.value)
+    value = np.array([release.event.at.value for release, _ in in_order])
+    width = np.array([release.event.error.value + shift for release, shift in in_order])
+    jump = np.array([release.load_change for release, _ in in_order])
+    rise, a, b = last.load - first.load - jump.sum(), change * first.stiffness, change * last.stiffness
+    smooth = np.array([first.load, a, 3 * rise - 2 * a - b, a + b - 2 * rise])
+    part = (value - first.value) / change if change else np.ones(value.size)
+    load = polynomial.polyval(part, smooth) + np.cumsum(jump) - jump
+    bent = float(np.max(np.abs(polynomial.polyval(np.linspace(0, 1, 9), smooth - [first.load, rise, 0, 0]))))
+    steepness = max(abs(first.stiffness), abs(last.stiffness))
+    tied = np.abs(value[:, None] - value) <= width[:, None] + width  # any of these may come before the other
+    doubt = bent + steepness * width + tied @ np.abs(jump) - np.abs(jump)
+    events = []
+    for k, (release, shift) in enumerate(in_order):
+        event, off = release.event, release.event.error
+        error = EventNumbers(off.value + shift, off.penetration + shift, off.load + float(doubt[k]), off.potential)
+        energy_error = event.energy_error + shift * abs(release.load_change)
+        at = replace(event.at, load=float(load[k]))
+        events.append(replace(event, at=at, error=error, energy_error=energy_error))
+    return tuple(events)
+
+
+def charges_of(state: Evaluation) -> Charges:
+    """Return the charges of a state."""
+    return Charges(state.skeleton_nodes(), state.skeleton, state.penetration)
+
+
+def charges_moved_in(state: Evaluation) -> Charges:
+    """Return the charges of a state after a unit of penetration more, at fixed edges."""
+    return Charges(state.skeleton_nodes(), state.skeleton + state.skeleton_rate, state.penetration + 1)
