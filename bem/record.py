@@ -34,7 +34,7 @@ from bem.loading.path_events import PathEvent
 from bem.missed import uncertified
 from bem.problem import Problem
 from bem.scene.effects import effects_of
-from bem.scene.plausibility import cautions_of, groups_of, pressure_groups
+from bem.scene.plausibility import cautions_of, groups_of
 from bem.scene.result import (
     Branch,
     Caution,
@@ -143,8 +143,7 @@ class Record:
     def result(self, status: Status, failure: str | None = None) -> Result:
         """Return the result of all entries."""
         result = self.begun.with_entries(self.entries)
-        groups = result.groups | pressure_groups(result.groups, [state for state in result.states if state.found])
-        return replace(result, status=status, failure=failure, groups=groups)
+        return replace(result, status=status, failure=failure)
 
 
 def entries_of(result: Result, begun: Result) -> Iterator[Entry]:
