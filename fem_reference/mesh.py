@@ -70,7 +70,7 @@ class Resolution:
         return round(2 * self.order * float(np.log2(self.cells / self._cells_of_coarser)))
 
     def coarser(self) -> "Resolution":
-        """Return the next coarser resolution: 3/4 of the cells, rounded up, and as many tip levels fewer as keep pace."""
+        """Return the next coarser resolution: 3/4 of the cells, rounded up, and fewer tip levels at the same pace."""
         return replace(self, cells=self._cells_of_coarser, tip_levels=self.tip_levels - self.levels_fewer)
 
 
