@@ -70,12 +70,6 @@ ORDER = (
     "validation/corpus/random",
     "validation/corpus",
     "validation/cases/shared",
-    "validation/cases/exact",
-    "validation/cases/states",
-    "validation/cases/paths",
-    "validation/cases/rough_profiles",
-    "validation/cases/finite_elements",
-    "validation/cases/theory",
     "validation/cases/suite",
     "validation/cases",
     "validation/studies",
@@ -83,7 +77,7 @@ ORDER = (
     "validation/studies/own_scene",
     "validation/studies/faults",
     "validation/fits",
-    "validation/replicate",
+    "validation/paper",
     "validation/challenge",
     "validation",
     "validation/command_line",
@@ -95,7 +89,7 @@ APART = {  # besides the order: folders that these do not import from either
     "bem/nonadhesive": ("bem/adhesive", "bem/continuation"),
     "bem/scene": ("bem/continuation", "bem/nonadhesive"),
     "validation/studies": ("validation/cases",),
-    "validation/replicate": ("validation/cases",),
+    "validation/paper": ("validation/cases",),
 }
 ONE_PATH = ("bem/solver.py", "bem/record.py")  # ask a path only what bem/loading/loading_path.py says
 
@@ -146,6 +140,11 @@ def imported_by(path: Path) -> set[str]:
 def test_packages_that_are_compared_share_nothing(package):
     others = set(PACKAGES) - {package}
     assert [str(path) for path in SOURCES if path.parts[0] == package and imported_by(path) & others] == []
+
+
+def test_references_share_nothing_with_the_codes_that_they_judge():
+    references = [path for path in SOURCES if path.is_relative_to("validation/references")]
+    assert [str(path) for path in references if imported_by(path) & set(PACKAGES[:-1])] == []
 
 
 @pytest.mark.parametrize("module", ONLY_IN)

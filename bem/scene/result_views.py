@@ -54,6 +54,7 @@ class Views:
     states: tuple[Any, ...]
     events: tuple[Any, ...]
     status: str
+    warnings: tuple[Any, ...]
     fields: dict[str, NDArray[Any]]
     failure: str | None
 
@@ -123,6 +124,8 @@ class Views:
     def __repr__(self) -> str:
         words = [f"{len(self.states)} states", f"{sum(state.target for state in self.states)} at targets"]
         words.append(f"{len(self.events)} events")
+        if self.warnings:
+            words.append(f"{len(self.warnings)} warning{'s' * (len(self.warnings) != 1)} in .warnings")
         if found := [state for state in self.states if state.found]:
             last = found[-1]
             words.append(f"last at {last.mean_pressure:.6g} Pa, contact fraction {last.contact_fraction:.6g}")

@@ -38,8 +38,9 @@ AS_LONG = {  # arrays of a state, and an array of the same length: of the state,
     **dict.fromkeys(("C_u", "C_sigma"), "q"),
     "P": "sigma",
 }
+WHOLE, MAYBE_NAN = ("patch",), ("pressure", "scan_h")  # outside contact; where a sample is missing
 SCALARS = ("outside_contact", "tail_coefficient")
-NUMBERS = "biuf"  # kinds of arrays that a result holds
+NUMBERS = "if"  # kinds of arrays that a result holds
 LONGEST_NAME = 64  # format: characters of the name of an array
 
 
@@ -102,8 +103,12 @@ def split(name: str) -> tuple[str, str]:
 
 
 def _check_length(arrays: Mapping[str, NDArray[Any]], name: str, stem: str, k: str) -> None:
-    """Raise CorruptArraysError where an array is empty, has another dimension, or not the length of its partner."""
+    """Raise CorruptArraysError where an array is empty, or of another type, dimension or length than it should be."""
     values = arrays[name]
+    if values.dtype.kind != ("i" if stem in WHOLE else "f"):
+        raise CorruptArraysError(f"{name} is of type {values.dtype}")
+    if stem not in MAYBE_NAN and not np.all(np.isfinite(values)):
+        raise CorruptArraysError(f"{name} has values that are not finite")
     if values.ndim != (stem not in SCALARS):
         raise CorruptArraysError(f"{name} has the shape {values.shape}")
     if values.size == 0:

@@ -10,7 +10,6 @@ from scene_tables import tables, waves
 from bem.scene.result_file import write_result
 from bem.scene.scene import parse_scene
 from bem.solver import solve
-from validation.cases.paths.loop_work import accounts, closed, legs
 from validation.references.closed_forms import Sinusoid
 
 WAVE = Sinusoid(1e-4, 0.01, 1e6, 0.5, 0.3)
@@ -35,35 +34,11 @@ def test_targets_are_visited_in_order():
     assert [state.branch for state in loop().targets] == ["loading", "unloading", "loading", "unloading"]
 
 
-def test_a_loop_dissipates_what_its_events_release():
-    """And coming apart costs what touching gave: from first touch on, and from the second target."""
-    result, ways = accounts(rough_scene([40e-6, 75e-6, 40e-6, 160e-6], 12, 5, 0.05), nodes=10, approach=True)
-    assert result.states[-1].status == "separated"
-    for parts in (ways, ways[1:3]):
-        whole = closed(parts)
-        assert whole.released > 0
-        assert abs(whole.missing) <= 7e-10 * max(abs(way.work) for way in parts)  # measured 2.8e-10
-
-
 def test_events_have_positions_and_release_energy():
     for event in loop().events:
         assert event.energy_released >= 0
         assert event.position is not None or event.kind == "bifurcation"
         assert event.position is None or 0 <= event.position < 0.01
-
-
-def test_no_event_without_a_state_around_it():
-    assert sum(len(events) for _, events in legs(loop())) == len(loop().events)
-
-
-def test_seven_equal_contacts_lose_their_symmetry_by_an_event():
-    wave = Sinusoid(1e-4 / 7, 0.01 / 7, 1e6, 0.5, 0.3)
-    below, above = (float(wave.penetration(share * np.pi / 2)) for share in (0.70, 0.80))
-    result = solve(scene("penetration", [below, above], order=7))
-    kinds = {e.kind for e in result.events if e.penetration > below}
-    widths = [np.ptp([b - a for a, b in state.edges]) for state in result.targets]
-    assert "bifurcation" in kinds
-    assert widths[0] <= 1e-10 * 0.01 < widths[1]
 
 
 def test_seven_equal_contacts_without_adhesion_stay_equal():
@@ -80,16 +55,6 @@ def test_every_control_finds_the_same_state(control):
     assert here.stable_at_fixed_load
     assert abs(twin.contact_fraction - here.contact_fraction) <= 1e-9
     assert abs(twin.mean_pressure - here.mean_pressure) <= 1e-8 * abs(here.mean_pressure)
-
-
-@pytest.mark.parametrize(("share", "stable"), [(0.105, False), (0.5, True), (0.93, False)])
-def test_both_stabilities_are_reported(share, stable):
-    """At fixed penetration every state is stable; at fixed load only where the load grows with it."""
-    state = solve(scene("penetration", [float(WAVE.penetration(at * np.pi / 2)) for at in (0.5, share)])).targets[-1]
-    assert state.contact_fraction == pytest.approx(share, abs=1e-6)
-    assert state.certificate.min_eigenvalue > 0
-    assert state.stable_at_fixed_load is stable
-    assert (state.contact_stiffness > 0) is stable
 
 
 def test_a_flaw_opens_complete_contact_and_releases_energy():

@@ -1,0 +1,272 @@
+"""Spectra of displacement and pressure at 0.005 and 0.02 E*: exponents, full contact at short waves and at high load.
+
+C_u and C_sigma are two-sided per line; every line of one realisation scatters like a periodogram.  An exponent is the
+least squares slope of ln C against ln q over the orders of a window, every line with the same weight, fitted to each
+realisation on its own: mean and standard error over them; what the mean spectrum gives stands beside it.  The paper
+does not print its window, and the spectrum is slightly curved; so the number of the middle range is the mean over the
+windows of `MIDDLE`, and the lowest and highest of them, which is the ambiguity that the window leaves, stand beside
+the verdict.  For the half-space C_sigma = E*^2 q^2 C_u / 4 line by line, so that its exponent is that of C_u plus 2.
+
+Theory: C_u = C A(q)/A0, exponent -(2 + H) where adhesion is negligible; 1 - 2 H of C_sigma is that of full contact at
+every q, C_sigma ~ q^2 C.  Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from validation.harness.arrays import FloatArray
+from validation.harness.figure_data import drawn, loglog, semilogx, trace
+from validation.harness.schema import Figure, Series
+from validation.paper.evidence import Evidence, Realisation, estimate, jackknife, scattered
+from validation.paper.members import LOADS, SPECTRA_AT
+from validation.paper.statements import Statement, Topic
+from validation.references.paper_problem import HURST, MODULUS
+
+Window = tuple[float, float]
+
+MIDDLE: tuple[Window, ...] = ((3.0, 30.0), (5.0, 50.0), (10.0, 100.0), (3.0, 100.0))  # orders
+DRAWN = (3.0, 100.0)  # of the middle, whose straight line is drawn
+HIGH: Window = (250.0, 1000.0)
+SHIFTED, NEGLIGIBLE = (3.0, 100.0), 0.2  # orders; of the theory's C_u
+PAPERS = -2.73  # exponent of C_u
+FULL_CONTACT = -(1 + 2 * HURST)  # of C_u: the profile's own
+MIDST = float(np.log(DRAWN[0] * DRAWN[1]) / 2)  # logarithm of its middle
+BANDS = 24  # of orders, equal in ln q, in figures
+HOW_DRAWN = (
+    "Dots: mean over the realisations, order by order; thin lines and shaded bands: single realisations and their mean "
+    "with its standard error, averaged over bands of orders; lines: the theory. Fits: the slope fitted to each "
+    "realisation, at the level of their mean. Loads and windows are ours."
+)
+
+
+@dataclass(frozen=True)
+class Exponent:
+    """Mean over windows and realisations, its standard error, and the lowest and highest window."""
+
+    value: float
+    error: float
+    low: float
+    high: float
+
+    def reported(self, added: float = 0.0) -> str:
+        """What the window leaves open, with a number added to the exponents."""
+        return f"windows: {self.low + added:.3f} to {self.high + added:.3f}"
+
+
+def exponent(power: FloatArray, window: Window) -> float:
+    """Slope of ln C against ln q over the orders of a window; power belongs to the orders 1, 2, ..
+
+    Examples
+    --------
+    >>> round(exponent(np.arange(1.0, 200.0) ** -2.7, (10, 100)), 12)
+    -2.7
+    """
+    order = np.arange(1, power.size + 1)
+    inside = (order >= window[0]) & (order <= window[1])
+    return float(np.polyfit(np.log(order[inside]), np.log(power[inside]), 1)[0])
+
+
+def exponent_of(power: FloatArray, windows: Sequence[Window]) -> Exponent:
+    """Exponent of several realisations, (n_realisations, n_orders), over several windows; nan without a window.
+
+    Examples
+    --------
+    >>> lines = np.arange(1.0, 200.0) ** -2.0
+    >>> found = exponent_of(np.array([lines, 2 * lines]), [(3, 30), (10, 100)])
+    >>> round(found.value, 12), round(found.error, 12), round(found.high - found.low, 12)
+    (-2.0, 0.0, 0.0)
+    """
+    if not windows:
+        return Exponent(np.nan, 0.0, np.nan, np.nan)
+    each = np.array([[exponent(one, window) for window in windows] for one in power])
+    by_window = each.mean(axis=0)
+    return Exponent(*estimate(each.mean(axis=1)), float(by_window.min()), float(by_window.max()))
+
+
+def exponent_of_mean(power: FloatArray, windows: Sequence[Window]) -> Exponent:
+    """Exponent of the mean over realisations, (n_realisations, n_orders), over several windows; jackknife error.
+
+    Examples
+    --------
+    >>> lines = np.arange(1.0, 201.0) ** -2.0
+    >>> found = exponent_of_mean(np.array([lines, 2 * lines]), [(3, 30), (10, 100)])
+    >>> round(found.value, 12), round(found.error, 12)
+    (-2.0, 0.0)
+    """
+    value, error = jackknife(lambda mean: float(np.mean([exponent(mean, window) for window in windows])), power)
+    by_window = [exponent(power.mean(axis=0), window) for window in windows]
+    return Exponent(value, error, min(by_window), max(by_window))
+
+
+def spectra(evidence: Evidence, load: float, name: str = "C_u") -> FloatArray:
+    """C_u at a load in m^3, or C_sigma, (n_realisations, n_orders)."""
+    every = [one.field(name, load) for one in evidence.with_fields_at(load)]
+    return np.array(every)[:, : evidence.size.harmonics]
+
+
+def compute(evidence: Evidence) -> Topic:
+    """Return statements and figures of the loading ensemble and of the profile at high load."""
+    statements: list[Statement] = []
+    for load in SPECTRA_AT:
+        power = spectra(evidence, load)
+        theory = evidence.with_adhesion[load].displacement_power(evidence.loading[0].surface.q0)
+        for judge in (_middle, _shift, _high):
+            statements += judge(load, power, theory, evidence)
+    figures = list(_figures(evidence))
+    if evidence.high_load is not None:
+        statement, figure = _high_load(evidence.high_load, evidence)
+        statements, figures = [*statements, statement], [*figures, figure]
+    question = "What are the exponents of the spectra, and is contact full at short wavelengths?"
+    return Topic(question, statements, (), figures)
+
+
+def _middle(load: float, power: FloatArray, theory: FloatArray, evidence: Evidence) -> list[Statement]:
+    """Judge the paper's exponents of the middle range: of C_u, of its theory, of C_sigma."""
+    windows = [window for window in MIDDLE if window[1] <= power.shape[1]]
+    found = exponent_of(power, windows)
+    said = float(np.mean([exponent(theory, window) for window in windows])) if windows else np.nan
+    of_mean = exponent_of_mean(power, windows).value if windows else np.nan
+    statement = evidence.statement
+    return [
+        statement("section 5: -2.73, theory -2.7", f"exponent of C_u at {load:g} E*, middle range",
+                  (found.value, found.error), PAPERS, 0.15, FULL_CONTACT,
+                  f"{found.reported()}; fitted to the mean spectrum {of_mean:.3f}"),
+        statement("section 5: theory -2.7", f"exponent of C_u in the theory with adhesion at {load:g} E*, middle range",
+                  (said, 0.0), -2.7, 0.1, FULL_CONTACT),
+        statement("section 5: -H in the middle range",
+                  f"exponent of C_sigma at {load:g} E*, middle range (that of C_u plus 2)",
+                  (found.value + 2, found.error), -HURST, 0.15, FULL_CONTACT + 2, found.reported(2)),
+    ]  # fmt: skip
+
+
+def _shift(load: float, power: FloatArray, theory: FloatArray, evidence: Evidence) -> list[Statement]:
+    """Judge how far C_u lies above that of the theory: mean over the orders of `SHIFTED`."""
+    if power.shape[1] < SHIFTED[1]:
+        return []
+    inside = slice(int(SHIFTED[0]) - 1, int(SHIFTED[1]))
+    ratio = estimate((power[:, inside] / theory[inside]).mean(axis=1))
+    return [
+        evidence.statement("section 5: a non-negligible shift, the exponents the same",
+                           f"C_u at {load:g} E* over that of the theory with adhesion, orders 3 to 100, off by more "
+                           f"than {NEGLIGIBLE:.0%}", ratio, 1.0, NEGLIGIBLE, differs=True)
+    ]  # fmt: skip
+
+
+def _high(load: float, power: FloatArray, theory: FloatArray, evidence: Evidence) -> list[Statement]:
+    """Judge the exponent of C_sigma at the high end, and by how much it has risen from the middle."""
+    if power.shape[1] < HIGH[1]:
+        return []
+    found = exponent_of(power, [HIGH])
+    rise = [exponent(one, HIGH) - np.mean([exponent(one, window) for window in MIDDLE]) for one in power]
+    where = "section 5: from -H in the middle range to 1 - 2 H of full contact at high q"
+    return [
+        evidence.statement(where, f"exponent of C_sigma at {load:g} E*, orders 250 to 1000",
+                           (found.value + 2, found.error), 1 - 2 * HURST, 0.15, -HURST),
+        evidence.statement(where, f"rise of the exponent of C_sigma to orders 250 to 1000, {load:g} E*",
+                           estimate(rise), 1 - HURST, 0.15, 0.0),
+    ]  # fmt: skip
+
+
+def _high_load(one: Realisation, evidence: Evidence) -> tuple[Statement, Figure]:
+    """C_u / C as contact becomes complete: at the highest load, in bands of orders, and its mean at every load."""
+    profile = one.result.fields["C_h"]
+    carried = np.flatnonzero(profile > 0)
+    series, lines = list[Series](), list[tuple[float, ...]]()
+    for k, state in enumerate(one.result.targets):
+        ratio = one.result.fields[f"C_u_{k}"][carried] / profile[carried]
+        order, followed = banded(ratio)
+        load, fraction = state.mean_pressure / MODULUS, state.contact_fraction
+        series.append(trace(f"p = {load:.3g} E*, A/A0 = {fraction:.4f}", order, followed, hue=k))
+        lines.append((state.separation * 1e6, load, fraction, *estimate(ratio), max(abs(v - 1) for v in followed)))
+    (_, _, first, least, *_), (_, _, last, mean, error, _) = lines[0], lines[-1]
+    statement = evidence.statement("section 5: C_u tends to C at very high load",
+                                   f"C_u over C at contact fraction {last:.4f}, mean over orders", (mean, error), 1.0,
+                                   min(0.02, abs(least - 1) / 2), least,
+                                   f"excluded: its value at {first:.3f}")  # fmt: skip
+    figure = drawn(
+        "high-load",
+        f"C_u / C of a profile with {carried.size} harmonics as contact becomes complete, in bands of orders.",
+        semilogx("$q/q_0$", "$C_u/C$", *series),
+    )
+    return statement, figure
+
+
+def banded(values: FloatArray, bands: int = BANDS) -> tuple[list[float], list[float]]:
+    """Means over bands of orders equal in ln q: central orders and values.
+
+    Examples
+    --------
+    >>> order, value = banded(np.ones(100), 4)
+    >>> len(order), set(value)
+    (4, {1.0})
+    """
+    edges = np.geomspace(1, values.size + 1, bands + 1)
+    order = np.arange(1, values.size + 1)
+    inside = [(order >= low) & (order < high) for low, high in pairwise(edges)]
+    kept = [mask for mask in inside if mask.any()]
+    return (
+        [float(np.exp(np.mean(np.log(order[mask])))) for mask in kept],
+        [float(np.mean(values[mask])) for mask in kept],
+    )
+
+
+def _figures(evidence: Evidence) -> Iterator[Figure]:
+    """Both spectra, and that of the displacement over the profile's, level where short waves are in full contact."""
+    profile, q0 = evidence.lines.power(evidence.loading[0].surface.q0), evidence.loading[0].surface.q0
+    order = range(1, evidence.size.harmonics + 1)
+    stiffness = evidence.with_adhesion[LOADS[-1]].plane_strain_modulus * q0 * np.array(order) / 2
+    displaced = [trace("profile", order, profile, hue=5)]
+    pressed = [trace("full contact, slope 1 - 2H", order, stiffness**2 * profile / MODULUS**2, "dashed", hue=5)]
+    followed: list[Series] = []
+    for hue, load in enumerate(SPECTRA_AT):
+        name, theory = f"{load:g} E*", evidence.with_adhesion[load]
+        power, stress = spectra(evidence, load), spectra(evidence, load, "C_sigma") / MODULUS**2
+        displaced += _curves(power, theory.displacement_power(q0), name, hue)
+        for slope, level, window in _fits(power, [DRAWN]):
+            displaced += [
+                _fitted(name, slope, level, window, hue),
+                trace(f"{name}, the paper's slope {PAPERS}", *_power_law(PAPERS, level + MIDST * (slope - PAPERS)),
+                      "dashed", hue=5),
+            ]  # fmt: skip
+        pressed += _curves(stress, theory.pressure_power(q0) / MODULUS**2, name, hue)
+        pressed += [_fitted(name, *fit, hue) for fit in _fits(stress, [DRAWN, HIGH])]
+        followed += _curves(power / profile, theory.contact_fractions, name, hue)[1:]
+    yield drawn("displacement-spectrum", f"Spectrum C_u of the displacement against the order. {HOW_DRAWN}",
+                loglog("$q/q_0$", "$C_u$ / m³", *displaced))  # fmt: skip
+    yield drawn("pressure-spectrum", f"Spectrum C_sigma over E*^2 of the pressure against the order. {HOW_DRAWN}",
+                loglog("$q/q_0$", r"$C_\sigma/E^{*2}$ / m", *pressed))  # fmt: skip
+    yield drawn("displacement-over-profile", "C_u / C of the profile, in bands of orders, beside the theory's A(q)/A0.",
+                loglog("$q/q_0$", "$C_u/C$", *followed))  # fmt: skip
+
+
+def _fitted(name: str, slope: float, level: float, window: Window, hue: int) -> Series:
+    return trace(f"{name}, fit, slope {slope:.2f}", *_power_law(slope, level, window), "dashed", hue=hue)
+
+
+def _curves(power: FloatArray, theory: FloatArray, name: str, hue: int) -> list[Series]:
+    """Mean of every order, single realisations and mean with its error in bands of orders, theory."""
+    bands, order = [banded(one) for one in power], range(1, power.shape[1] + 1)
+    return [
+        trace(f"{name}, mean of every order", order, power.mean(axis=0), "dots", hue=hue),
+        *scattered(bands, bands[0][0], [value for _, value in bands], name=f"{name}, ", hue=hue)[:2],
+        trace(f"{name}, Persson with adhesion", order, theory, hue=hue),
+    ]
+
+
+def _fits(power: FloatArray, windows: Sequence[Window]) -> Iterator[tuple[float, float, Window]]:
+    """Mean slope of the lines fitted to each realisation, the level of their mean, and the window; of those inside."""
+    order = np.arange(1, power.shape[1] + 1)
+    for window in windows:
+        if window[1] <= order.size:
+            slope = float(np.mean([exponent(one, window) for one in power]))
+            inside = (order >= window[0]) & (order <= window[1])
+            level = np.log(power.mean(axis=0)[inside]) - slope * np.log(order[inside])
+            yield slope, float(np.mean(level)), window
+
+
+def _power_law(slope: float, level: float, window: Window = DRAWN) -> tuple[list[float], list[float]]:
+    """The ends of a straight line."""
+    return list(window), [float(np.exp(level + slope * np.log(end))) for end in window]
