@@ -318,8 +318,8 @@ OTHER_ARRAYS = {
     "gap_0 has values that are not finite": lambda fields: fields | {"gap_0": np.full(5, np.nan)},
     "patch_0 is of type float64": lambda fields: fields | {"patch_0": np.ones(5)},
     "x_0 is empty": lambda fields: {name: values[:0] for name, values in fields.items()},
-    "gap_0 has 4 values, x has 5": lambda fields: fields | {"gap_0": np.ones(4)},
-    "profile_q has 3 values, profile_amplitude has none": lambda fields: fields | {"profile_q": np.ones(3)},
+    "gap_0 has 4 values, x_0 has 5": lambda fields: fields | {"gap_0": np.ones(4)},
+    "holds profile_q without profile_amplitude": lambda fields: fields | {"profile_q": np.ones(3)},
     "holds no array of the stored state 0": lambda _: {"profile_q": np.ones(3), "profile_amplitude": np.ones(3)},
 }
 
@@ -351,7 +351,10 @@ ARCHIVES = {
     "deflated": ({"x_0.npy": (npy(np.zeros(10**6)), zipfile.ZIP_DEFLATED)}, "compressed"),
     "lzma": ({"x_0.npy": (PLAIN, zipfile.ZIP_LZMA)}, "compressed"),
     "no array": ({"x_0.npy": (b"abc", zipfile.ZIP_STORED)}, "corrupt"),
-    "another dimension": ({"q.npy": (npy(np.ones((2, 2))), zipfile.ZIP_STORED)}, "q has the shape"),
+    "another dimension": (
+        {"q.npy": (npy(np.ones((2, 2))), zipfile.ZIP_STORED), "C_h.npy": (npy(np.ones(4)), zipfile.ZIP_STORED)},
+        "q has the shape",
+    ),
     "another name": ({"../x.npy": (PLAIN, zipfile.ZIP_STORED)}, "no name of an array"),
     "no ending": ({"x_0": (PLAIN, zipfile.ZIP_STORED)}, "no name of an array"),
     "a larger shape": ({"x_0.npy": (PLAIN.replace(b"(3,)", b"(9,)"), zipfile.ZIP_STORED)}, "its bytes are not numbers"),
