@@ -74,7 +74,6 @@ ORDER = (
     "validation/cases",
     "validation/studies",
     "validation/studies/work_precision",
-    "validation/studies/own_scene",
     "validation/studies/faults",
     "validation/fits",
     "validation/paper",

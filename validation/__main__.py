@@ -240,7 +240,7 @@ def _study(options: argparse.Namespace) -> int:
             raise CaseError(f"--json: study {OF_A_SCENE} does not take it, its study.json holds everything")
         given = {key: value for key in ("seeds", "budget") if (value := getattr(options, key)) is not None}
         plan = module.Options(jobs=options.jobs or 1, quick=options.quick, overwrite=options.overwrite, **given)
-        return int(module.run(options.scene, options.out, plan, say))
+        return int(module.run(options.scene, options.out, plan, lambda text: print(text, file=sys.stderr)))
     if options.seed and options.random is None:
         raise CaseError(f"--seed {options.seed}: has no meaning without --random")
     if options.quick and options.random is not None:

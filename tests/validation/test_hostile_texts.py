@@ -21,9 +21,7 @@ import bem
 from validation.challenge import standings
 from validation.challenge.judging import Judgement, judged
 from validation.challenge.problem import problem
-from validation.harness import store
 from validation.harness.case import Case
-from validation.harness.execution import Ended
 from validation.harness.route import Answer
 from validation.harness.runner import run_cases
 from validation.harness.schema import Report, with_checksum
@@ -31,8 +29,8 @@ from validation.report.challenge_page import render_challenge
 from validation.report.history import history_of, render_history
 from validation.report.render import render
 from validation.report.run_page import render_run
-from validation.report.study_page import render_study
-from validation.studies.own_scene import own_scene
+from validation.studies import own_scene
+from validation.studies.own_scene import study_page
 
 MARKUP = (
     """ran() "'><script>ran()</script></script></style></title></textarea>--><!--"><b class=foreign onclick=ran()>"""
@@ -137,14 +135,8 @@ def studied(tmp_path_factory):
     for name, table in words.items():
         lines += [f"[{name}]", *(f"{key} = {json.dumps(value)}" for key, value in table.items())]
     (folder / "scene.toml").write_text("\n".join(lines), "utf-8")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(
-            store,
-            "run_in_processes",
-            lambda function, items, jobs, **options: (Ended(item, function(item)) for item in items),
-        )
-        plan = own_scene.Options(quick=True, seeds=1)
-        assert own_scene.run(folder / "scene.toml", folder / "out", plan, lambda note: None) == 0
+    plan = own_scene.Options(quick=True, seeds=1)
+    assert own_scene.run(folder / "scene.toml", folder / "out", plan, lambda text: None) == 0
     return json.loads((folder / "out" / "study.json").read_text("utf-8"))
 
 
@@ -169,9 +161,8 @@ def pages(text, solved, studied):
     kept = ("control", "kind", "initial")
     changed = replace(every_text(solved, text, (*kept, "fields", "states", "events")), status="not_converged")
     yield "run", render_run(replace(changed, events=tuple(replace(event, kind=text) for event in solved.events)))
-    figure = every_text(studied["figure"], checked, ("id", "style", "xscale", "yscale"))
-    chosen = ("figure", *kept, "nodes", "source")
-    yield "study", render_study(every_text(studied, text, chosen) | {"figure": figure})
+    chosen = ("figure", *kept, "nodes", "source", "unit")
+    yield "study", study_page(every_text(studied, text, chosen))
     yield "challenge", render_challenge(*judgement(text))
 
 

@@ -28,8 +28,8 @@ STUDIES = {
         "would the suite notice: faults put into the running code, what catches them, how small they may be"),
 }  # fmt: skip
 OF_A_SCENE = "scene"  # the study of one scene
-SCENE = Study("own_scene.own_scene", frozenset({"scene", "seeds", "budget", "overwrite", "jobs"}),
-    "what accuracy costs for a scene of one's own, and what its question leaves open")  # fmt: skip
+SCENE = Study("own_scene", frozenset({"scene", "seeds", "budget", "overwrite", "jobs"}),
+    "how far each answer of a scene moves with its cut, preparation, seed and tolerance")  # fmt: skip
 
 
 def that_take(option: str) -> str:
