@@ -140,6 +140,7 @@ LC = "Lc [mm];Ls [um]"
         pytest.param(table(heading="Filter [um]"), UNITS, "file", "line 1 ('Filter", id="one setting with a unit"),
         pytest.param(table(";", heading=f"{LC}\nx [mm];h [um]"), UNITS, "file", "lines 1 to 2", id="settings above"),
         pytest.param(table(";", heading="NODATA;-9999\nx [mm];h [um]"), {}, "file", "lines 1 to 2", id="no data above"),
+        pytest.param(table(heading="NODATA -9999\nmm um"), {}, "file", "lines 1 to 2", id="no data above units"),
         pytest.param(f"y/x;{';'.join(map(str, X))}\n" + f"0;{';'.join(map(str, H))}\n" * 4, UNITS, "file", "line 1",
                      id="axis that looks like a heading"),
         pytest.param(table(heading="x/y 0.5"), UNITS, "file", "line 1", id="number in a heading"),
