@@ -12,15 +12,11 @@ from importlib.util import find_spec
 
 import numpy as np
 import pytest
-from example_members import members
 from example_tasks import squared
-from in_this_process import here
 from threadpoolctl import threadpool_info
 
-from bem.scene.result_file import RESULT_FILE
 from validation import __main__ as command_line
 from validation.harness import executors
-from validation.harness.ensemble import read_member, run_ensemble
 from validation.harness.execution import Ended, Running, WorkerDiedError, answers_in_order, run_in_processes
 from validation.harness.executors import ExecutorError, opener_of
 
@@ -111,43 +107,6 @@ def processes(tmp_path_factory):
 @pytest.fixture
 def cluster(processes):
     return processes.ready()
-
-
-@needs_dask
-@pytest.mark.filterwarnings(r"ignore:\s*Mismatched versions found:Warning")
-def test_member_of_a_killed_worker_is_neither_lost_nor_counted_twice(cluster, tmp_path):
-    planned, folder, reported = members(6, harmonics=16), tmp_path / "members", []
-
-    def killing(note):
-        reported.append(note.text)
-        if note.text.startswith("[1/6]"):
-            cluster.workers[0].send_signal(signal.SIGKILL)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(executors, "PATIENCE", 90.0)
-        outcome = run_ensemble(planned, folder, 1, killing, opener_of(f"dask://{cluster.address}"))
-    assert cluster.workers[0].wait(10) == -signal.SIGKILL
-    assert (sorted(outcome.computed), outcome.failed) == ([member.name for member in planned], {})
-    assert sorted(path.parent.name for path in folder.glob(f"*/{RESULT_FILE}")) == [member.name for member in planned]
-    assert [line.split("]")[0] for line in reported if line.startswith("[")] == [f"[{k}/6" for k in range(1, 7)]
-    assert all(read_member(member, folder).status == "converged" for member in planned)
-
-
-@needs_dask
-@pytest.mark.filterwarnings(r"ignore:\s*Mismatched versions found:Warning")
-def test_killed_scheduler_is_an_error_that_loses_what_was_in_flight_only(cluster, tmp_path):
-    planned, folder = members(3, harmonics=16), tmp_path / "members"
-
-    def killing(note):
-        if note.text.startswith("[1/3]"):
-            cluster.scheduler.send_signal(signal.SIGKILL)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(executors, "PATIENCE", 90.0)
-        with pytest.raises(ConnectionError, match="the scheduler is gone; what was finished is kept"):
-            run_ensemble(planned, folder, 1, killing, opener_of(f"dask://{cluster.address}"))
-    outcome = run_ensemble(planned, folder, 1, lambda note: None, here)
-    assert (len(outcome.found), outcome.damaged, len(outcome.computed)) == (1, (), 2)
 
 
 @pytest.fixture(params=["local", pytest.param("dask", marks=[needs_dask, pytest.mark.slow])])
