@@ -67,7 +67,6 @@ ORDER = (
     "validation/challenge",
     "validation/cases",
     "validation/studies",
-    "validation/studies/own_scene",
     "validation/studies/faults",
     "validation/fits",
     "validation/paper",

@@ -90,7 +90,7 @@ def test_commands_for_a_scan_run(run_block, tmp_path):
 def test_the_study_of_a_scene_runs(run_block, tmp_path):
     run_block(f"linecontact example pull-off\n{blocks('sh')[4]}")
     page = (tmp_path / "sure" / "study.html").read_text("utf-8")
-    assert "largest uncertainty" in page
+    assert "How far each answer moves" in page
 
 
 def test_python_lines_run(folder, monkeypatch, capsys):

@@ -23,7 +23,6 @@ from bem.scene.atomic_file import write_atomically
 from bem.scene.result_file import RESULT_FILE, CorruptResultError, installed_version
 from bem.scene.scene import SceneError
 from validation.challenge import judge as challenge
-from validation.harness.execution import Note
 from validation.plugin import verify
 from validation.plugin.content import SCHEMA
 from validation.report.pages import PAGE, ReportError
@@ -84,9 +83,9 @@ def read_report(folder: Path) -> dict[str, Any]:
     return content
 
 
-def say(note: Note) -> None:
+def say(text: str) -> None:
     """Print progress on stderr."""
-    print(note.text, file=sys.stderr, flush=True)
+    print(text, file=sys.stderr, flush=True)
 
 
 def _verify(options: argparse.Namespace) -> int:
@@ -117,7 +116,7 @@ def _replicate(options: argparse.Namespace) -> int:
     replicate = import_module("validation.paper.replicate").replicate
     with locked(options.out):
         return int(replicate(options.out, quick=options.quick, jobs=options.jobs, executor=options.executor,
-                             say=lambda text: print(text, file=sys.stderr)))  # fmt: skip
+                             say=say))  # fmt: skip
 
 
 def _study(options: argparse.Namespace) -> int:
@@ -127,7 +126,7 @@ def _study(options: argparse.Namespace) -> int:
         raise UsageError(f"study {options.name}: no such study; use {instead}")
     if options.scene is None:
         raise UsageError("study scene: a scene file is needed: study scene SCENE --out DIR")
-    module = import_module("validation.studies.own_scene.own_scene")
+    module = import_module("validation.studies.own_scene")
     given = {key: value for key in ("seeds", "budget") if (value := getattr(options, key)) is not None}
     plan = module.Options(jobs=options.jobs, quick=options.quick, overwrite=options.overwrite, **given)
     with locked(options.out):
