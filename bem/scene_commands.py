@@ -37,7 +37,6 @@ from bem.command_line.console import (
 )
 from bem.command_line.folder_lock import locked
 from bem.command_line.perform import BAD_INPUT, DONE, FAILED, INTERRUPTED, perform
-from bem.compiled.kernels import IN_USE
 from bem.path_for import check_path
 from bem.scene.effects import effects_of
 from bem.scene.memory_estimate import memory_estimate, refuse_beyond_memory
@@ -103,7 +102,7 @@ def _check(options: argparse.Namespace) -> int:
         facts = {"scene": scene.resolved(), "effects": listed, "unknowns": size.unknowns, "memory": size.bytes}
         facts |= {"groups": groups}
         facts |= {"warnings": [vars(caution) for caution in cautions], "profile_preparation": scene.preparation()}
-        print(json.dumps(facts | {"kernels": IN_USE}))
+        print(json.dumps(facts))
     else:
         parts = (scene_text(scene.resolved()), preparation_text(scene.preparation()), groups_text(groups, cautions))
         needs = effects_text(effects) + "\n" + size_text(memory_estimate(scene))

@@ -40,7 +40,7 @@ ONLY_IN = {
     "jinja2": ("validation/report/",),
 }
 ORDER = (
-    "bem/compiled",
+    "bem/kernels",
     "bem/geometry",
     "bem/audit",
     "bem/elastic",

@@ -16,13 +16,13 @@ from typing import Annotated
 
 import numpy as np
 
-from bem.compiled.kernels import mirrored
 from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI, Patches
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Scales
 from bem.geometry.table import limits, table
+from bem.kernels.heights import integral
 
 NODES = 16  # speed: of a panel on which sqrt(1 + h'^2) is a Chebyshev series
 UNRESOLVED = 1e-15  # derived: rounding of the last coefficients of a panel, over its largest value and part of 2 pi
@@ -106,17 +106,6 @@ class TrueLength:
     def __call__(self, x: FloatArray) -> FloatArray:
         """The integral up to the positions x on the line, (n,)."""
         return integral(self.start, self.width, self.series, self.whole, x)
-
-
-@mirrored
-def integral(start: FloatArray, width: FloatArray, series: FloatArray, whole: float, x: FloatArray) -> FloatArray:
-    """Series on the panel in which each of the positions lies, and `whole` for every turn of the circle, (n,)."""
-    turns = np.floor(x / TWO_PI)
-    place = x - turns * TWO_PI
-    panel = np.searchsorted(start, place, side="right") - 1
-    t = 2 * (place - start[panel]) / width[panel] - 1
-    terms = np.cos(np.arange(series.shape[1]) * np.arccos(np.clip(t, -1.0, 1.0))[:, None])
-    return np.asarray(turns * whole + np.einsum("ij,ij->i", series[panel], terms))
 
 
 def true_length(profile: Profile, slope_scale: float) -> TrueLength:

@@ -19,7 +19,6 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, Protocol, TextIO
 
-from bem.compiled.kernels import IN_USE
 from bem.scene.memory_estimate import MemoryEstimate
 from bem.scene.plausibility import MEANINGS
 from bem.scene.result import Caution, Effect, Progress, Result
@@ -275,7 +274,7 @@ def effects_text(effects: Iterable[Effect]) -> str:
 
 
 def size_text(estimate: MemoryEstimate) -> str:
-    """Return the unknowns and the memory of a scene, and the kernels in use.
+    """Return the unknowns and the memory of a scene.
 
     Examples
     --------
@@ -283,7 +282,7 @@ def size_text(estimate: MemoryEstimate) -> str:
     'about 5,100 unknowns and 0.12'
     """
     unknowns = float(f"{estimate.unknowns:.2g}")
-    return f"about {unknowns:,.0f} unknowns and {estimate.bytes / 1e9:.2g} GB of memory, {IN_USE} kernels"
+    return f"about {unknowns:,.0f} unknowns and {estimate.bytes / 1e9:.2g} GB of memory"
 
 
 def _toml(value: Any) -> str:

@@ -32,8 +32,11 @@ class LeastLoad:
         return 0.0 if self.met is None else self.met.at.load
 
     def note(self, kind: Literal["turn", "fold", "jump"], at: EventNumbers, error: EventNumbers) -> None:
-        """Keep a state, if its load is the least."""
-        if at.load < self.load:
+        """Keep a state, if its load is the least; where a branch ends in its turn, to within the errors, the end."""
+        met = self.met
+        ends_in_turn = met is not None and met.kind == "turn" and kind != "turn"
+        within = met.error.load + error.load if met is not None and ends_in_turn else 0.0
+        if at.load < self.load + within:
             self.met = PathTension(kind, at, error)
 
 

@@ -19,13 +19,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from bem.compiled.kernels import mirrored
 from bem.elastic.hierarchical import IllConditionedSystemError, solve
 from bem.elastic.logarithmic_potential import LogarithmicPotential
 from bem.elastic.skeleton import Skeleton
@@ -33,6 +31,7 @@ from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches, PatchPressure
 from bem.geometry.profile import Profile
+from bem.kernels import patches as patch_kernels
 
 if TYPE_CHECKING:
     from bem.elastic.compliance import Compliance
@@ -197,7 +196,8 @@ class Evaluation:
 
     def charges(self) -> FloatArray:
         """Chebyshev coefficients Q_n of the pressure on the patches, (L, max N_i), filled up with zeros."""
-        return all_charges(self.resolution.modes, self.series, self.skeleton)
+        modes = self.resolution.modes
+        return patch_kernels.all_charges(modes, *chebyshev.packed_bases(modes), self.series, self.skeleton)
 
 
 def resolve(elastic: Elastic, patches: Patches, tolerance: float) -> Resolution:
@@ -206,7 +206,8 @@ def resolve(elastic: Elastic, patches: Patches, tolerance: float) -> Resolution:
     least = np.zeros(patches.count) if kernel is None else kernel.coupled_modes(patches.width, tolerance, order)
     if elastic.far is not None:
         least = _coupled_outside(elastic.far, patches, tolerance)
-    return Resolution(*sizes(patches, tolerance, order, least))
+    ladders = chebyshev.size_ladder(MODES_RATIO), chebyshev.size_ladder(NODES_RATIO)
+    return Resolution(*patch_kernels.sizes(patches.left, patches.right, tolerance, order, least, *ladders))
 
 
 def _coupled_outside(far: FarField, patches: Patches, tolerance: float) -> FloatArray:
@@ -219,15 +220,6 @@ def _coupled_outside(far: FarField, patches: Patches, tolerance: float) -> Float
     least[last] = chebyshev.coupling_modes(patches.width[last], ahead, tolerance)
     least[first] = max(least[first], float(chebyshev.coupling_modes(patches.width[first], behind, tolerance)))
     return least
-
-
-@mirrored
-def sizes(patches: Patches, tolerance: float, max_order: int, least: FloatArray) -> tuple[IntArray, IntArray]:
-    """Nodes and modes per patch for a tolerance of the coupling, `least` modes at least, (L,) each."""
-    wanted = chebyshev.coupling_modes(patches.width, np.minimum(patches.gap_before, patches.gap_after), tolerance)
-    modes = chebyshev.rounded_up(np.maximum(wanted, least), MODES_RATIO)
-    wanted = np.maximum(chebyshev.profile_nodes(patches.width, max_order), modes + 4)
-    return chebyshev.rounded_up(wanted, NODES_RATIO), modes
 
 
 def finer(elastic: Elastic, patches: Patches, resolution: Resolution, tolerance: float) -> Resolution:
@@ -338,11 +330,10 @@ def _has_few_waves(elastic: Elastic, modes: IntArray) -> bool:
     return few
 
 
-@mirrored
 def right_hand_sides(
     profile: Profile, patches: Patches, level: float, resolution: Resolution
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, float]:
-    """R = pi (level - h) on every patch, in the coupled modes and in the others.
+    """Return R = pi (level - h) on every patch, in the coupled modes and in the others.
 
     Returns
     -------
@@ -353,57 +344,25 @@ def right_hand_sides(
     columns : (2, n) array
         R of these modes there, and 1.
     tail : (2, 2 L) array
+        Sums over n >= p of (n/pi) C_n (+-1)^n and of -(n^3/pi) C_n (+-1)^n at the edges.
     energy : float
-        What `uncoupled` gives.
+        Sum over n >= p of n C_n^2.
     """
-    narrow = patches.half_width <= profile.cell / 2
-    series = _series(profile, patches, resolution.nodes, narrow)
-    series[:, 0] += np.pi * (level - np.where(narrow, profile.height(patches.center), 0.0))
-    coupled = chebyshev.by_size(resolution.modes)
-    x, columns = np.empty(coupled.starts[-1]), np.ones((2, coupled.starts[-1]))
-    for modes, members in coupled.classes:
-        table, rows = chebyshev.basis(modes), coupled.starts[members, None] + np.arange(modes)
-        x[rows] = patches.center[members, None] + patches.half_width[members, None] * table.nodes
-        columns[0, rows] = series[members, :modes] @ table.values.T
-    return series, x, columns, *uncoupled(series, resolution.modes)
-
-
-def uncoupled(series: FloatArray, modes: IntArray) -> tuple[FloatArray, float]:
-    """Sums over n >= p of (n/pi) C_n (+-1)^n and -(n^3/pi) C_n (+-1)^n at the edges, (2, 2 L), and of n C_n^2."""
-    order, sums = _edge_sums(series.shape[1])
-    term = series * np.where(order >= modes[:, None], order, 0.0)
-    return (term @ sums).T.reshape(2, -1), float(np.vdot(term, series))
-
-
-def _series(profile: Profile, patches: Patches, nodes: IntArray, narrow: NDArray[np.bool_]) -> FloatArray:
-    """Chebyshev coefficients of -pi h on every patch, (L, max N_i), filled up with zeros.
-
-    On narrow patches h is counted from their middle: what it varies by there may be less than its rounding.
-    """
-    sampling = chebyshev.by_size(nodes)
-    series = np.zeros((patches.count, nodes.max()))
-    for size, who in sampling.classes:
-        center, step = patches.center[who], patches.half_width[who, None] * chebyshev.basis_nodes(size)
-        samples, close = np.empty(step.shape), narrow[who]
-        samples[~close] = profile.height(center[~close, None] + step[~close])
-        samples[close] = profile.rise(np.repeat(center[close], size), step[close].ravel()).reshape(-1, size)
-        series[who, :size] = chebyshev.coefficients(-np.pi * samples)
-    return series
-
-
-@mirrored
-def all_charges(modes: IntArray, series: FloatArray, skeleton: FloatArray) -> FloatArray:
-    """Q_n of every patch: of the coupled modes from the nodal charges, of the others -n C_n / pi, (L, max N_i)."""
-    charges, coupled = series * (-np.arange(series.shape[1]) / np.pi), chebyshev.by_size(modes)
-    for size, members in coupled.classes:
-        nodal = skeleton[coupled.starts[members, None] + np.arange(size)] * (size / np.pi)
-        charges[members, :size] = chebyshev.coefficients(nodal)
-    return charges
-
-
-@lru_cache(maxsize=512)
-def _edge_sums(size: int) -> tuple[FloatArray, FloatArray]:
-    """Orders n, (size,), and what takes n C_n to (n/pi) C_n (+-1)^n and -(n^3/pi) C_n (+-1)^n, (size, 4)."""
-    order = np.arange(size, dtype=np.float64)
-    both = np.stack([np.where(order % 2 == 0, 1.0, -1.0), np.ones(size)], axis=1) / np.pi
-    return order, np.concatenate([both, -both * order[:, None] ** 2], axis=1)
+    nodes, center, half_width = resolution.nodes.tolist(), patches.center, patches.half_width
+    series = np.zeros((patches.count, max(nodes)))
+    for i, size in enumerate(nodes):
+        if size > chebyshev.SMALL_TRANSFORM:
+            height = profile.height(center[i] + half_width[i] * chebyshev.basis_nodes(size))
+            series[i, :size] = chebyshev.coefficients(-np.pi * height)
+    return series, *patch_kernels.right_hand_sides(
+        profile.table,
+        center,
+        half_width,
+        level,
+        resolution.nodes,
+        *chebyshev.packed_nodes(resolution.nodes),
+        resolution.modes,
+        *chebyshev.packed_bases(resolution.modes),
+        series,
+        chebyshev.SMALL_TRANSFORM,
+    )

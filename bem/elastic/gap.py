@@ -17,32 +17,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from bem.compiled.kernels import mirrored
-from bem.elastic.collocation import Elastic, Evaluation, Resolution
+from bem.elastic.collocation import Elastic, Evaluation
 from bem.elastic.logarithmic_potential import LogarithmicPotential
 from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray, IntArray
-from bem.geometry.patches import TWO_PI, Patches
+from bem.geometry.patches import TWO_PI
 from bem.geometry.profile import Profile
+from bem.kernels import gaps
 
 SUSPICIOUS_GAP = 1e-3  # of the rms height: interpolated minima below are evaluated again
 POINTS_PER_WAVELENGTH = 10
-# Of the grids, as in compiled/gap.c: larger ones are looked at in stretches, at the ends in any case; a stretch is the
-# longer the larger the grid, one for every so many points.
-WHOLE = 128  # speed: points: larger grids are looked at in stretches
-STRETCH, ENDS, LONGER = 8, 32, 512  # speed: points of a stretch; at each end that are always looked at; for each length
 REFINEMENTS, REFINEMENT_RATIO = 3, 5.0  # of a minimum: parabolas on ever shorter bases; the first is a tenth off
 DOWNHILL = 10  # limit: grid cells to a minimum that has moved
 BESIDE = np.array([[-1.0], [0.0], [1.0]])  # of three points
-NEGLIGIBLE = -39.0  # derived: logarithm of what a decaying power may lose
 GRID_RATIO = 1.2  # speed: steps of the list of grid sizes, so that equal ones are treated together
 NOT_SEARCHED, WIDE_OPEN = (32, 10), 1e3  # format: points and samples of a gap that is not searched, and u there
-LEAST_TERMS, FEW_POWERS = 8, 4096  # speed: of power series, summed at a time: terms, or terms times points
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,89 +62,22 @@ class GapField:
             total += background(x)
         if self.elastic.far is not None:
             total += self.elastic.far.at(x, self.state.penetration)[0]
-        return (total + near_patches(self.state.patches, *self._charges, gap, x)) / -np.pi
+        patches, resolution = self.state.patches, self.state.resolution
+        beside = gaps.near_patches(
+            patches.center, patches.half_width, resolution.nodes, resolution.modes, *self._beside, gap, x
+        )
+        return (total + beside) / -np.pi
 
     @cached_property
-    def _charges(self) -> tuple[Resolution, FloatArray, FloatArray]:
-        """What `near_patches` is given of the state."""
-        state = self.state
-        return state.resolution, state.charges(), state.skeleton
+    def _beside(self) -> tuple[FloatArray, IntArray, FloatArray, FloatArray]:
+        """Tables of the coupled modes, where that of each patch begins, charges Q_n, and nodal charges."""
+        tables, at = chebyshev.packed_bases(self.state.resolution.modes)
+        return tables, at, self.state.charges(), self.state.skeleton
 
     @cached_property
     def _skeleton_potential(self) -> LogarithmicPotential:
         """Potential of the skeleton charges of all patches, (unknowns,)."""
         return LogarithmicPotential(self.state.skeleton_nodes(), self.state.skeleton)
-
-
-@mirrored
-def near_patches(
-    patches: Patches,
-    resolution: Resolution,
-    charges: FloatArray,
-    skeleton: FloatArray,
-    gap: IntArray,
-    x: FloatArray,
-) -> FloatArray:
-    """Exact logarithmic part of the two patches beside a gap less that of their skeletons, (n,).
-
-    Parameters
-    ----------
-    patches : Patches
-    resolution : Resolution
-        How many coupled modes and Q_n each has.
-    charges : (L, max N_i) array
-        Q_n of the patches, filled up with zeros.
-    skeleton : (unknowns,) array
-        Nodal charges of the coupled modes.
-    gap, x : (n,) arrays
-        Points, each in the gap behind patch `gap`.
-    """
-    following, points = (gap + 1) % patches.count, x.size
-    index, x = np.concatenate([gap, following]), np.concatenate([x, x - np.where(following <= gap, TWO_PI, 0.0)])
-    t = (x - patches.center[index]) / patches.half_width[index]
-    outside = np.where(np.abs(t) < 1, np.copysign(1.0, t), t)  # rounding may put a point on the edge into the patch
-    zeta = 1 / (outside + np.copysign(np.sqrt((outside - 1) * (outside + 1)), outside))
-    terms = charges[:, 1:] / np.arange(1, charges.shape[1])
-    exact = np.log(np.abs(2 * zeta)) * charges[index, 0] + _power_series(terms, resolution.nodes - 1, index, zeta)
-    modes = resolution.modes
-    size, start = modes[index], (np.cumsum(modes) - modes)[index]
-    first = np.cumsum(size) - size
-    which = np.arange(size.sum()) + np.repeat(start - first, size)
-    distance = np.abs(np.repeat(t, size) - chebyshev.nodes_of(modes)[which])
-    coarse = np.add.reduceat(np.log(distance) * skeleton[which], first)
-    beside = -np.pi * exact - coarse
-    return np.asarray(beside[:points] + beside[points:])
-
-
-def _power_series(terms: FloatArray, count: IntArray, column: IntArray, zeta: FloatArray) -> FloatArray:
-    """sum_{n >= 1} terms_n zeta^n, for each zeta the first `count` terms of its column while its powers last, (n,)."""
-    step = max(LEAST_TERMS, FEW_POWERS // max(1, zeta.size))
-    parts = np.ceil(np.minimum(NEGLIGIBLE / np.minimum(np.log(np.abs(zeta)), -1e-16), count[column]) / step).astype(
-        np.int64
-    )
-    order = np.argsort(-parts, kind="stable")
-    reach = parts.size - np.cumsum(np.bincount(parts))[:-1]  # points that see more than 0, 1, ... parts of the terms
-    column, powers = column[order], _powers(zeta[order], min(step, terms.shape[1]))
-    factor, total = np.ones(zeta.size), np.zeros(zeta.size)
-    for part, active in enumerate(reach.tolist()):
-        here = terms[:, part * step : (part + 1) * step][column[:active]]
-        total[:active] += factor[:active] * np.einsum("kn,nk->n", powers[: here.shape[1], :active], here)
-        factor[:active] *= powers[-1, :active]
-    result = np.empty(zeta.size)
-    result[order] = total
-    return result
-
-
-def _powers(base: NDArray[Any], count: int) -> NDArray[Any]:
-    """base^1 ... base^count, (count, n), by doubling."""
-    powers = np.empty((count, base.size), dtype=base.dtype)
-    powers[:1] = base
-    done = 1
-    while done < count:
-        more = min(done, count - done)
-        np.multiply(powers[:more], powers[done - 1], out=powers[done : done + more])
-        done += more
-    return powers
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,8 +128,11 @@ def low_minima(field: GapField, threshold: float = SUSPICIOUS_GAP) -> GapMinima:
     gap = np.repeat(np.arange(patches.count), counts)
     samples, inner = np.full(gap.size, WIDE_OPEN), gap != outer
     samples[inner] = field.displacement((patches.right[gap] + patches.gap_after[gap] * _place(node))[inner], gap[inner])
-    found = low_points(patches, profile, (sizes, counts), samples, _highest(profile), threshold - field.clearance)
-    gap, x = found[:, 0].astype(np.int64), found[:, 1:].T
+    level = threshold - field.clearance
+    points = gaps.low_points(
+        patches.right, patches.gap_after, sizes, counts, samples, profile.table, _highest(profile), level
+    )
+    gap, x = points[:, 0].astype(np.int64), points[:, 1:].T
     vertex, depth = _lowest(field, x, field(x.ravel(), np.tile(gap, 3)).reshape(x.shape), gap)
     return GapMinima(vertex, depth, gap)
 
@@ -237,100 +165,6 @@ def _lowest(field: GapField, x: FloatArray, y: FloatArray, gap: IntArray) -> tup
         x = np.minimum(np.maximum(vertex, first + reach), last - reach) + reach * BESIDE
         vertex, depth = _parabola_vertex(x, field(x.ravel(), owner).reshape(x.shape))
     return vertex, depth
-
-
-@mirrored
-def low_points(
-    patches: Patches,
-    profile: Profile,
-    grids: tuple[IntArray, IntArray],
-    samples: FloatArray,
-    highest: FloatArray,
-    level: float,
-) -> FloatArray:
-    """Points of grids in the gaps where u less the profile is lower than beside, and may come below a level between.
-
-    Parameters
-    ----------
-    patches, profile
-    grids : ((L,) int array, (L,) int array)
-        Points of the grid in each gap, and samples of u there.
-    samples : (sum of counts,) array
-        u at Chebyshev nodes in theta of one gap after the other.
-    highest : (n,) array
-        Upper bounds of the profile, `_highest`.
-    level : float
-
-    Returns
-    -------
-    (n, 4) array
-        Gap, and the points before, there and behind.
-    """
-    sizes, counts = grids
-    parts = []
-    for k, (size, u) in enumerate(zip(sizes.tolist(), np.split(samples, np.cumsum(counts)[:-1]), strict=True)):
-        grid = _Grid(patches.right[k], patches.gap_after[k], size, chebyshev.coefficients(u))
-        column = _looked_at(grid, highest, level)
-        parts.append((np.full(column.size, k), column, *grid(column)))
-    gap, column, x, u = (np.concatenate(part) for part in zip(*parts, strict=True))
-    value = u - profile.height(x)
-    before, here, after = value[:-2], value[1:-1], value[2:]
-    adjacent = (gap[2:] == gap[:-2]) & (column[2:] == column[:-2] + 2)
-    sag = before + after - 2 * here
-    first = np.flatnonzero(adjacent & (here <= before) & (here < after) & (here - sag < level))
-    return np.stack([gap[first], x[first], x[first + 1], x[first + 2]], axis=1)
-
-
-@dataclass(frozen=True, eq=False)
-class _Grid:
-    """Points x of one gap at equal steps in theta, and the Chebyshev series of u in 1 - 2 theta/pi."""
-
-    right: float
-    width: float
-    size: int
-    series: FloatArray
-
-    def __call__(self, column: IntArray) -> tuple[FloatArray, FloatArray]:
-        """Points and u there, (n,) each."""
-        node = 1 - (2 * column + 1) / self.size
-        u = self.series @ np.cos(np.outer(np.arange(self.series.size), np.arccos(node)))
-        return self.right + self.width * _place(node), u
-
-
-def _looked_at(grid: _Grid, highest: FloatArray, level: float) -> IntArray:
-    """Points that are looked at: of a large grid the ends, and stretches where bounds leave room below a level, (n,).
-
-    Bounds of long stretches say where those of the short ones in them are needed.
-    """
-    if grid.size <= WHOLE:
-        return np.arange(grid.size)
-    step = STRETCH * max(1, grid.size // LONGER)
-    edge = np.arange(ENDS, grid.size - ENDS, step)
-    x, u = grid(edge)
-    bend = np.zeros(edge.size)
-    bend[1:-1] = np.abs(np.diff(u, 2))
-    long = edge[:-1][_has_room(x, u, bend, highest, level)]
-    inner = long[:, None] + np.arange(-STRETCH, step + STRETCH + 1, STRETCH)
-    x, u = (values.reshape(inner.shape) for values in grid(inner.ravel()))
-    bend = np.abs(np.diff(u, 2, axis=1))
-    looked_at = np.zeros(grid.size, dtype=bool)
-    looked_at[: edge[0] + 2] = looked_at[edge[-1] - 1 :] = True
-    for row in range(long.size):
-        room = _has_room(x[row, 1:-1], u[row, 1:-1], bend[row], highest, level)
-        looked_at[inner[row, 1:-2][room, None] + np.arange(-1, STRETCH + 2)] = True
-    return np.flatnonzero(looked_at)
-
-
-def _has_room(x: FloatArray, u: FloatArray, bend: FloatArray, highest: FloatArray, level: float) -> NDArray[np.bool_]:
-    """Stretches in which u less the profile may come below a level, (n - 1,), from places, u and its bends there, (n,).
-
-    Between the ends of a stretch u bends by its second differences at most.
-    """
-    index = np.floor(x * (highest.size / TWO_PI)).astype(np.int64)
-    covered = highest.take(np.arange(index[0], index[-1] + 1), mode="wrap")
-    index -= index[0]
-    most = np.maximum(np.maximum.reduceat(covered, index)[:-1], covered[index[1:]])
-    return np.asarray(np.minimum(u[1:], u[:-1]) - bend[1:] - bend[:-1] - most < level)
 
 
 @lru_cache(maxsize=8)

@@ -33,27 +33,25 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from itertools import pairwise
-from typing import ParamSpec, Protocol, TypeVar
+from itertools import accumulate
+from typing import ParamSpec, TypeVar
 
 import numpy as np
 from scipy.linalg import lapack
 
-from bem.compiled.kernels import mirrored
-from bem.elastic.half_space import between_nodes
-from bem.elastic.separated_kernel import separated_kernel
+from bem.elastic.separated_kernel import RANGE_STEP, modes_and_core, range_steps
 from bem.elastic.skeleton import Skeleton
 from bem.geometry.arrays import FloatArray, IntArray
-from bem.geometry.patches import TWO_PI
+from bem.geometry.chebyshev import packed_bases
+from bem.kernels import clusters
 
 Inputs = ParamSpec("Inputs")
 Output = TypeVar("Output")
+Ranges = list[tuple[FloatArray, int, FloatArray] | None]
 
 UNIFORM = 0.03  # alpha: any value does, to rounding; the kernel of a whole period has eigenvalues 0 and 1 / (2 n)
 LARGEST_LEAF = 130  # speed: unknowns, above which a cluster of several patches is split (measured)
-CENTRED = 10.0  # speed: a cluster is split in a gap e times wider, if that is off its middle by less than a tenth
-MOST_OFF = 0.25  # limit: and by no more than this, unless all are: clusters of clusters stay few
-FEWEST_BLOCKED, BLOCK_ROWS, MOST_BLOCKS = 350, 125, 8  # speed: forward substitution by blocks of rows (measured)
+LEAF: tuple[IntArray, FloatArray, Ranges] = np.array([-1]), np.zeros((1, 4)), [None]  # cuts, arcs, ranges of one leaf
 
 
 class IllConditionedSystemError(ArithmeticError):
@@ -66,25 +64,6 @@ def if_solvable(evaluation: Callable[Inputs, Output], *inputs: Inputs.args, **op
         return evaluation(*inputs, **options)
     except IllConditionedSystemError:
         return None
-
-
-@dataclass(frozen=True)
-class Splitting:
-    """How a system is split.
-
-    Parameters
-    ----------
-    accuracy : float
-        Absolute, of the kernel between clusters.
-    largest : int
-        Unknowns above which a cluster of several patches is split.
-    uniform : float
-        alpha.
-    """
-
-    accuracy: float
-    largest: int
-    uniform: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,19 +92,6 @@ class Solution:
     slopes: FloatArray
 
 
-class Cluster(Protocol):
-    """Solved patches; the columns are those shared by all clusters above, then the edges, patch by patch."""
-
-    @property
-    def gram(self) -> FloatArray:
-        """b^T A^-1 b of all columns."""
-        ...
-
-    def charges(self, amounts: FloatArray) -> FloatArray:
-        """A^-1 b of the shared columns in these amounts, (n_shared, k) to (n, k)."""
-        ...
-
-
 def solve(skeleton: Skeleton, accuracy: float) -> Solution:
     """Solve the system of all patches.
 
@@ -144,8 +110,7 @@ def solve(skeleton: Skeleton, accuracy: float) -> Solution:
     waves = None if coupling is None else coupling.waves
     if waves is not None:
         skeleton = replace(skeleton, columns=np.concatenate([skeleton.columns, waves.columns]))
-    found = solved(skeleton, Splitting(accuracy, LARGEST_LEAF, UNIFORM))
-    solution = None if found is None else Solution(*found)
+    solution = _solved(skeleton, accuracy)
     if solution is not None and waves is not None:
         solution = _with_waves(solution, waves.signs, skeleton)
     if solution is None:
@@ -186,189 +151,33 @@ def _with_waves(without: Solution, signs: FloatArray, skeleton: Skeleton) -> Sol
     )
 
 
-@mirrored
-def solved(
-    skeleton: Skeleton, splitting: Splitting
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray] | None:
-    """What `Solution` holds; None where A is not positive definite."""
-    count, patches = skeleton.columns.shape[0], skeleton.patches.count
-    whole = if_solvable(_cluster, skeleton, 0, skeleton.patches.count, skeleton.columns.T, splitting)
-    if whole is None:
-        return None
-    gram, charges = whole.gram, whole.charges(np.eye(count)).T
-    order = np.arange(count, gram.shape[0]).reshape(patches, -1).T.ravel()  # from patch by patch to left edges first
-    edges, bent = order[: 2 * patches], order[2 * patches :]
-    remaining = 1 - splitting.uniform * gram[1, 1]
-    if remaining <= 0:
-        return None
-    change = gram[1] * (splitting.uniform / remaining)
-    gram = gram + np.outer(change, gram[1])
-    found = charges, *skeleton.at_edges_of(charges)
-    charges, at_edges, slopes = (values + np.outer(change[:count], values[1]) for values in found)
-    return gram[edges[:, None], edges], gram[bent[:, None], edges], gram[:count, :count], charges, at_edges, slopes
-
-
-def _cluster(skeleton: Skeleton, first: int, last: int, shared: FloatArray, splitting: Splitting) -> Cluster:
-    """Patches from `first` to before `last`, with the shared columns at their nodes."""
-    starts, patches = skeleton.coupled.starts, skeleton.patches
-    if last - first == 1 or starts[last] - starts[first] <= splitting.largest or skeleton.addition is not None:
-        return _leaf(skeleton, first, last, shared, splitting.uniform)
-    off = np.abs(starts[first + 1 : last] - (starts[first] + starts[last]) / 2) / (starts[last] - starts[first])
-    gap = patches.gap_after[first : last - 1]
-    wider = np.minimum(np.log(gap / gap[np.argmin(off)]), CENTRED * MOST_OFF)
-    middle = first + 1 + int(np.argmin(CENTRED * off - wider))
-    behind = (patches.left[first] - patches.right[last - 1]) % TWO_PI
-    kernel = separated_kernel(
-        skeleton.x[starts[first] : starts[last]],
-        patches.right[middle - 1] + patches.gap_after[middle - 1] / 2,
-        patches.right[last - 1] + behind / 2,
-        splitting.accuracy,
+def _solved(skeleton: Skeleton, accuracy: float) -> Solution | None:
+    """Return the solution on the half-space with the matrix that is added; None where A is not positive definite."""
+    patches, coupling = skeleton.patches, skeleton.coupling
+    addition = None if coupling is None else coupling.matrix
+    left_out = None if coupling is None else coupling.left_out
+    starts = np.array([0, *accumulate(skeleton.modes.tolist())])
+    cuts, arcs, ranges = LEAF
+    if addition is None and skeleton.x.size > LARGEST_LEAF:
+        cuts, arcs = clusters.splits(skeleton.x, patches.left, patches.right, starts, LARGEST_LEAF)
+        ranges = [None] * cuts.size
+        for place in np.flatnonzero(cuts >= 0).tolist():
+            low, high = arcs[place, 2:].tolist()
+            steps = range_steps((high - low) / 2)
+            ranges[place] = modes_and_core(steps, accuracy)
+            arcs[place, 2:] = (low + high) / 2, RANGE_STEP**steps
+    solution = clusters.solved(
+        skeleton.x,
+        patches.half_width,
+        starts,
+        *packed_bases(skeleton.modes),
+        skeleton.columns,
+        cuts,
+        arcs,
+        ranges,
+        UNIFORM,
+        skeleton.edge_columns,
+        addition,
+        None if left_out is None else left_out.fields,
     )
-    wider = np.concatenate([shared, kernel.columns], axis=1)
-    split = int(starts[middle] - starts[first])
-    halves = (
-        _cluster(skeleton, first, middle, wider[:split], splitting),
-        _cluster(skeleton, middle, last, wider[split:], splitting),
-    )
-    core = -kernel.core
-    core[1, 1] += splitting.uniform  # the second column is 1
-    return _joined(halves, core, shared.shape[1])
-
-
-@dataclass(frozen=True, eq=False)
-class _Leaf:
-    """A cluster solved by Cholesky: U with A' = U^T U, and Y of the shared columns."""
-
-    gram: FloatArray
-    factor: FloatArray
-    solved: FloatArray
-
-    def charges(self, amounts: FloatArray) -> FloatArray:
-        """A^-1 b by back substitution."""
-        found, _ = lapack.dtrtrs(self.factor, self.solved @ amounts, lower=0, trans=0)
-        return np.asarray(found)
-
-
-def _leaf(skeleton: Skeleton, first: int, last: int, shared: FloatArray, uniform: float) -> _Leaf:
-    """Patches from `first` to before `last` solved by Cholesky."""
-    nodes = slice(int(skeleton.coupled.starts[first]), int(skeleton.coupled.starts[last]))
-    starts = skeleton.coupled.starts[first : last + 1] - nodes.start
-    x, size = skeleton.x[nodes], int(starts[-1])
-    matrix = between_nodes(x)
-    for (start, end), block in zip(pairwise(starts.tolist()), skeleton.within[first:last], strict=True):
-        matrix[start:end, start:end] = block
-    if skeleton.addition is not None:
-        matrix += skeleton.addition
-    np.subtract(uniform, matrix, out=matrix)
-    factor, info = lapack.dpotrf(matrix.T, lower=0, clean=0, overwrite_a=1)
-    if info != 0:
-        raise IllConditionedSystemError(f"skeleton matrix of {size} unknowns is not positive definite")
-    count, row = shared.shape[1], np.arange(size)
-    begin = np.concatenate([np.zeros(count, dtype=np.int64), np.repeat(starts[:-1], skeleton.edge_columns)])
-    rhs = np.zeros((size, begin.size), order="F")
-    rhs[:, :count] = shared
-    first_column = count + skeleton.edge_columns * np.repeat(np.arange(last - first), np.diff(starts))
-    for column in range(skeleton.edge_columns):
-        rhs[row, first_column + column] = skeleton.edge_vectors[column, nodes]
-    gram, seen = _gram(factor, rhs, begin, count)
-    return _Leaf(gram, factor, seen)
-
-
-def _gram(factor: FloatArray, rhs: FloatArray, begin: IntArray, count: int) -> tuple[FloatArray, FloatArray]:
-    """Y^T Y for Y = U^-T rhs, and the first columns of Y.
-
-    A column of Y is zero above the first entry of its right-hand side, and the columns begin one after the other: by
-    blocks of rows a third of the work remains.
-    """
-    size = rhs.shape[0]
-    if size < FEWEST_BLOCKED:
-        solved, _ = lapack.dtrtrs(factor, rhs, lower=0, trans=1, overwrite_b=1)
-        return solved.T @ solved, solved[:, :count]
-    ends = np.linspace(0, size, min(size // BLOCK_ROWS, MOST_BLOCKS) + 1).astype(np.int64)
-    gram = np.zeros((rhs.shape[1], rhs.shape[1]))
-    blocks: list[FloatArray] = []
-    for start, end in pairwise(ends.tolist()):
-        active = int(np.searchsorted(begin, end))
-        block = np.asfortranarray(rhs[start:end, :active])
-        for (first, last), done in zip(pairwise(ends.tolist()), blocks, strict=False):
-            block[:, : done.shape[1]] -= factor[first:last, start:end].T @ done
-        block, _ = lapack.dtrtrs(factor[start:end, start:end], block, lower=0, trans=1, overwrite_b=1)
-        gram[:active, :active] += block.T @ block
-        blocks.append(block)
-    return gram, np.concatenate([block[:, :count] for block in blocks])
-
-
-@dataclass(frozen=True, eq=False)
-class _Pair:
-    """A cluster of two: M V of the shared columns, which go to the columns of the kernel between the halves."""
-
-    gram: FloatArray
-    halves: tuple[Cluster, Cluster]
-    response: FloatArray
-
-    def charges(self, amounts: FloatArray) -> FloatArray:
-        """A^-1 b of both halves, each with what the other does to it."""
-        into = -self.response @ amounts
-        rank = into.shape[0] // 2
-        parts = [
-            half.charges(np.concatenate([amounts, part]))
-            for half, part in zip(self.halves, (into[:rank], into[rank:]), strict=True)
-        ]
-        return np.concatenate(parts)
-
-
-def _joined(halves: tuple[Cluster, Cluster], core: FloatArray, count: int) -> _Pair:
-    """Two clusters with the kernel P C Q^T between them; `count` columns are shared from above."""
-    found = _joined_gram(halves[0].gram, halves[1].gram, core, count)
-    if found is None:
-        raise IllConditionedSystemError("the skeleton matrix of two clusters is not positive definite")
-    return _Pair(found[0], halves, found[1])
-
-
-def _joined_gram(
-    first: FloatArray, second: FloatArray, core: FloatArray, count: int
-) -> tuple[FloatArray, FloatArray] | None:
-    """b^T A'^-1 b of two clusters, (m, m), and M V of the columns shared from above, (2 q, count).
-
-    None where the matrix is not positive definite.
-    """
-    rank = core.shape[0]
-    own = slice(count, count + rank)
-    edges = slice(count, first.shape[0] - rank), slice(first.shape[0] - rank, None)
-    size = first.shape[0] + second.shape[0] - 2 * rank - count
-    gram, seen = np.zeros((size, size)), np.zeros((2 * rank, size))
-    for part, place, rows in zip((first, second), edges, (slice(0, rank), slice(rank, None)), strict=True):
-        above, beyond = slice(0, count), slice(count + rank, None)
-        gram[above, above] += part[above, above]
-        gram[above, place] = part[above, beyond]
-        gram[place, above] = part[beyond, above]
-        gram[place, place] = part[beyond, beyond]
-        seen[rows, above] = part[own, above]
-        seen[rows, place] = part[own, beyond]
-    middle = _middle(first[own, own], second[own, own], core)
-    if middle is None:
-        return None
-    response = middle @ seen
-    gram -= seen.T @ response
-    return gram, response[:, :count]
-
-
-def _middle(first: FloatArray, second: FloatArray, core: FloatArray) -> FloatArray | None:
-    """M of two halves from X_1, X_2 and C; None where the matrix is not positive definite."""
-    size = core.shape[0]
-    factor, pivots, rank, _ = lapack.dpstrf(first, lower=1)
-    root = np.zeros((size, rank))
-    root[pivots - 1] = np.tril(factor)[:, :rank]
-    turned = core @ second @ core
-    factor, info = lapack.dpotrf(np.eye(rank) - root.T @ turned @ root, lower=1)
-    if info != 0:
-        return None
-    scaled, _ = lapack.dtrtrs(factor, root.T, lower=1)
-    inner = scaled.T @ scaled
-    through = turned @ inner
-    middle = np.empty((2 * size, 2 * size))
-    middle[:size, :size] = -(turned + through @ turned)
-    middle[:size, size:] = core + through @ core
-    middle[size:, :size] = middle[:size, size:].T
-    middle[size:, size:] = -core @ inner @ core
-    return middle
+    return None if solution is None else Solution(*solution)

@@ -22,12 +22,11 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.compiled.kernels import mirrored
 from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray, IntArray
+from bem.kernels.potential import pair_by_pair
 
 TWO_PI = 2 * np.pi
-LARGEST_BLOCK = 1 << 16  # speed: chords at a time, half a megabyte
 DIRECT, PER_BOX = 200_000, 18  # speed: pairs up to which boxes do not pay, and root of the pairs per box (measured)
 BOX_TERMS = 20  # derived: of a polynomial in a box; (3 + sqrt 8)^-20 = 5e-16
 
@@ -74,7 +73,7 @@ class LogarithmicPotential:
     def _sources(self) -> FloatArray:
         """The charges' cos(x_j/2) and -sin(x_j/2), (2, n_charges).
 
-        Kept from call to call: for few points half_space.log_chord takes two to four times as long, most of it here.
+        Kept from call to call.
         """
         return np.stack([np.cos(self.position / 2), -np.sin(self.position / 2)])
 
@@ -91,18 +90,6 @@ class LogarithmicPotential:
         return {}
 
 
-@mirrored
-def pair_by_pair(points: FloatArray, sources: FloatArray, charge: FloatArray) -> FloatArray:
-    """Potential at points given by 2 (sin x/2, cos x/2), (2, n), of charges by (cos x_j/2, -sin x_j/2), (n,)."""
-    total, block = np.empty(points.shape[1]), LARGEST_BLOCK // max(charge.size, 1) + 1
-    for first in range(0, total.size, block):
-        chord = points[:, first : first + block].T @ sources
-        np.log(np.abs(chord, out=chord), out=chord)
-        total[first : first + block] = chord @ charge
-    return total
-
-
-@mirrored
 def box_moments(position: FloatArray, charge: FloatArray, boxes: int) -> FloatArray:
     """Sums of q_j T_k(t_j) over the charges in each of equal boxes of the circle, (boxes, BOX_TERMS)."""
     box, values = _in_boxes(position, boxes)
@@ -111,7 +98,6 @@ def box_moments(position: FloatArray, charge: FloatArray, boxes: int) -> FloatAr
     return np.asarray(moments.reshape(boxes, BOX_TERMS), dtype=np.float64)
 
 
-@mirrored
 def box_potential(
     x: FloatArray, points: FloatArray, position: FloatArray, sources: FloatArray, charge: FloatArray, series: FloatArray
 ) -> FloatArray:

@@ -18,28 +18,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from bem.compiled.kernels import mirrored
 from bem.elastic.collocation import Evaluation
 from bem.geometry.arrays import FloatArray
+from bem.kernels import edges
 
 
-@mirrored
 def stress_intensity_jacobian(state: Evaluation) -> FloatArray:
-    """dK_i / d(outward motion of edge e), (2 L, 2 L), dimensionless."""
-    count, modes = state.patches.count, state.resolution.modes
-    half_width, intensity = state.patches.half_width, state.stress_intensity
-    root = np.sqrt(np.concatenate([half_width, half_width]))
-    pull = intensity / (2 * root)
-    jacobian = state.edge_compliance * (np.pi**2 * pull)
-    jacobian /= root[:, None]
-    same_edge = modes * (modes - 1.0)
-    other_edge = np.where(modes % 2 == 0, -modes, modes - 1.0) + 0.5
-    same = np.arange(2 * count)
-    other = np.concatenate([same[count:], same[:count]])
-    jacobian[same, same] -= np.concatenate([same_edge, same_edge]) * pull / root
-    jacobian[same, other] -= np.concatenate([other_edge, other_edge]) * pull[other] / root
-    jacobian[same, same] -= intensity / (4 * root**2) + np.sqrt(np.pi) / root * state.edge_slope / 2
-    return np.asarray(jacobian)
+    """Return dK_i / d(outward motion of edge e), (2 L, 2 L), dimensionless."""
+    half_width, modes = state.patches.half_width, state.resolution.modes
+    return edges.stress_intensity_jacobian(
+        half_width, modes, state.stress_intensity, state.edge_compliance, state.edge_slope
+    )
 
 
 def own_sensitivity(state: Evaluation) -> FloatArray:

@@ -8,13 +8,11 @@ that are not coupled do at the nodes.  Dimensionless.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
-from bem.elastic.half_space import within_patch
 from bem.geometry.arrays import FloatArray, IntArray
-from bem.geometry.chebyshev import BySize, basis, by_size
+from bem.geometry.chebyshev import basis
 from bem.geometry.patches import Patches
 
 
@@ -95,45 +93,11 @@ class Skeleton:
     coupling: Coupling | None = None
     edge_columns: int = 2
 
-    @cached_property
-    def coupled(self) -> BySize:
-        """The patches by their numbers of modes."""
-        return by_size(self.modes)
-
-    @cached_property
-    def within(self) -> list[FloatArray]:
-        """Kernel within each patch, L of (p_i, p_i)."""
-        blocks: list[FloatArray] = [np.empty((0, 0))] * self.patches.count
-        for modes, members in self.coupled.classes:
-            together = within_patch(self.patches.half_width[members], basis(modes))
-            for i, block in zip(members, together, strict=True):
-                blocks[i] = block
-        return blocks
-
-    @cached_property
-    def at_edges(self) -> FloatArray:
-        """What takes nodal charges to q and to sum n^2 (+-1)^n Q_n at the edges of their patch, left first, (4, n)."""
-        tables = [basis(modes) for modes in self.modes.tolist()]
-        return np.concatenate([np.concatenate([one.at_edges, one.slopes_at_edges]) for one in tables], axis=1)
-
-    @property
-    def addition(self) -> FloatArray | None:
-        """To the matrix, (n, n)."""
-        return None if self.coupling is None else self.coupling.matrix
-
-    @cached_property
-    def edge_vectors(self) -> FloatArray:
-        """`at_edges`, with what modes that are not coupled do at the nodes added to the edge vectors, (4, n)."""
-        if self.coupling is None or self.coupling.left_out is None:
-            return self.at_edges
-        return np.concatenate([self.at_edges[:2] + self.coupling.left_out.fields, self.at_edges[2:]])
-
-    def at_edges_of(self, charges: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """q of nodal charges, (k, n), at the edges, and sum n^2 (+-1)^n Q_n, (k, 2 L) each, left edges first."""
-        sums = np.add.reduceat(charges[:, None] * self.at_edges, self.coupled.starts[:-1], axis=2)
-        return sums[:, :2].reshape(len(charges), -1), sums[:, 2:].reshape(len(charges), -1)
-
     def of_edges(self, charges: FloatArray) -> FloatArray:
-        """Products of the edge vectors with nodal charges, (k, n) to (k, 2 L), left edges first."""
-        sums = np.add.reduceat(charges[:, None] * self.edge_vectors[:2], self.coupled.starts[:-1], axis=2)
+        """Return products of the edge vectors with nodal charges, (k, n) to (k, 2 L), left edges first."""
+        vectors = np.concatenate([basis(modes).at_edges for modes in self.modes.tolist()], axis=1)
+        if self.coupling is not None and self.coupling.left_out is not None:
+            vectors = vectors + self.coupling.left_out.fields
+        starts = np.cumsum(self.modes) - self.modes
+        sums = np.add.reduceat(charges[:, None] * vectors, starts, axis=2)
         return np.asarray(sums.reshape(len(charges), -1))

@@ -136,7 +136,8 @@ def coupling_modes(width: FloatArray, clearance: FloatArray, tolerance: float) -
 
 
 @lru_cache(maxsize=4)
-def _size_ladder(ratio: float) -> IntArray:
+def size_ladder(ratio: float) -> IntArray:
+    """Return the sizes that numbers are rounded up to, in steps of at most `ratio` above 16."""
     sizes = [4, 6, 8]
     while sizes[-1] < 1_000_000_000:
         sizes.append(max(sizes[-1] + 2, int(sizes[-1] * ratio)))
@@ -145,30 +146,8 @@ def _size_ladder(ratio: float) -> IntArray:
 
 def rounded_up(number: FloatArray, ratio: float) -> IntArray:
     """Sizes rounded up to a short list, in steps of at most `ratio` (above 16), so that equal ones can be batched."""
-    ladder = _size_ladder(ratio)
+    ladder = size_ladder(ratio)
     return ladder[np.searchsorted(ladder, number)]
-
-
-@dataclass(frozen=True, eq=False)
-class BySize:
-    """Patches by their size, a number of modes or of nodes, so that equal ones can be batched.
-
-    Attributes
-    ----------
-    classes : tuple of (size, (k,) int array)
-        Each size with the patches that have it, ascending.
-    starts : (L + 1,) int array
-        First node of each patch, and the number of all.
-    """
-
-    classes: tuple[tuple[int, IntArray], ...]
-    starts: IntArray
-
-
-def by_size(sizes: IntArray) -> BySize:
-    """Patches by their sizes, (L,)."""
-    classes = tuple((size, np.flatnonzero(sizes == size)) for size in sorted(set(sizes.tolist())))
-    return BySize(classes, np.concatenate([[0], np.cumsum(sizes)]))
 
 
 def nodes_of(sizes: IntArray) -> FloatArray:
@@ -176,13 +155,35 @@ def nodes_of(sizes: IntArray) -> FloatArray:
     return np.concatenate([basis_nodes(size) for size in sizes.tolist()])
 
 
-def packed_basis(modes: int) -> FloatArray:
-    """The tables of `basis` one behind the other, (5 n + 2 n^2,)."""
-    return basis(modes).packed
-
-
 @lru_cache(maxsize=512)
-def packed_nodes(nodes: int) -> FloatArray:
-    """The nodes and, up to `SMALL_TRANSFORM` of them, the matrix of `coefficients`, (n,) or (n + n^2,)."""
-    matrix = _transform(nodes).ravel() if nodes <= SMALL_TRANSFORM else np.empty(0)
-    return np.concatenate([basis_nodes(nodes), matrix])
+def _packed_nodes(n: int) -> FloatArray:
+    """Return the nodes and, up to `SMALL_TRANSFORM` of them, the matrix of `coefficients`, (n,) or (n + n^2,)."""
+    matrix = _transform(n).ravel() if n <= SMALL_TRANSFORM else np.empty(0)
+    return np.concatenate([basis_nodes(n), matrix])
+
+
+def packed_bases(sizes: IntArray) -> tuple[FloatArray, IntArray]:
+    """Return the tables of `basis` for all sizes in one array, and where that of each patch begins, (L,).
+
+    A table is nodes, edge values, edge slopes, values and logarithmic moments, one behind the other, (5 n + 2 n^2,).
+    """
+    return _packed(sizes, True)
+
+
+def packed_nodes(sizes: IntArray) -> tuple[FloatArray, IntArray]:
+    """Return nodes and matrices of `coefficients` for all sizes in one array, and where those of each patch begin."""
+    return _packed(sizes, False)
+
+
+def _packed(sizes: IntArray, whole: bool) -> tuple[FloatArray, IntArray]:
+    every = sizes.tolist()
+    tables, places = _joined(tuple(sorted(set(every))), whole)
+    return tables, np.array([places[size] for size in every])
+
+
+@lru_cache(maxsize=16)
+def _joined(sizes: tuple[int, ...], whole: bool) -> tuple[FloatArray, dict[int, int]]:
+    """Return the tables of some sizes in one array, and where each begins."""
+    tables = [basis(size).packed if whole else _packed_nodes(size) for size in sizes]
+    starts = np.cumsum([0, *(table.size for table in tables[:-1])])
+    return np.concatenate(tables), dict(zip(sizes, starts.tolist(), strict=True))

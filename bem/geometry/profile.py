@@ -10,24 +10,21 @@ Heights and positions may be in any unit; `Profile.scaled` gives the dimensionle
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bem.compiled.kernels import mirrored
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.ranges import check, check_harmonics
+from bem.kernels.heights import taylor
 
 EQUAL_STEPS = 1e-6  # limit: of the mean step: larger differences would move heights
 EQUAL_HEIGHTS = 1e-12  # derived: of the rms height: crests as high as each other, to rounding
 _POINTS_PER_WAVELENGTH = 16  # derived: of the table of heights: with `_TAYLOR_TERMS` its truncation is 1e-15 of h
 _TAYLOR_TERMS = 14  # derived: terms about a point of the table
-_MANY_POINTS = 256  # speed: above, Horner's rule over all points beats one sum per point (measured)
 _BISECTIONS = 55  # derived: of a crest between its neighbours on the grid: also flat crests, where Newton is slow
-_DERIVATIVE_FACTORS = np.array([[math.perm(k, order) for k in range(_TAYLOR_TERMS)] for order in range(4)], dtype=float)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -181,29 +178,6 @@ class Profile:
         values: FloatArray = self._expand(x, 0)[0]
         return values
 
-    @cached_property
-    def cell(self) -> float:
-        """Distance between the points of the table."""
-        return float(self.period / self._table.shape[0])
-
-    def rise(self, x: FloatArray, step: FloatArray) -> FloatArray:
-        """h(x + step) - h(x) for steps of half a `cell` at most, (n,) each, without their cancellation.
-
-        It is exact to rounding of the slope times the step, however short that is: the powers of the Taylor series
-        about the grid point next to x are subtracted one by one, (o + d)^k - o^k = (o + d) ((o + d)^(k-1) - o^(k-1)) +
-        d o^(k-1).
-        """
-        position, ahead = x / self.cell, step / self.cell
-        nearest = np.rint(position)
-        offset = position - nearest
-        terms = self._table.take(nearest.astype(np.int64) % self._table.shape[0], axis=0).T
-        power, difference, total = np.ones(x.size), np.zeros(x.size), np.zeros(x.size)
-        for term in terms[1:]:
-            difference = (offset + ahead) * difference + ahead * power
-            power = power * offset
-            total += term * difference
-        return total
-
     def slope(self, x: ArrayLike) -> FloatArray:
         """h'(x), same shape as x."""
         values: FloatArray = self._expand(x, 1)[1]
@@ -226,8 +200,8 @@ class Profile:
     @cached_property
     def grid(self) -> tuple[FloatArray, FloatArray]:
         """Positions and heights of the table, (n_grid,) each: at least 16 points per shortest wavelength."""
-        n = self._table.shape[0]
-        return np.arange(n) * (self.period / n), np.ascontiguousarray(self._table[:, 0])
+        n = self.table.shape[0]
+        return np.arange(n) * (self.period / n), np.ascontiguousarray(self.table[:, 0])
 
     @cached_property
     def crests(self) -> tuple[FloatArray, FloatArray]:
@@ -269,7 +243,7 @@ class Profile:
         return place[order], self.height(position)[order]
 
     @cached_property
-    def _table(self) -> FloatArray:
+    def table(self) -> FloatArray:
         """Taylor coefficients h^(k)(x_j) delta^k / k! on the grid, (n_grid, n_terms)."""
         n = max(64, 1 << int(np.ceil(np.log2(_POINTS_PER_WAVELENGTH * self.max_order))))
         spectrum: NDArray[np.complex128] = np.zeros(n // 2 + 1, dtype=np.complex128)
@@ -284,51 +258,5 @@ class Profile:
     def _expand(self, x: ArrayLike, derivatives: int) -> FloatArray:
         """h, h', ... up to the given derivative, (derivatives + 1, ...)."""
         position = np.asarray(x, dtype=np.float64, order="C")
-        values = taylor(self._table, position.ravel(), self._table.shape[0] / self.period, derivatives)
+        values = taylor(self.table, position.ravel(), self.table.shape[0] / self.period, derivatives)
         return values.reshape(derivatives + 1, *position.shape)
-
-
-@mirrored
-def taylor(table: FloatArray, x: FloatArray, spacing_inverse: float, derivatives: int) -> FloatArray:
-    """h, h', ... by the Taylor series about the nearest grid point.
-
-    Parameters
-    ----------
-    table : (n_grid, n_terms) array
-        h^(k)(x_j) delta^k / k!.
-    x : (n,) array
-    spacing_inverse : float
-        1 / delta.
-    derivatives : int
-        Highest, at most 3.
-
-    Returns
-    -------
-    (derivatives + 1, n) array
-    """
-    position = x * spacing_inverse
-    nearest = np.rint(position)
-    offset = position - nearest
-    rows = table.take(nearest.astype(np.int64) % table.shape[0], axis=0)
-    if position.size > _MANY_POINTS:
-        columns = np.ascontiguousarray(rows.T)
-        return np.stack([_horner(columns, offset, k) * spacing_inverse**k for k in range(derivatives + 1)])
-    powers = np.empty((position.size, _TAYLOR_TERMS))
-    powers[:, 0] = 1.0
-    powers[:, 1:] = offset[:, None]
-    np.multiply.accumulate(powers, axis=-1, out=powers)
-    values = np.empty((derivatives + 1, position.size))
-    for order in range(derivatives + 1):
-        terms = rows[:, order:] * _DERIVATIVE_FACTORS[order, order:]
-        values[order] = np.einsum("nk,nk->n", terms, powers[:, : _TAYLOR_TERMS - order]) * spacing_inverse**order
-    return values
-
-
-def _horner(columns: FloatArray, offset: FloatArray, order: int) -> FloatArray:
-    """One derivative at many points, term by term, (n,), from the rows of the table at them, (n_terms, n)."""
-    factors = _DERIVATIVE_FACTORS[order]
-    total = factors[-1] * columns[-1]
-    for k in range(_TAYLOR_TERMS - 2, order - 1, -1):
-        total *= offset
-        total += factors[k] * columns[k]
-    return np.asarray(total)

@@ -86,10 +86,8 @@ def installed_version() -> str:
 
 
 def provenance(resolved_scene: Mapping[str, Any]) -> dict[str, Any]:
-    """Return versions, kernels, Python, platform, date (UTC) and digest of the scene; no path, no host name."""
+    """Return versions, Python, platform, date (UTC) and digest of the scene; no path, no host name."""
     import scipy  # which reading a result does without
-
-    from bem.compiled.kernels import IN_USE
 
     return {
         "linecontact": installed_version(),
@@ -97,7 +95,6 @@ def provenance(resolved_scene: Mapping[str, Any]) -> dict[str, Any]:
         "platform": f"{platform.system()} {platform.machine()}",
         "numpy": np.__version__,
         "scipy": scipy.__version__,
-        "kernels": IN_USE,
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "scene_sha256": digest(resolved_scene),
     }

@@ -30,8 +30,6 @@ def provenance() -> dict[str, Any]:
     """Facts about code and machine, as plain values."""
     import numpy  # noqa: F401  (its BLAS is what is asked about)
 
-    from bem.compiled.kernels import IN_USE
-
     blas = [pool for pool in threadpool_info() if pool["user_api"] == "blas"]
     return {
         "commit": _commit(),
@@ -40,7 +38,6 @@ def provenance() -> dict[str, Any]:
         "cores": os.cpu_count() or 0,
         "blas": ", ".join(sorted({_library(pool) for pool in blas})) or "unknown",
         "blas_threads_per_worker": 1,
-        "kernels": IN_USE,
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "sources_sha256": sources_digest(),
     } | versions()
@@ -57,7 +54,7 @@ def sources_digest() -> str:
     digest = hashlib.sha256()
     for package in SOURCES:
         for path in sorted((root / package).rglob("*")):
-            if path.suffix in (".py", ".c", ".h", ".toml", ".json"):
+            if path.suffix in (".py", ".pyx", ".h", ".toml", ".json"):
                 digest.update(path.relative_to(root).as_posix().encode() + b"\0")
                 digest.update(path.read_bytes())
     return digest.hexdigest()

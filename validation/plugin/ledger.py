@@ -24,8 +24,8 @@ from validation.plugin.content import content_of
 from validation.plugin.rows import KINDS, PASSING, Row
 
 RECORD = "rows.jsonl"
-PACKAGES = ("bem", "fem_reference", "persson", "validation", "linecontact_kernels")
-SUFFIXES = (".py", ".pyx", ".pxd", ".c", ".h", ".so", ".pyd", ".toml", ".json", ".csv", ".npz", ".jinja")
+PACKAGES = ("bem", "fem_reference", "persson", "validation", "linecontact_compiled")
+SUFFIXES = (".py", ".pyx", ".h", ".so", ".pyd", ".toml", ".json", ".csv", ".npz", ".jinja")
 LIBRARIES = ("numpy", "scipy", "scikit-fem", "meshio", "pydantic")
 EMPTY: dict[str, Any] = {"question": "", "method": "", "source": "", "level": "", "rows": [], "figures": [],
                          "tables": [], "costs": [], "stored_in": "", "key": ""}  # fmt: skip

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rough_surfaces import cut, short_waved
 
-from bem.elastic import collocation, hierarchical
+from bem.elastic import collocation
 from bem.elastic.collocation import Elastic, Resolution, evaluate, finer, resolve
 from bem.elastic.compliance import Compliance
 from bem.elastic.hierarchical import IllConditionedSystemError
@@ -94,20 +94,6 @@ def test_error_is_below_the_tolerance(many_patches, tolerance):
     state = evaluate(Elastic(profile), patches, dense.penetration, tolerance)
     error = np.abs(state.stress_intensity - dense.stress_intensity).max() / np.abs(dense.stress_intensity).max()
     assert error <= tolerance  # measured 3e-2 of it; rounding leaves 5e-12
-
-
-def test_substitution_by_blocks_of_rows_changes_nothing(many_patches, monkeypatch):
-    monkeypatch.setattr(hierarchical, "LARGEST_LEAF", 10**9)
-    profile, patches, dense = many_patches
-    blocks = evaluate(Elastic(profile), patches, dense.penetration, 1e-6)
-    assert blocks.unknowns > 2 * hierarchical.FEWEST_BLOCKED
-    monkeypatch.setattr(hierarchical, "FEWEST_BLOCKED", 10**9)
-    plain = evaluate(Elastic(profile), patches, dense.penetration, 1e-6)
-    largest = np.abs(plain.edge_compliance).max()
-    # measured 2e-15 of the largest, 4e-15 in the charges
-    np.testing.assert_allclose(blocks.edge_compliance, plain.edge_compliance, rtol=0, atol=1e-14 * largest)
-    np.testing.assert_allclose(blocks.skeleton, plain.skeleton, rtol=0, atol=1e-13 * np.abs(plain.skeleton).max())
-    assert blocks.load == pytest.approx(plain.load, rel=1e-13)
 
 
 def test_without_the_compliance_of_the_edges_the_rest_is_the_same(many_patches):

@@ -1,19 +1,23 @@
 """The system solved cluster by cluster: the same states as by one factorisation, and as the dense reference."""
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from dense_states import evaluate_dense
 from rough_surfaces import cut, short_waved
 
-from bem.compiled.kernels import REFERENCES
-from bem.elastic import hierarchical, separated_kernel
+from bem.elastic import hierarchical
 from bem.elastic.collocation import Elastic, evaluate, resolve, right_hand_sides
-from bem.elastic.compliance import Compliance
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.elastic.sensitivities import stress_intensity_jacobian
+from bem.elastic.separated_kernel import RANGE_STEP, modes_and_core, range_steps
 from bem.elastic.skeleton import Coupling, Skeleton
+from bem.geometry.chebyshev import nodes_of, packed_bases
 from bem.geometry.patches import Patches, ordered
 from bem.geometry.profile import Profile
+from bem.kernels import clusters
 from bem.loading.control import LoadControl
 
 SHORT = short_waved(3)
@@ -120,56 +124,121 @@ def test_the_start_of_the_period_does_not_matter(evaluated):
     assert relative(there.stress_intensity[np.r_[order, count + order]], here.stress_intensity) <= 1e-9
 
 
-def test_clusters_of_clusters_stay_few_where_gaps_widen_towards_the_ends(monkeypatch):
+def test_clusters_of_clusters_stay_few_where_gaps_widen_towards_the_ends():
     """Such gaps would all be worth a split at the end, a patch at a time."""
-    shared = []
-
-    def leaf(skeleton, first, last, columns, uniform):
-        shared.append(columns.shape[1])
-        return original(skeleton, first, last, columns, uniform)
-
-    original = hierarchical._leaf
-    monkeypatch.setattr(hierarchical, "_leaf", leaf)
     behind = np.cumsum(0.3 + 1e-3 + np.linspace(-1, 1, 60) ** 2)
     left = np.append(0.0, behind[:-1])
     patches = Patches(left * 2 * np.pi / behind[-1], (left + 0.3) * 2 * np.pi / behind[-1])
+    modes = resolve(Elastic(SHORT), patches, 1e-6).modes
+    starts = np.concatenate([[0], np.cumsum(modes)])
+    x = np.repeat(patches.center, modes) + np.repeat(patches.half_width, modes) * nodes_of(modes)
+    cuts, _ = clusters.splits(x, patches.left, patches.right, starts, 130)
+
+    def deepest(place):
+        """Depth of the clusters from a place on, and the place behind them."""
+        if cuts[place] < 0:
+            return 0, place + 1
+        first, place = deepest(place + 1)
+        second, place = deepest(place)
+        return 1 + max(first, second), place
+
+    depth, size = deepest(0)
+    assert size == cuts.size
+    assert np.sum(cuts >= 0) > 5
+    assert depth <= 6  # measured 4
+
+
+def test_an_added_matrix_is_solved_in_one_cluster():
+    """A thin layer couples high modes of all patches; charges are those of the dense matrix with the addition."""
+    patches, skeleton = posed()
+    added = 0.3 * np.cos(np.subtract.outer(skeleton.x, skeleton.x))
+    whole = hierarchical.solve(replace(skeleton, coupling=Coupling(added, None)), 1e-12)
+    plain = np.linalg.solve(dense_matrix(patches, skeleton), skeleton.columns.T)
+    expected = np.linalg.solve(dense_matrix(patches, skeleton) - added, skeleton.columns.T).T
+    assert skeleton.x.size > hierarchical.LARGEST_LEAF
+    assert relative(whole.charges, expected) <= 1e-9
+    assert relative(plain.T, expected) > 1e-4  # so the addition is seen
+
+
+@pytest.mark.parametrize("edge_columns", [0, 2, 4], ids=["no edges", "edges", "slopes"])
+def test_the_system_in_clusters_is_that_of_dense_algebra(edge_columns):
+    """Matrix from math.log of chords between patches, and within them from the Chebyshev moments of the logarithm."""
+    patches, skeleton = posed()
+    solution = hierarchical.solve(replace(skeleton, edge_columns=edge_columns), 1e-13)
+    charges = np.linalg.solve(dense_matrix(patches, skeleton), skeleton.columns.T).T
+    assert relative(solution.charges, charges) <= 1e-9
+    assert relative(solution.gram, skeleton.columns @ charges.T) <= 1e-10
+    values, slopes = edge_vectors(skeleton.modes)
+    assert relative(solution.at_edges, charges @ values.T) <= 1e-8
+    assert relative(solution.slopes, charges @ slopes.T) <= 1e-7
+    responses = np.linalg.solve(dense_matrix(patches, skeleton), values.T)
+    if edge_columns:
+        assert relative(solution.compliance, values @ responses) <= 1e-9
+    if edge_columns == 4:
+        assert relative(solution.slope_compliance, slopes @ responses) <= 1e-8
+
+
+def posed():
+    patches, penetration = cut(SHORT, 0.4)
     resolution = resolve(Elastic(SHORT), patches, 1e-6)
-    _, x, columns, *_ = right_hand_sides(SHORT, patches, 1.0, resolution)
-    skeleton = Skeleton(patches, resolution.modes, x, columns, None)
-    REFERENCES["solved"](skeleton, hierarchical.Splitting(1e-8, 130, 0.03))
-    assert max(shared) <= 200  # measured 94; with splits at any gap 578
+    _, x, columns, *_ = right_hand_sides(SHORT, patches, penetration, resolution)
+    return patches, Skeleton(patches, resolution.modes, x, columns, None)
 
 
-def test_layers_of_many_waves_are_one_cluster(monkeypatch):
-    """A thin layer couples high modes of all patches."""
-
-    class OneMode:
-        columns = 10**6
-
-        def coupling(self, x, patches, modes, tolerance, few):
-            assert x.size >= 24 * patches.count and not few
-            matrix = 0.3 * np.cos(np.subtract.outer(x, x))
-            return Coupling(matrix, None)
-
-        def coupled_modes(self, width, tolerance, max_order):
-            return np.full(width.shape, 24.0)
-
-    monkeypatch.setattr(hierarchical, "LARGEST_LEAF", 40)
-    monkeypatch.setattr(hierarchical, "separated_kernel", None)
-    patches, penetration = cut(SHORT, 0.15)
-    assert evaluate(Elastic(SHORT, Compliance(OneMode())), patches, penetration, 1e-3).unknowns >= 24 * patches.count
+def dense_matrix(patches, skeleton):
+    """Negated kernel between nodal charges, from chords and from int log|t - t'| T_n / sqrt(1 - t'^2) dt'."""
+    chord = np.abs(2 * np.sin(np.subtract.outer(skeleton.x, skeleton.x) / 2)) + np.eye(skeleton.x.size)
+    kernel = np.array([math.log(size) for size in chord.ravel()]).reshape(chord.shape)
+    start = 0
+    for modes, r in zip(skeleton.modes.tolist(), patches.half_width, strict=True):
+        angle = (np.arange(modes) + 0.5) * np.pi / modes
+        order, t = np.arange(modes), np.cos(angle)
+        values = np.cos(np.outer(angle, order))
+        moment = np.concatenate([[-np.pi * math.log(2)], -np.pi / order[1:]]) * np.where(order == 0, 1, 2) / np.pi
+        y = r * np.subtract.outer(t, t) / 2 + 1e-300
+        block = (values * moment) @ values.T + math.log(r) + np.log(np.sin(y) / y)
+        kernel[start : start + modes, start : start + modes] = block
+        start += modes
+    return -kernel
 
 
-def test_clusters_that_are_not_positive_definite_together_are_refused_by_name(monkeypatch):
+def edge_vectors(modes):
+    """Rows that take nodal charges to q at the edges and to sum n^2 (+-1)^n Q_n, left edges first."""
+    starts = np.cumsum(modes) - modes
+    rows = np.zeros((2, 2, modes.size, modes.sum()))
+    for patch, (start, size) in enumerate(zip(starts, modes, strict=True)):
+        order, angle = np.arange(size), (np.arange(size) + 0.5) * np.pi / size
+        weight = np.where(order == 0, 1, 2)[:, None] / np.pi * np.cos(np.outer(order, angle))
+        for side, sign in enumerate((-1.0, 1.0)):
+            rows[0, side, patch, start : start + size] = sign**order @ weight
+            rows[1, side, patch, start : start + size] = (order**2 * sign**order) @ weight
+    return rows.reshape(2, 2 * modes.size, -1)
+
+
+def test_clusters_that_are_not_positive_definite_together_are_refused():
     """A kernel between them far larger than that within them."""
+    patches, skeleton = posed()
+    starts = np.concatenate([[0], np.cumsum(skeleton.modes)])
+    cuts, arcs = clusters.splits(skeleton.x, patches.left, patches.right, starts, skeleton.x.size - 1)
+    low, high = arcs[0, 2:]
+    steps = range_steps((high - low) / 2)
+    modes, even, core = modes_and_core(steps, 1e-12)
+    arcs[0, 2:] = (low + high) / 2, RANGE_STEP**steps
+    tables = packed_bases(skeleton.modes)
 
-    def too_strong(steps, accuracy):
-        modes, even, core = original(steps, accuracy)
-        return modes, even, 100 * core
+    def solution(factor):
+        ranges = [(modes, even, factor * core), None, None]
+        given = skeleton.x, patches.half_width, starts, *tables, skeleton.columns, cuts, arcs, ranges
+        return clusters.solved(*given, 0.03, 2)
 
-    original = separated_kernel.modes_and_core
-    monkeypatch.setattr(hierarchical, "LARGEST_LEAF", 40)
-    monkeypatch.setattr(separated_kernel, "modes_and_core", too_strong)
-    patches, penetration = cut(SHORT, 0.15)
+    assert cuts.size == 3
+    assert solution(1) is not None
+    assert solution(100) is None
+
+
+@pytest.mark.parametrize("added", [np.eye, lambda n: np.full((n, n), 10.0 / n)], ids=["a leaf", "a uniform charge"])
+def test_an_indefinite_matrix_is_refused_by_name(added):
+    _, skeleton = posed()
+    matrix = 1e3 * added(skeleton.x.size)
     with pytest.raises(IllConditionedSystemError, match="unknowns is not positive definite"):
-        evaluate(Elastic(SHORT), patches, penetration, 1e-6)
+        hierarchical.solve(replace(skeleton, coupling=Coupling(matrix, None)), 1e-12)

@@ -78,13 +78,6 @@ def test_charges_and_points_may_lie_on_any_turn(charges, points):
     )  # measured 3.3e-13: rounding of x over the least distance
 
 
-def test_pairs_beyond_one_block_are_summed_block_by_block(monkeypatch):
-    potential, x = random_charges(FEW[0]), turns_of_points(FEW[1])
-    whole = potential(x)
-    monkeypatch.setattr(logarithmic_potential, "LARGEST_BLOCK", 7 * FEW[0])
-    np.testing.assert_allclose(potential(x), whole, rtol=0, atol=1e-15)  # measured 0
-
-
 @pytest.mark.parametrize("at", [0.0, np.pi / 16, 2 * np.pi - 1e-12], ids=["at the origin", "edge of a box", "end"])
 def test_one_charge_is_seen_round_the_whole_circle(at, monkeypatch):
     """Every box but three by polynomials, with the charge at the edge of its own."""

@@ -34,17 +34,6 @@ def test_table_is_the_sum_of_cosines(profile, places, derivative):
     np.testing.assert_allclose(found, cosines(profile, x, derivative), rtol=0, atol=6e-13 * scale)
 
 
-@given(profile=profiles(), place=st.floats(0, 1), shorter=st.floats(-12, 0), sign=st.sampled_from([-1, 1]))
-def test_rise_over_a_short_step_has_no_cancellation(profile, place, shorter, sign):
-    """h(x + d) - h(x) = -2 sum h_m sin(m q0 d / 2) sin(m q0 (x + d / 2) + phi_m)."""
-    x, step = np.array([place * profile.period]), np.array([sign * 10.0**shorter * profile.cell / 2])
-    q = profile.orders * profile.q0
-    expected = -2 * np.sin(q * step / 2) * np.sin(q * (x + step / 2) + profile.phases) @ profile.amplitudes
-    steepest = np.sum(profile.amplitudes * q) * step
-    # measured 7e-14, of angles that are rounded
-    np.testing.assert_allclose(profile.rise(x, step) / steepest, expected / steepest, rtol=0, atol=2e-13)
-
-
 @pytest.mark.parametrize("derivative", [0, 1, 2], ids=["height", "slope", "curvature"])
 def test_many_points_have_the_values_of_few(derivative):
     profile = Profile.self_affine(2 * np.pi, 0.7, 1.0, 60, 3)

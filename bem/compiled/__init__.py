@@ -1,1 +1,0 @@
-"""Kernels in C beside their references in NumPy: which run is settled in kernels.py."""

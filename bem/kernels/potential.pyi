@@ -1,0 +1,3 @@
+from bem.geometry.arrays import FloatArray
+
+def pair_by_pair(points: FloatArray, sources: FloatArray, charge: FloatArray) -> FloatArray: ...
