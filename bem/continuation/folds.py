@@ -37,7 +37,7 @@ from bem.continuation.locating import LOCATED, Condition, Located, Refused, Star
 from bem.geometry.arrays import FloatArray
 
 NO_WORK = 1e-3  # cosine of a mode and of the pull of the control, below which that does no work on it
-NEUTRAL_OFF = 3.0  # of the tolerance: error of an eigenvalue by an evaluation
+NEUTRAL_OFF = 5.0  # of the tolerance: error of an eigenvalue by an evaluation
 NEUTRAL = 1e-2  # eigenvalues of modes that are neutral together
 
 

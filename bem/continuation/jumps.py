@@ -20,7 +20,7 @@ from bem.adhesive.equilibrium import Balance, System, balance
 from bem.adhesive.relaxation import Cause, Relaxed, relax
 from bem.continuation.curve import LONGEST
 from bem.continuation.folds import LimitPoint
-from bem.continuation.locating import AtControl, Located, Refused, Start, locate
+from bem.continuation.locating import OFF, VERIFIED, AtControl, Located, Refused, Start, locate
 from bem.continuation.opening import complete_potential
 from bem.continuation.points_with_edges import Equilibrium, Point
 from bem.continuation.symmetry import TIED
@@ -135,10 +135,16 @@ class Jumps:
         released = at.potential - after.potential
         doubt = error.potential + uncertain + self._moved_by_error(at, error, after.penetration, after.load)
         happened = surely or not np.isfinite(doubt) or released > SAFETY * doubt
-        events = path_events(changes, at, error, released, doubt) if happened else ()
+        stated = doubt + self._coarseness(here)
+        events = path_events(changes, at, error, released, stated) if happened else ()
         if relaxed.status != "converged":
             return _failed(relaxed, events)
         return Equilibrium(value, here, patches, after.load, events=events)
+
+    def _coarseness(self, here: Balance) -> float:
+        """Return what coarse evaluations may make of a difference of energies: of second order in their errors."""
+        tolerance = self.increments.way.tolerance
+        return (OFF * tolerance) ** 2 * here.state.elastic_energy if tolerance > VERIFIED else 0.0
 
     def _minimum(self, here: Balance, value: float) -> Located | None:
         """The stable equilibrium in which a jump ended, with its errors; None where there is none."""

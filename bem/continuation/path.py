@@ -51,6 +51,7 @@ from bem.loading.increments import MAXIMUM_ITERATIONS, Effort, Increments
 from bem.loading.path_events import EventNumbers, PathTension, path_events
 from bem.loading.points_without_edges import Complete, Failed, Separated
 
+FIRST = 0.5  # speed: of the longest step: the first one of a branch
 LONGEST_STEP = 0.4  # units: the motion of the edges in a step
 PER_INCREMENT = 9.0  # units per rms height of `accuracy.max_increment`: a step, if that is less than the longest
 NATURAL = 1e-7, 1e-6, 1e-5, 1e-4  # of the unit of the control: steps of it where none along the curve is left
@@ -213,7 +214,7 @@ class Path:
         if at is None:
             yield Failed(point.value, "not_converged")
             return
-        length, load, again = way.longest, point.load, True
+        length, load, again = FIRST * way.longest, point.load, True
         while True:
             ahead = predicted(at, length, way)
             tried = float(np.max(np.abs(ahead[0] / at.unit)))
