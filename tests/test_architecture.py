@@ -70,12 +70,6 @@ ORDER = (
     "validation/corpus/random",
     "validation/corpus",
     "validation/cases/shared",
-    "validation/cases/exact",
-    "validation/cases/states",
-    "validation/cases/paths",
-    "validation/cases/rough_profiles",
-    "validation/cases/finite_elements",
-    "validation/cases/theory",
     "validation/cases/suite",
     "validation/cases",
     "validation/studies",
@@ -146,6 +140,11 @@ def imported_by(path: Path) -> set[str]:
 def test_packages_that_are_compared_share_nothing(package):
     others = set(PACKAGES) - {package}
     assert [str(path) for path in SOURCES if path.parts[0] == package and imported_by(path) & others] == []
+
+
+def test_references_share_nothing_with_the_codes_that_they_judge():
+    references = [path for path in SOURCES if path.is_relative_to("validation/references")]
+    assert [str(path) for path in references if imported_by(path) & set(PACKAGES[:-1])] == []
 
 
 @pytest.mark.parametrize("module", ONLY_IN)

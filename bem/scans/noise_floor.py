@@ -77,9 +77,9 @@ class Spectrum:
         f, density = self.modes
         below = np.floor(-BANDS * np.log2(2 * self.spacing * f)).astype(int)
         counts = np.bincount(below).astype(float)
-        there = counts > 0
-        sums = [np.bincount(below, weights=values)[there] / counts[there] for values in (np.log(f), density)]
-        return np.exp(sums[0])[::-1], sums[1][::-1], counts[there][::-1]
+        filled = counts > 0
+        sums = [np.bincount(below, weights=values)[filled] / counts[filled] for values in (np.log(f), density)]
+        return np.exp(sums[0])[::-1], sums[1][::-1], counts[filled][::-1]
 
     @cached_property
     def tail(self) -> PowerLaw | None:
@@ -127,9 +127,9 @@ class Spectrum:
     def noise_share(self, harmonics: int, period: float, gaussian: GaussianFilter) -> float:
         """Return the share of noise in the mean square slope that filters and a cut leave."""
         f, density = self.modes
-        kept = f <= harmonics / period
-        weights = (f[kept] * gaussian.transmission(f[kept])) ** 2
-        total = float(weights @ density[kept])
+        passed = f <= harmonics / period
+        weights = (f[passed] * gaussian.transmission(f[passed])) ** 2
+        total = float(weights @ density[passed])
         return self.floor * float(weights.sum()) / total if total > 0 else 0.0
 
     def facts(self) -> dict[str, Any]:

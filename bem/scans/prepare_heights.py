@@ -34,11 +34,11 @@ def refuse_few(raw: RawScan, h: FloatArray) -> None:
     """Raise ScanFileError for too few heights."""
     known = int(np.isfinite(h).sum())
     if known < FEWEST:
-        found = f"holds {known} samples with a height"
-        raise refused("file", found, f"at least {FEWEST} of them")
+        problem = f"holds {known} samples with a height"
+        raise refused("file", problem, f"at least {FEWEST} of them")
     if known < (1 - MOST_MISSING) * raw.h.size:
-        found = f"lacks {raw.h.size - known} of {raw.h.size} heights"
-        raise refused("file", found, f"at most {MOST_MISSING:.0%} missing")
+        problem = f"lacks {raw.h.size - known} of {raw.h.size} heights"
+        raise refused("file", problem, f"at most {MOST_MISSING:.0%} missing")
 
 
 def without_dropouts(raw: RawScan, line: Line, method: str) -> tuple[Line, Step]:
@@ -101,14 +101,14 @@ def without_gaps(raw: RawScan, line: Line, method: str, dropouts: Step) -> tuple
     if not gone.size:
         return line, facts
     if method == "refuse":
-        found = f'= "refuse", and {gone.size} of {h.size} heights are missing'
+        problem = f'= "refuse", and {gone.size} of {h.size} heights are missing'
         allowed = 'missing = "interpolate" fills gaps along straight lines'
         if dropouts["count"] and dropouts["method"] == "missing":
-            found += f" or dropouts: {dropouts['values']} in {dropouts['places']}"
+            problem += f" or dropouts: {dropouts['values']} in {dropouts['places']}"
             allowed += '; dropouts = "keep" takes these for heights'
         else:
-            found += f" ({_shortened([raw.place(int(k)) for k in gone])})"
-        raise refused("missing", found, allowed)
+            problem += f" ({_shortened([raw.place(int(k)) for k in gone])})"
+        raise refused("missing", problem, allowed)
     known = np.flatnonzero(np.isfinite(h))
     first, last = int(known[0]), int(known[-1])
     runs = np.diff(known) - 1

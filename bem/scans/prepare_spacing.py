@@ -29,8 +29,8 @@ def refuse_disorder(raw: RawScan) -> None:
             "positions that increase: reverse lines that fall, remove lines that repeat a position or begin again, "
         )
         allowed += "or name another column of positions in columns"
-        found = f"is not increasing in x: {raw.place(k)} at {raw.x[k]:g} m follows {raw.x[k - 1]:g} m"
-        raise refused("file", found, allowed)
+        problem = f"is not increasing in x: {raw.place(k)} at {raw.x[k]:g} m follows {raw.x[k - 1]:g} m"
+        raise refused("file", problem, allowed)
 
 
 def equally_spaced(raw: RawScan, line: Line, first: int, method: str) -> tuple[Line, Step]:
@@ -51,9 +51,9 @@ def equally_spaced(raw: RawScan, line: Line, first: int, method: str) -> tuple[L
         if even is not None:
             return (even, h), facts | {"printed_to": 2 * float(half.min())}
     if method == "refuse":
-        found = f"is not uniform in x: {raw.place(first + worst)} is {deviations[worst]:.2g} sample distances off a"
+        problem = f"is not uniform in x: {raw.place(first + worst)} is {deviations[worst]:.2g} sample distances off a"
         allowed = f'at most {UNIFORMITY:g}, or half the last digit printed; or unequal_spacing = "resample"'
-        raise refused("file", f"{found} uniform grid", allowed)
+        raise refused("file", f"{problem} uniform grid", allowed)
     curve = import_module("scipy.interpolate").PchipInterpolator(x, h)
     gaps = np.diff(x)
     return (grid, np.asarray(curve(grid))), facts | {"least": float(gaps.min()), "most": float(gaps.max())}

@@ -132,6 +132,6 @@ def _thinned(x: FloatArray, h: FloatArray) -> Line:
     stretches = np.array_split(np.arange(x.size), DRAWN // 2)
     low = np.where(np.isnan(h), np.inf, h)
     high = np.where(np.isnan(h), -np.inf, h)
-    kept = [sorted((part[np.argmin(low[part])], part[np.argmax(high[part])])) for part in stretches]
-    chosen = np.array(kept).ravel()
+    extremes = [sorted((part[np.argmin(low[part])], part[np.argmax(high[part])])) for part in stretches]
+    chosen = np.array(extremes).ravel()
     return x[chosen], h[chosen]

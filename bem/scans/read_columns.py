@@ -36,7 +36,7 @@ class TableLine(NamedTuple):
     x: FloatArray | None  # (n,)
     h: FloatArray  # (n,); NaN where missing
     lines: IntArray | None = None  # line of the file of each sample, (n,)
-    columns: tuple[int | None, int] | None = None  # of positions and heights, from 0; None of a map
+    columns: tuple[int | None, int | None] = (None, None)  # of positions and heights, from 0
     rows: slice = slice(None)  # of the table
     unread: tuple[int, ...] = ()  # columns, from 1
 
@@ -61,13 +61,13 @@ def line_of(table: TextTable, values: Mapping[str, Any]) -> TableLine:
     if points is not None:
         rows, heights = scan_line(table, points, heights, values["row"])
     elif x_column is None and heights[0] == heights.size - 1:
-        found = f"line {table.lines[0]} holds {heights[0]:g}, the number of heights that follow"
-        raise refused("file", found, f"heights alone: skip_lines = {table.lines[0]}")
+        problem = f"line {table.lines[0]} holds {heights[0]:g}, the number of heights that follow"
+        raise refused("file", problem, f"heights alone: skip_lines = {table.lines[0]}")
     lines = table.lines[rows]
     x = None if x_column is None else table.values[rows, x_column]
     if x is not None and np.isnan(x).any():
-        found = f"line {lines[int(np.argmax(np.isnan(x)))]} has no position"
-        raise refused("file", found, "a position in every line: only heights may be missing")
+        problem = f"line {lines[int(np.argmax(np.isnan(x)))]} has no position"
+        raise refused("file", problem, "a position in every line: only heights may be missing")
     return TableLine(x, heights, None if row == "mean" else lines, (x_column, h_column), rows, unread)
 
 
@@ -77,8 +77,8 @@ def _columns(width: int, points: ScanLines | None, values: Mapping[str, Any]) ->
     rest = [column for column in range(1, width + 1) if column != flag]
     expected = [1, 2] if points is None else [points[0] + 1, 3]
     if points is not None and "row" not in values:
-        found = f"is needed: the file has {len(points[1])} scan lines of points x y h"
-        raise refused("row", found, rows_allowed(len(points[1])))
+        problem = f"is needed: the file has {len(points[1])} scan lines of points x y h"
+        raise refused("row", problem, rows_allowed(len(points[1])))
     used = list(values.get("columns", expected if points is not None and len(rest) == 3 else rest))
     if len(used) > 2:
         allowed = f"columns = {expected} for x and h in these columns; valid_column = {width} for a column whose 0 "
@@ -111,9 +111,9 @@ def _refuse_flags(table: TextTable, unread: tuple[int, ...]) -> None:
             2 <= kinds.size <= min(MOST_FLAGS, table.lines.size // 2)
             and (np.isnan(kinds) | (kinds == np.round(kinds))).all()
         ):
-            found = f"is needed: column {column} holds {_listed(kinds)} and may say which heights are valid"
+            problem = f"is needed: column {column} holds {_listed(kinds)} and may say which heights are valid"
             allowed = f"valid_column = {column}: heights flagged 0 are missing; valid_column = 0 if no column says so"
-            raise refused("valid_column", found, allowed)
+            raise refused("valid_column", problem, allowed)
 
 
 def _listed(numbers: FloatArray) -> str:

@@ -19,7 +19,6 @@ from typing import Any
 import numpy as np
 
 from bem.geometry.arrays import FloatArray
-from bem.scans.read_bytes import text_of
 from bem.scans.read_units import unit_of
 from bem.scans.scan_refusal import ScanFileError, refused
 
@@ -41,17 +40,6 @@ class InstrumentScan:
     facts: dict[str, Any]  # how it was read: plain values
 
 
-def is_instrument_file(content: bytes) -> bool:
-    """Return whether the bytes of a file are for SurfaceTopography.
-
-    Examples
-    --------
-    >>> is_instrument_file(b"GWYP\\x00\\x01"), is_instrument_file(b"0 1\\n"), is_instrument_file("0 1".encode("utf-16"))
-    (True, False, False)
-    """
-    return content.startswith(RASTER_TEXT) or text_of(content) is None
-
-
 def read_instrument(path: Path, content: bytes, channel: int | None) -> InstrumentScan:
     """Return a channel of heights, counted from 0 among these, of a file and its bytes.
 
@@ -62,8 +50,8 @@ def read_instrument(path: Path, content: bytes, channel: int | None) -> Instrume
     try:
         library = import_module(LIBRARY)
     except ImportError as error:
-        found = f"{no_text or 'is the file of an instrument'}, and {LIBRARY} is not installed"
-        raise refused("file", found, f"text, or {NEEDED}") from error
+        problem = f"{no_text or 'is the file of an instrument'}, and {LIBRARY} is not installed"
+        raise refused("file", problem, f"text, or {NEEDED}") from error
     with warnings.catch_warnings(), ExitStack() as opened:
         warnings.simplefilter("ignore")
         try:
@@ -72,7 +60,7 @@ def read_instrument(path: Path, content: bytes, channel: int | None) -> Instrume
                 opened.callback(reader.mpi_file.close)
             if no_text and reader.format() in TEXT_FORMATS:
                 raise refused("file", no_text, "text, without the zero byte")
-            chosen = _chosen([each for each in reader.channels if each.is_height_channel is not False], channel)
+            chosen = _chosen([item for item in reader.channels if item.is_height_channel is not False], channel)
             lengths = chosen.physical_sizes
             needed = lengths is None and chosen.is_uniform is not False  # any: positions then come from the scene
             surface = chosen.topography(**({"physical_sizes": tuple(map(float, chosen.nb_grid_pts))} if needed else {}))
@@ -80,8 +68,8 @@ def read_instrument(path: Path, content: bytes, channel: int | None) -> Instrume
         except ScanFileError:
             raise
         except Exception as error:  # each of its readers has errors of its own
-            found = f"cannot be read by {LIBRARY}: {_reason(error)}{'; ' * bool(no_text)}{no_text}"
-            raise refused("file", found, f"text, or a format that {LIBRARY} reads") from error
+            problem = f"cannot be read by {LIBRARY}: {_reason(error)}{'; ' * bool(no_text)}{no_text}"
+            raise refused("file", problem, f"text, or a format that {LIBRARY} reads") from error
     facts = {"format": reader.format(), "channel": str(chosen.name), "points": list(heights.shape)}
     facts |= {"missing_points": int(np.isnan(heights).sum())}
     unit = "" if chosen.unit is None else unit_of(str(chosen.unit)) or "no unit"

@@ -80,14 +80,14 @@ def map_of(table: TextTable, values: Mapping[str, Any]) -> FloatArray:
     """Return the heights of a map; ScanFileError for keys and headings of columns, and for axes."""
     width = table.values.shape[1]
     if width <= 2:
-        found = f"= {values['row']!r} of a file with {width} columns"
-        raise refused("row", found, "leave it out: only a map has rows, one on each line of the file")
+        problem = f"= {values['row']!r} of a file with {width} columns"
+        raise refused("row", problem, "leave it out: only a map has rows, one on each line of the file")
     for key in ("columns", "valid_column"):
         if key in values:
             raise refused(key, f"= {values[key]!r} beside row", "leave it out: the row of a map is all of a line")
     if table.heading:
-        found = f"line {table.heading} states units of columns, which a map does not have"
-        raise refused("file", found, f"skip_lines = {table.heading}, with unit_h and unit_x")
+        problem = f"line {table.heading} states units of columns, which a map does not have"
+        raise refused("file", problem, f"skip_lines = {table.heading}, with unit_h and unit_x")
     refuse_axes(table, ("first line", "last line", "first column", "last column"))
     return without_missing(table.values, values)
 

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from bem.geometry.arrays import FloatArray, IntArray
-from bem.scans.read_bytes import content_of
+from bem.scans.read_bytes import content_of, text_of
 from bem.scans.read_columns import TableLine, line_of
-from bem.scans.read_instrument import is_instrument_file, read_instrument
+from bem.scans.read_instrument import RASTER_TEXT, read_instrument
 from bem.scans.read_map import row_of, without_missing
 from bem.scans.read_text import DELIMITERS, read_table
 from bem.scans.read_units import resolved_units
@@ -57,7 +57,11 @@ def read_scan(path: Path, values: Mapping[str, Any]) -> RawScan:
     position is missing.
     """
     content = content_of(path)
-    raw = _from_instrument(path, content, values) if is_instrument_file(content) else _from_text(content, values)
+    decoded = text_of(content)
+    if decoded is None or content.startswith(RASTER_TEXT):
+        raw = _from_instrument(path, content, values)
+    else:
+        raw = _from_text(*decoded, values)
     return replace(raw, sha256=hashlib.sha256(content).hexdigest())
 
 
@@ -74,25 +78,24 @@ def scan_of_arrays(x: FloatArray, h: FloatArray, values: Mapping[str, Any]) -> R
     return RawScan(x, h, None, facts, hashlib.sha256(x.tobytes() + h.tobytes()).hexdigest())
 
 
-def _from_text(content: bytes, values: Mapping[str, Any]) -> RawScan:
+def _from_text(text: str, encoding: str, values: Mapping[str, Any]) -> RawScan:
     """Return a line of a text file."""
     _refuse_keys(values, ["channel"], "is for instrument files")
-    table = read_table(content, values.get("skip_lines", 0), values.get("decimal"))
+    table = read_table(text, values.get("skip_lines", 0), values.get("decimal"))
     line = line_of(table, values)
     facts = {
         "format": "text",
-        "encoding": table.encoding,
+        "encoding": encoding,
         "delimiter": DELIMITERS[table.reading.delimiter],
         "decimal": table.reading.decimal,
         "width": table.values.shape[1],
     }
     facts |= {"columns_not_read": list(line.unread)} if line.unread else {}
-    columns = (None, None) if line.columns is None else line.columns
-    stated = {axis: table.units[column] for axis, column in zip("xh", columns, strict=True) if column is not None}
+    stated = {axis: table.units[column] for axis, column in zip("xh", line.columns, strict=True) if column is not None}
     raw = _in_metres(line, stated, f"line {table.heading}", facts, values)
-    if line.columns is None or line.columns[0] is None:
-        return raw
     x_column, metres = line.columns[0], METRES[raw.facts["unit_x"]]
+    if x_column is None:
+        return raw
 
     def half_digits() -> FloatArray:
         return metres * np.array([_half_digit(table.reading.cells(row)[x_column]) for row in table.rows[line.rows]])
@@ -143,8 +146,8 @@ def _in_metres(
 ) -> RawScan:
     """Return positions and heights in m, in the units that the source states or the scene gives."""
     if line.x is None and "spacing" not in values:
-        found = "is missing: the file has heights alone, without positions or lengths"
-        raise refused("spacing", found, "spacing = the distance of two samples, in unit_x")
+        problem = "is missing: the file has heights alone, without positions or lengths"
+        raise refused("spacing", problem, "spacing = the distance of two samples, in unit_x")
     units = resolved_units(values, stated, source)
     metres = METRES[units["x"]]
     x = line.x * metres if line.x is not None else values["spacing"] * metres * np.arange(line.h.size)

@@ -22,7 +22,6 @@ import numpy as np
 
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.ranges import MOST
-from bem.scans.read_bytes import text_of
 from bem.scans.read_units import heading_units
 from bem.scans.scan_refusal import Refusal, ScanFileError, refused
 
@@ -84,25 +83,20 @@ class TextTable:
     rows: tuple[str, ...]  # text of each row
     units: tuple[str, ...]  # of each column, "" where none is stated
     heading: int  # line of these units, from 1; 0 without a heading
-    encoding: str
     reading: Reading
 
 
-def read_table(content: bytes, skip_lines: int = 0, decimal: str | None = None) -> TextTable:
-    """Return the table in the bytes of a text file; the decimal mark, "." or ",", where it is not clear from these.
+def read_table(text: str, skip_lines: int = 0, decimal: str | None = None) -> TextTable:
+    """Return the table in a text; the decimal mark, "." or ",", where it is not clear from these.
 
     ScanFileError for two readings that fit, no table, or lines that are no rows, with their numbers.
 
     Examples
     --------
-    >>> table = read_table("x [mm];h [µm]\\n0,0;1,5\\n0,1;NaN\\n0,2;1,25\\n".encode("latin-1"))
-    >>> table.values.tolist(), table.units, table.encoding, table.reading
-    ([[0.0, 1.5], [0.1, nan], [0.2, 1.25]], ('mm', 'um'), 'latin-1', Reading(delimiter=';', decimal=','))
+    >>> table = read_table("x [mm];h [µm]\\n0,0;1,5\\n0,1;NaN\\n0,2;1,25\\n")
+    >>> table.values.tolist(), table.units, table.reading
+    ([[0.0, 1.5], [0.1, nan], [0.2, 1.25]], ('mm', 'um'), Reading(delimiter=';', decimal=','))
     """
-    decoded = text_of(content)
-    if decoded is None:
-        raise refused("file", f"is no text: a zero byte at {content.find(0)}", "a text file")
-    text, encoding = decoded
     whole = re.split("\r\n|\r|\n", text)
     if skip_lines >= len(whole):
         raise refused("skip_lines", f"= {skip_lines}", f"fewer than the {len(whole)} lines of the file")
@@ -128,7 +122,7 @@ def read_table(content: bytes, skip_lines: int = 0, decimal: str | None = None) 
     if reading.delimiter and np.isnan(values[:, -1]).all() and width > 1:
         values = values[:, :-1]  # every line ends with the delimiter
     numbers, rows = zip(*body, strict=True)
-    return TextTable(values, np.array(numbers), rows, units, above[-1][0] if above else 0, encoding, reading)
+    return TextTable(values, np.array(numbers), rows, units, above[-1][0] if above else 0, reading)
 
 
 def _heading_of(above: Sequence[Line], width: int) -> tuple[str, ...]:
@@ -144,10 +138,10 @@ def _heading_of(above: Sequence[Line], width: int) -> tuple[str, ...]:
         return heading[1]
     texts = ", ".join(repr(line[:40]) for _, line in above[:LISTED]) + ", .." * (len(above) > LISTED)
     first, last = above[0][0], above[-1][0]
-    found = f"line {first} ({texts}) is" if len(above) == 1 else f"lines {first} to {last} ({texts}) are"
+    problem = f"line {first} ({texts}) is" if len(above) == 1 else f"lines {first} to {last} ({texts}) are"
     allowed = "columns of numbers, under a heading with a unit for each column, as in x [mm]; h [um]; or skip_lines = "
     allowed += f"{above[-1 - count][0]}, and what the lines say in unit_x, unit_h, spacing, columns, missing_value, "
-    raise refused("file", f"{found} not numbers", f"{allowed}valid_column")
+    raise refused("file", f"{problem} not numbers", f"{allowed}valid_column")
 
 
 def _reading_of(body: Sequence[Line], readings: Iterable[Reading]) -> tuple[Reading, int]:
@@ -178,17 +172,17 @@ def _refuse_thousands(body: Sequence[Line], reading: Reading) -> None:
     if first is None or not all(THOUSANDS.fullmatch(cell) for *_, cell in (first, *commas)):
         return
     number, line, cell = first
-    found = f"is needed: line {number} ({line[:40]!r}) may mean {cell.replace(',', '.')} or {cell.replace(',', '')}"
+    problem = f"is needed: line {number} ({line[:40]!r}) may mean {cell.replace(',', '.')} or {cell.replace(',', '')}"
     allowed = 'decimal = "," for the first; for the second remove the commas between thousands from the file'
-    raise refused("decimal", found, allowed)
+    raise refused("decimal", problem, allowed)
 
 
 def _refuse_minus(line: Line, readings: Iterable[Reading]) -> None:
     """Raise ScanFileError for a line that would be numbers if its minus signs were those of numbers."""
     sign = MINUS.search(line[1])
     if sign is not None and any(reading.has_number(MINUS.sub("-", line[1])) for reading in readings):
-        found = f"line {line[0]} ({line[1][:40]!r}) has the minus sign {sign[0]!r} (U+{ord(sign[0]):04X})"
-        raise refused("file", found, 'the hyphen "-" (U+002D) before negative numbers: replace it')
+        problem = f"line {line[0]} ({line[1][:40]!r}) has the minus sign {sign[0]!r} (U+{ord(sign[0]):04X})"
+        raise refused("file", problem, 'the hyphen "-" (U+002D) before negative numbers: replace it')
 
 
 def _read_at_once(body: Sequence[Line], reading: Reading, width: int) -> FloatArray | None:

@@ -39,7 +39,7 @@ def heading_units(line: str, width: int) -> tuple[bool, tuple[str, ...]] | None:
 
     Examples
     --------
-    >>> heading_units("# x [mm], h [µm]", 2), heading_units("mm;um;1/0", 3), heading_units("Filter [um]", 2)
+    >>> heading_units("# x [mm], h [µm]", 2), heading_units("mm;um;n", 3), heading_units("Filter [um]", 2)
     ((True, ('mm', 'um')), (False, ('mm', 'um', '')), None)
     """
     line = line.strip(" \t#%")
@@ -80,8 +80,8 @@ def resolved_units(values: Mapping[str, Any], stated: Mapping[str, str], source:
             allowed = f"one of {UNITS} there: spell the unit so, or convert the numbers"
             refusals.append(Refusal(key, f"is {own!r} in {source}", allowed))
         elif own and given and own != given:
-            found = f'= "{given}" contradicts the file, which says "{own}" in {source}'
-            refusals.append(Refusal(key, found, f'{key} = "{own}", or correct the file'))
+            problem = f'= "{given}" contradicts the file, which says "{own}" in {source}'
+            refusals.append(Refusal(key, problem, f'{key} = "{own}", or correct the file'))
         elif given or (own and all(stated.values())):
             units[axis] = given or own
         else:

@@ -10,7 +10,7 @@ class Refusal(NamedTuple):
     """One thing that is wrong with a scan."""
 
     key: str  # of [profile]
-    found: str
+    problem: str
     allowed: str
 
 
@@ -19,9 +19,9 @@ class ScanFileError(ValueError):
 
     def __init__(self, refusals: Iterable[Refusal]) -> None:
         self.refusals = tuple(refusals)
-        super().__init__("; ".join(f"{key}: {found}; allowed: {allowed}" for key, found, allowed in self.refusals))
+        super().__init__("; ".join(f"{key}: {problem}; allowed: {allowed}" for key, problem, allowed in self.refusals))
 
 
-def refused(key: str, found: str, allowed: str) -> ScanFileError:
+def refused(key: str, problem: str, allowed: str) -> ScanFileError:
     """Return the error of a scan with one thing wrong."""
-    return ScanFileError([Refusal(key, found, allowed)])
+    return ScanFileError([Refusal(key, problem, allowed)])

@@ -18,14 +18,10 @@ from validation.harness.store import Store
 from validation.studies.faults import faults
 from validation.studies.faults.fault_findings import Finding, Search, compared, excess_of
 from validation.studies.faults.fault_injection import Examined, Exposure, Fault, Studied, faults_in
-from validation.studies.faults.faults import Runs, control_run, examine_faults
+from validation.studies.faults.faults import Runs
 
 HERE = Path(__file__).parent
-SHORT = (
-    *("exact.waves", "states.stored_fields", "states.identities", "finite_elements.fem_equilibria"),
-    *("theory.theory_accuracy", "suite.harness"),
-)
-QUICK = Studied(tuple(f for f in faults_in() if f.quick), modules=tuple(f"validation.cases.{name}" for name in SHORT))
+QUICK = Studied(tuple(f for f in faults_in() if f.quick), modules=("validation.cases.suite.harness",))
 
 
 def runs(folder, studied=QUICK, jobs=1):
@@ -172,20 +168,6 @@ def test_fault_that_does_not_fit_is_refused_before_anything_runs(
     assert main(["study", "faults", "--quick", "--out", str(tmp_path)]) == 2
     assert capsys.readouterr().err == f"error: {reported}\n"
     assert not (tmp_path / "answers").exists()
-
-
-@pytest.fixture(scope="module")
-def control(tmp_path_factory):
-    with forking():
-        return control_run(runs(tmp_path_factory.mktemp("control")), QUICK.faults, True)
-
-
-@pytest.mark.parametrize("fault", QUICK.faults, ids=lambda fault: fault.id)
-def test_fault_of_the_solver_or_the_harness_is_caught(control, forked, fault, tmp_path, monkeypatch):
-    monkeypatch.setattr(faults, "SHOWN_SECONDS", 0.0)  # shown to the case that must notice it alone
-    (finding,) = examine_faults(runs(tmp_path), [fault], control)
-    assert finding.calls > 0
-    assert fault.case in finding.excesses
 
 
 def test_answers_come_in_the_order_of_the_tasks(apart, tmp_path):

@@ -8,14 +8,14 @@ import pytest
 
 from bem.command_line.console import scene_text
 from validation.command_line.front_door import main
-from validation.references import adapters
+from validation.routes.scenes import posed
 
 SOFT = {"accuracy": None, "loading": {"control": "penetration", "targets": [15e-6, 45e-6]}}
 
 
 def write(folder, changes, name="layer_two_crests"):
     path = folder / "scene.toml"
-    path.write_text(scene_text(adapters.scene(name, changes).resolved()), "utf-8")
+    path.write_text(scene_text(posed(name, **changes).resolved()), "utf-8")
     return str(path)
 
 

@@ -43,7 +43,7 @@ def folder(tmp_path, monkeypatch):
 @pytest.fixture(autouse=True)
 def suite(monkeypatch):
     """A small suite in place of the whole."""
-    small = command_line.registry(["validation.cases.exact.waves"])
+    small = command_line.registry(["validation.cases.suite.harness"])
     monkeypatch.setattr(command_line, "registry", lambda: small)
 
 
@@ -106,7 +106,7 @@ def test_a_report_of_other_files_updates_nothing(folder, tmp_path, capsys):
         ("cases.py", "", "cases.py: no list CASES"),
         ("cases.py", "CASES = [1]", "cases.py: CASES holds 1, which is no Case"),
         ("more_cases.py", CASE.format(name="fine"), "cases of the same name: fine"),
-        ("more_cases.py", CASE.format(name="complete-contact"), "the suite has cases of these names: complete-contact"),
+        ("more_cases.py", CASE.format(name="harness"), "the suite has cases of these names: harness"),
         ("more_cases.py", CASE.format(name="a/b"), "case 'a/b': the id names files"),
         ("cases.py", CASE.format(name="fine").replace('"A. Author, A title (2025)"', '"author"'),
          "sources not in the bibliography: author"),

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from scipy.special import ellipe
 
-from bem.geometry.profile import Profile
 from bem.scene.scene import SceneError, parse_scene
 from bem.solver import solve
 from validation.corpus.hard import copies, scene_case
@@ -20,6 +19,7 @@ from validation.corpus.hard.hard_case_scenes import rough, scene, waves
 from validation.corpus.random import random_trial as trial
 from validation.corpus.random.random_scenes import Drawn
 from validation.references.dense_equilibrium import Interface
+from validation.references.waves import Waves
 
 WAVES = waves([1, 3], [40e-6, 15e-6]) | {"phases": [0.3, 1.0]}
 PATHS = {
@@ -211,7 +211,7 @@ def test_dense_route_sees_what_is_wrong(name, wrong):
 @pytest.mark.parametrize("steepness", [0.1, 20.0, 400.0])
 def test_adhesion_energy_of_the_reference_holds_its_digits_on_steep_crests(steepness):
     """int sqrt(1 + s^2 sin^2 x) dx over a period is 4 E(-s^2), the complete elliptic integral."""
-    wave = Interface(1.0, Profile.from_harmonics(2 * np.pi, [1], [1.0]), steepness)
+    wave = Interface(1.0, Waves(2 * np.pi, np.array([1]), np.ones(1), np.zeros(1)), steepness)
     energy = wave.energy(np.array([0.3]), np.array([0.3 + 2 * np.pi]))
     assert energy == pytest.approx(-4 * ellipe(-(steepness**2)), rel=1e-13)  # measured 2e-16; 5e-9 on panels of a wave
 

@@ -9,7 +9,6 @@ import pytest
 import bem
 from persson import double_gaussian
 from validation.harness.verdict import verdict_of
-from validation.references.paper_sketch import mean_displacement, sketch_scene
 from validation.replicate import (
     members,
     posed_problem,
@@ -18,6 +17,7 @@ from validation.replicate import (
 from validation.replicate.area import departures, line_through
 from validation.replicate.double_gaussian_fit import WAYS, Sample, window_figure, window_table
 from validation.replicate.evidence import Realisation, jackknife, joined, mean_and_error
+from validation.replicate.paper_sketch import mean_displacement, sketch_scene
 from validation.replicate.paper_spectra import (
     _power_law,
     banded,

@@ -1,17 +1,15 @@
 """What a report compares with what: the matrix, its signs, the kinds of rows, and the map of hard cases."""
 
-import re
 from typing import get_args
 
 import pytest
 from report_parts import Page, case, figure, report, row
 
-from validation.harness.baseline import FOLDER, read_baseline
 from validation.harness.schema import Code, Reference, ReferenceKind, Table, Tolerance
 from validation.report.render import render
 from validation.report.verification.allowances import loose, unstated
 from validation.report.verification.first_screen import hard_map
-from validation.report.verification.matrix import CODES, REFERENCES, column_of, kind_of, matrix_of, tally
+from validation.report.verification.matrix import CODES, REFERENCES, kind_of, matrix_of, tally
 
 HARD = Table(
     id="hard-reduced",
@@ -76,19 +74,6 @@ def test_cases_of_one_problem_share_a_line_and_the_worst_row_stands_for_a_pair()
     ]
     (line,) = matrix_of(cases).lines
     assert [(entry.target, entry.verdict) for entry in line.cells[3]] == [("row-b-0", "deviates")]
-
-
-def test_every_quantity_of_finite_elements_that_is_pinned_has_a_column():
-    names = [
-        quantity.name
-        for path in FOLDER.glob("fem-*.json")
-        for quantity in read_baseline(path.stem).quantities
-        if not re.match(
-            r"unknowns|seconds|events|Richardson|.*(order|uncertainty|eigenvalue|minima|stable)", quantity.name
-        )
-    ]
-    assert len(names) > 100
-    assert [name for name in names if column_of(name) is None] == []
 
 
 @pytest.mark.parametrize(

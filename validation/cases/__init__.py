@@ -1,31 +1,7 @@
-"""The registry: every group of cases is one module, listed here in the order of the report."""
+"""Cases of the verification: pytest tests in test_*.py, and those still run by validation/harness/case.py."""
 
 MODULES: tuple[str, ...] = (
-    "validation.cases.finite_elements.three_ways",
-    "validation.cases.rough_profiles.area_against_theory",
-    "validation.cases.exact.waves",
-    "validation.cases.exact.closed_last_gaps",
-    "validation.cases.exact.one_patch",
-    "validation.cases.states.identities",
-    "validation.cases.states.scans",
-    "validation.cases.states.stored_fields",
-    "validation.cases.states.state_verdicts",
-    "validation.cases.paths.path_bookkeeping",
-    "validation.cases.finite_elements.fem_closed_forms",
-    "validation.cases.finite_elements.fem_verification",
-    "validation.cases.finite_elements.fem_equilibria",
-    "validation.cases.finite_elements.fem_rough",
-    "validation.cases.finite_elements.fem_events",
-    "validation.cases.theory.theory_accuracy",
     "validation.cases.suite.reduced_hard_cases",
     "validation.cases.suite.harness",
-    "validation.cases.suite.convergence_rates",
     "validation.cases.suite.costs",
-    "validation.cases.rough_profiles.paper_method_audit",
-    "validation.cases.theory.theory_contact",
-    "validation.cases.states.error_estimate",
-    "validation.cases.paths.layer_path",
-    "validation.cases.paths.loop_work",
-    "validation.cases.paths.standing_patches",
-    "validation.cases.rough_profiles.fft_solvers",
 )

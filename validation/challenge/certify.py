@@ -30,10 +30,10 @@ from validation.challenge.problem import problem as shipped
 from validation.challenge.worker import with_arrays
 from validation.harness.arrays import FloatArray
 from validation.harness.route import Answer, Problem
-from validation.references.adapters import contact_of
-from validation.references.dense_equilibrium import reference
 from validation.routes import boundary_elements
+from validation.routes.dense_algebra import reference
 from validation.routes.finite_elements import finest
+from validation.routes.scenes import contact_of
 
 FLOOR = 1e-12  # of the scale; closed forms and solver differ by up to 4e-13
 SOLVER = "boundary elements at tolerance 1e-12"

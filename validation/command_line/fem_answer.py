@@ -30,7 +30,7 @@ from fem_reference.export import write_fields
 from fem_reference.mesh import base_unknowns
 from fem_reference.solve import problem_of
 from validation.harness.arrays import FloatArray
-from validation.references import fem_adapter
+from validation.routes.fem_scenes import fem_arguments
 
 SCHEMA = "linecontact-fem/1"
 ELEMENTS = {"P2/P1": Resolution(2, 10, 10), "P4/P3": Resolution(4, 8, 18)}
@@ -57,7 +57,7 @@ def _fem(options: argparse.Namespace) -> int:
     """Answer a scene and write what came out."""
     scene, resolution = load_scene(options.scene), ELEMENTS[options.elements]
     try:
-        arguments = fem_adapter.fem_arguments(scene)
+        arguments = fem_arguments(scene)
         _affordable(arguments, resolution, 1)
         if options.out.is_dir() and any(options.out.iterdir()):
             raise ValueError(f"{options.out} is not empty")

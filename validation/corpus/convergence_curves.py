@@ -30,10 +30,10 @@ from persson.diffusion import march
 from validation.corpus.effects import Changes, solved
 from validation.corpus.rates import Law, Rate, algebraic, geometric
 from validation.harness.schema import ReferenceKind
-from validation.references import adapters
 from validation.references.closed_forms import Sinusoid
 from validation.references.dense import evaluate_dense
 from validation.references.paper_method import Surface, solve
+from validation.routes.scenes import posed
 
 WAVE = Sinusoid(amplitude=1e-4, wavelength=0.01, youngs_modulus=1e6, poisson_ratio=0.5, alpha=0.3)
 FEM_DEPTH = 0.02  # two periods: the half-space within 4e-9
@@ -174,13 +174,13 @@ def ensemble_curve(harmonics: int, realisations: int) -> Curve:
 def _area(harmonics: int, seed: int) -> float:
     """Contact fraction of one realisation."""
     changes: Changes = {"profile": {"harmonics": harmonics, "seed": seed}, "loading": {"targets": [40e-6]}}
-    return solved(adapters.scene("rough_100", changes)).targets[-1].contact_fraction
+    return solved(posed("rough_100", **changes)).targets[-1].contact_fraction
 
 
 def path_targets(harmonics: int, increment: float) -> tuple[list[float], int]:
     """Contact fractions at the targets of a loading and unloading path, and the evaluations they cost."""
     changes: Changes = {"profile": {"harmonics": harmonics}, "accuracy": {"max_increment": increment}}
-    result = solved(adapters.scene("rough_100", changes))
+    result = solved(posed("rough_100", **changes))
     return [state.contact_fraction for state in result.targets], sum(state.evaluations for state in result.states)
 
 

@@ -18,7 +18,7 @@ from typing import Any
 
 import bem
 from bem.scene.result import Result
-from validation.references import adapters
+from validation.routes.scenes import posed
 
 Changes = dict[str, Mapping[str, Any] | None]
 
@@ -74,7 +74,7 @@ def loaded_alone(harmonics: int) -> list[str]:
 def rough(changes: Changes, harmonics: int) -> Any:
     """The rough scene with an effect."""
     usual: Changes = {"profile": {"harmonics": harmonics}, "loading": {"targets": TARGETS}}
-    return adapters.scene("rough_100", usual | changes)
+    return posed("rough_100", **(usual | changes))
 
 
 @dataclass(frozen=True)

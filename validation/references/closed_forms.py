@@ -114,20 +114,46 @@ class Sinusoid:
         return float(brentq(slope, start / 1.05, start * 1.05, xtol=1e-12))
 
 
-def layer_compliance(q: ArrayLike, thickness: float, youngs_modulus: float, poisson_ratio: float) -> FloatArray:
-    """c(q) in m/Pa: displacement of the frictionless face of a bonded layer per pressure of a wave, rad/m, any shape.
+def layer_ratio(k: ArrayLike, poisson_ratio: float) -> FloatArray:
+    """Return the compliance of a bonded layer over that of the half-space at k = q d, any shape.
 
-    As printed by G. Carbone, L. Mangialardi, J. Mech. Phys. Solids 56 (2008) 684: fine for q d of order one.
+    The bracket of equation (2) of G. Carbone, L. Mangialardi, J. Mech. Phys. Solids 56 (2008) 684,
+
+        [(3-4nu) sinh 2k - 2k] / [(3-4nu) cosh 2k + 2k^2 + 5 - 12nu + 8nu^2],
+
+    divided by e^2k where that is large, with the series of sinh y - y where that is small.
+
+    Examples
+    --------
+    >>> float(layer_ratio(400.0, 0.3)), round(float(layer_ratio(1e-3, 0.5)) / (2e-3**3 / 6 / 2), 5)
+    (1.0, 1.0)
+    """
+    y, nu = 2 * np.asarray(k, dtype=np.float64), poisson_ratio
+    decay = np.exp(-y)
+    small = y**3 / 6 * (1 + y**2 / 20 * (1 + y**2 / 42 * (1 + y**2 / 72 * (1 + y**2 / 110 * (1 + y**2 / 156)))))
+    excess = np.where(y < 1, small * decay, (1 - decay**2) / 2 - y * decay)  # (sinh y - y) e^-y
+    top = (3 - 4 * nu) * excess + (2 - 4 * nu) * y * decay
+    bottom = (3 - 4 * nu) * (1 + decay**2) / 2 + (y**2 / 2 + 5 - 12 * nu + 8 * nu**2) * decay
+    return np.asarray(top / bottom)
+
+
+def layer_compliance(q: ArrayLike, thickness: float, youngs_modulus: float, poisson_ratio: float) -> FloatArray:
+    """Return c(q) in m/Pa: displacement of a bonded layer's frictionless face per pressure of a wave, q in rad/m.
 
     Examples
     --------
     >>> round(float(layer_compliance(1.0, 20.0, 1.0, 0.0)), 12)  # a half-space: 2 / (E* q)
     2.0
     """
-    wavenumber, nu = np.asarray(q, dtype=np.float64), poisson_ratio
-    y = 2 * wavenumber * thickness
-    bracket = ((3 - 4 * nu) * np.sinh(y) - y) / ((3 - 4 * nu) * np.cosh(y) + y**2 / 2 + 5 - 12 * nu + 8 * nu**2)
-    return np.asarray(2 * (1 - nu**2) / (youngs_modulus * wavenumber) * bracket)
+    wavenumber = np.asarray(q, dtype=np.float64)
+    half_space = 2 * (1 - poisson_ratio**2) / (youngs_modulus * wavenumber)
+    return np.asarray(half_space * layer_ratio(wavenumber * thickness, poisson_ratio))
+
+
+def uniform_compliance(thickness: float, youngs_modulus: float, poisson_ratio: float) -> float:
+    """Return c(0) of a bonded layer in m/Pa: its face cannot spread under a mean pressure."""
+    nu = poisson_ratio
+    return thickness * (1 - 2 * nu) * (1 + nu) / (youngs_modulus * (1 - nu))
 
 
 def full_contact_amplitudes(orders: ArrayLike, amplitudes: ArrayLike, wavelength: float, modulus: float) -> FloatArray:

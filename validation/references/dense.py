@@ -16,8 +16,13 @@ with the limit dr/r on the diagonal.  These are derivatives of the discrete syst
 K at t = +-1 is -sqrt(pi/r) q(+-1).
 
 Source of the problem: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.
-Dimensionless (scaling.py).  Limits: time n^3, memory two n x n matrices for n nodes in all (3000: 0.8 s, 0.2 GB);
-contact not complete.  Nodes, moments and kernels are this file's own, nothing is shared with the compressed route.
+Dimensionless: lengths period / 2 pi, heights a, stresses E* q0 a / 2.  A bonded layer adds the smooth kernel
+
+    S(x) = sum_m (1 - ratio(m q0 d)) / m cos(m x),
+
+ratio of closed_forms.py, summed until (1 - ratio) / m is rounding; it is analytic up to 2 q0 d beside the real axis,
+which decides how many nodes a patch needs.  Limits: time n^3, memory two n x n matrices for n nodes in all (3000:
+0.8 s, 0.2 GB); contact not complete.  Heights, nodes, moments and kernels are the references' own.
 """
 
 from collections.abc import Callable
@@ -26,24 +31,77 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
-from bem.geometry.arrays import FloatArray, IntArray
-from bem.geometry.patches import PatchPressure
-from bem.geometry.profile import Profile
+from validation.harness.arrays import FloatArray, IntArray
+from validation.references.closed_forms import layer_ratio
+from validation.references.waves import Harmonics, Waves
+
+NEGLIGIBLE = 1e-18  # (1 - ratio) / m beyond which modes of the layer are those of the half-space
+BLOCK = 2048  # modes of a layer that are summed at a time
 
 
 @dataclass(frozen=True, eq=False)
 class SmoothKernel:
-    """An even, smooth, 2 pi-periodic addition S(x) to the kernel log|2 sin(x/2)|."""
+    """Even, smooth, 2 pi-periodic addition S(x) to the kernel log|2 sin(x/2)|."""
 
     value: Callable[[FloatArray], FloatArray]  # S, elementwise on arrays of any shape
     derivative: Callable[[FloatArray], FloatArray]  # dS/dx, likewise
 
+    def matrices(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return S(x_k - x_j) and dS/dx(x_k - x_j), (n, n) each."""
+        difference = np.subtract.outer(x, x)
+        return self.value(difference), self.derivative(difference)
+
+
+@dataclass(frozen=True, eq=False)
+class LayerKernel:
+    """Addition sum_m strength_m cos(m x) of a bonded layer to the kernel log|2 sin(x/2)|."""
+
+    order: FloatArray
+    strength: FloatArray
+
+    @classmethod
+    def of(cls, depth: float, poisson_ratio: float) -> "LayerKernel":
+        """Return the addition of a layer of the depth 2 pi thickness / period."""
+        order = np.arange(1.0, 8 + np.ceil(25 / depth))
+        strength = (1 - layer_ratio(order * depth, poisson_ratio)) / order
+        counts = np.abs(strength) > NEGLIGIBLE
+        return cls(order[counts], strength[counts])
+
+    def value(self, x: FloatArray) -> FloatArray:
+        """Return S at places (n,)."""
+        return np.asarray(np.cos(np.multiply.outer(x, self.order)) @ self.strength)
+
+    def matrices(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return S(x_k - x_j) and dS/dx(x_k - x_j), (n, n) each, as products of the modes at x_k and at x_j."""
+        value, slope = np.zeros((x.size, x.size)), np.zeros((x.size, x.size))
+        for start in range(0, self.order.size, BLOCK):
+            order, strength = self.order[start : start + BLOCK], self.strength[start : start + BLOCK]
+            angle = np.multiply.outer(x, order)
+            cosine, sine = np.cos(angle), np.sin(angle)
+            value += (cosine * strength) @ cosine.T + (sine * strength) @ sine.T
+            slope += (cosine * (strength * order)) @ sine.T - (sine * (strength * order)) @ cosine.T
+        return value, slope
+
+
+def layer_nodes(left: FloatArray, right: FloatArray, depth: float, tolerance: float = 1e-14) -> IntArray:
+    """Return nodes per patch that resolve the kernel of a layer, (L,): Bernstein's ellipse through 2i depth."""
+    return np.asarray(np.ceil(-np.log(tolerance) / np.arcsinh(4 * depth / (right - left))), dtype=np.int64)
+
+
+@dataclass(frozen=True, eq=False)
+class Pressure:
+    """Chebyshev series of the pressure: sigma(c + r t) = sum_n charges[i][n] T_n(t) / (r sqrt(1 - t^2)) on patch i."""
+
+    left: FloatArray
+    right: FloatArray
+    charges: tuple[FloatArray, ...]
+
 
 @dataclass(frozen=True, eq=False)
 class DenseState:
-    """Elastic state of given patches, dimensionless; edge arrays list all left edges, then all right ones."""
+    """Elastic state of given patches, dimensionless. Edge arrays list all left edges, then all right ones."""
 
-    pressure: PatchPressure  # Chebyshev series of the pressure
+    pressure: Pressure
     penetration: float  # Delta
     stress_intensity: FloatArray  # K, (2 L,)
     stress_intensity_rate: FloatArray  # dK/dDelta, (2 L,)
@@ -65,9 +123,9 @@ class DenseState:
 
 
 def dense_nodes(
-    profile: Profile, left: FloatArray, right: FloatArray, tolerance: float = 1e-13, margin: float = 1.3
+    profile: Harmonics, left: FloatArray, right: FloatArray, tolerance: float = 1e-13, margin: float = 1.3
 ) -> IntArray:
-    """Nodes per patch that resolve the profile and the nearest gap, (L,).
+    """Return nodes per patch that resolve the profile and the nearest gap, (L,).
 
     `margin` times Nyquist's kappa = width max_order / 2 in the middle of a Chebyshev grid, plus 20 and 3 kappa^(1/3)
     (the transition of Bessel functions J_n(kappa)); at least log(1/tolerance) / log rho with the Bernstein
@@ -75,33 +133,32 @@ def dense_nodes(
 
     Examples
     --------
-    >>> from bem.geometry.profile import Profile
-    >>> wave = Profile.from_harmonics(2 * np.pi, [10], [1.0])
+    >>> wave = Waves(2 * np.pi, np.array([10]), np.array([1.0]), np.array([0.0]))
     >>> dense_nodes(wave, np.array([0.0]), np.array([2.0])).tolist()
     [40]
     """
     width = right - left
     behind = np.append(left[1:], left[:1] + 2 * np.pi) - right
     z = 1 + 2 * np.minimum(behind, np.roll(behind, 1)) / width
-    kappa = width * profile.max_order / 2
+    kappa = width * int(np.max(profile.orders)) / 2
     for_profile = margin * kappa + 3 * np.cbrt(kappa) + 20
     for_gap = -np.log(tolerance) / np.log(z + np.sqrt(z * z - 1))
     return np.asarray(np.ceil(np.maximum(for_profile, for_gap)), dtype=np.int64)
 
 
 def evaluate_dense(
-    profile: Profile,
+    profile: Harmonics,
     left: FloatArray,
     right: FloatArray,
     penetration: float,
     nodes: IntArray | None = None,
-    smooth_kernel: SmoothKernel | None = None,
+    smooth_kernel: SmoothKernel | LayerKernel | None = None,
 ) -> DenseState:
     """Solve for the pressure of given patches at given penetration, with all first derivatives.
 
     Parameters
     ----------
-    profile : Profile
+    profile : Harmonics
         Dimensionless (period 2 pi, unit rms height).
     left, right : (L,) arrays
         Edges in order on the circle, disjoint; the last patch may reach beyond 2 pi.
@@ -109,7 +166,7 @@ def evaluate_dense(
         Delta, dimensionless.
     nodes : (L,) int array, optional
         Nodes per patch instead of `dense_nodes`; hold them fixed between states whose energies are compared.
-    smooth_kernel : SmoothKernel, optional
+    smooth_kernel : SmoothKernel or LayerKernel, optional
         What a layer adds to log|2 sin(x/2)|.
 
     Raises
@@ -121,8 +178,7 @@ def evaluate_dense(
     --------
     Half a period of a sinusoid in contact without adhesion carries the load 2 pi sin^2(pi/4) (Westergaard):
 
-    >>> from bem.geometry.profile import Profile
-    >>> wave = Profile.from_harmonics(2 * np.pi, [1], [1.0])
+    >>> wave = Waves(2 * np.pi, np.array([1]), np.array([1.0]), np.array([0.0]))
     >>> state = evaluate_dense(wave, np.array([-np.pi / 2]), np.array([np.pi / 2]), 0.5 * (1 + np.log(2)))
     >>> round(state.load / np.pi, 12)
     1.0
@@ -130,19 +186,20 @@ def evaluate_dense(
     behind = np.append(left[1:], left[:1] + 2 * np.pi) - right
     if not (np.all(right > left) and np.all(behind > 0)):
         raise ValueError("left, right: patches must have positive widths and gaps, in order on the circle")
-    nodes = dense_nodes(profile, left, right) if nodes is None else nodes
+    waves = Waves.of(profile)
+    nodes = dense_nodes(waves, left, right) if nodes is None else nodes
     radius = (right - left) / 2
     blocks = [slice(stop - n, stop) for n, stop in zip(nodes, np.cumsum(nodes), strict=True)]
     grids = [np.cos((np.arange(n) + 0.5) * np.pi / n) for n in nodes]
     x = np.concatenate([(a + b) / 2 + r * t for a, b, r, t in zip(left, right, radius, grids, strict=True)])
     kernel, slope = _kernel_and_slope(x, blocks, grids, radius)
     if smooth_kernel is not None:
-        difference = np.subtract.outer(x, x)
-        kernel += smooth_kernel.value(difference)
-        slope += smooth_kernel.derivative(difference)
+        addition, addition_slope = smooth_kernel.matrices(x)
+        kernel += addition
+        slope += addition_slope
     factor = lu_factor(kernel, overwrite_a=True, check_finite=False)
-    height, height_slope = profile.height(x), profile.slope(x)
-    target = height - profile.max_height + penetration
+    height_slope = waves.height(x, 1)
+    target = waves.height(x) - waves.highest + penetration
     charges = lu_solve(factor, -np.pi * target, check_finite=False)
     motion, stretch, at_edge = _with_edges(blocks, grids, radius)
     # the matrix is the kernel itself, kernel y = -pi target, hence the factors -pi
@@ -159,7 +216,7 @@ def evaluate_dense(
     totals = solved.sum(axis=0)
     series = tuple(_coefficients(charges[block] * (block.stop - block.start) / np.pi) for block in blocks)
     return DenseState(
-        pressure=PatchPressure(left, right, series),
+        pressure=Pressure(left, right, series),
         penetration=penetration,
         stress_intensity=stress_intensity,
         stress_intensity_rate=rates[:, -1],
@@ -174,7 +231,7 @@ def evaluate_dense(
 def _with_edges(
     blocks: list[slice], grids: list[FloatArray], radius: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """How nodes follow edges and edges read nodes, (n, 2 L), (n, 2 L) and (2 L, n).
+    """Return how nodes follow edges and edges read nodes, (n, 2 L), (n, 2 L) and (2 L, n).
 
     dx of every node as an edge moves outward by one; dr/r, the limit of the slope term on the diagonal; and q(-1),
     q(+1) from charges.
@@ -191,7 +248,7 @@ def _with_edges(
 def _kernel_and_slope(
     x: FloatArray, blocks: list[slice], grids: list[FloatArray], radius: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """log|2 sin((x_k - x_j)/2)| acting on charges, and 1/2 cot((x_k - x_j)/2) with a zero diagonal, (n, n) each."""
+    """Return log|2 sin((x_k - x_j)/2)| for charges, and 1/2 cot((x_k - x_j)/2) with a zero diagonal, (n, n) each."""
     half = np.subtract.outer(x, x) / 2
     np.fill_diagonal(half, np.pi / 2)
     slope = 0.5 / np.tan(half)
@@ -204,7 +261,7 @@ def _kernel_and_slope(
 
 
 def _log_moments(n: int) -> FloatArray:
-    """int log|t_k - t'| (interpolant of charges) dt', (n, n): Chebyshev moments -pi log 2, -pi/m."""
+    """Return int log|t_k - t'| (interpolant of charges) dt', (n, n): Chebyshev moments -pi log 2, -pi/m."""
     order = np.arange(n)
     values = np.cos(np.outer((order + 0.5) * np.pi / n, order))
     moment = np.full(n, -np.log(2.0))
@@ -213,7 +270,7 @@ def _log_moments(n: int) -> FloatArray:
 
 
 def _coefficients(samples: FloatArray) -> FloatArray:
-    """Chebyshev coefficients of samples at the n nodes, (n,), by the discrete orthogonality sum."""
+    """Return Chebyshev coefficients of samples at the n nodes, (n,), by the discrete orthogonality sum."""
     n = samples.size
     series = np.cos(np.outer(np.arange(n), (np.arange(n) + 0.5) * np.pi / n)) @ samples * (2 / n)
     series[0] /= 2
@@ -221,7 +278,7 @@ def _coefficients(samples: FloatArray) -> FloatArray:
 
 
 def _edge_rows(n: int) -> FloatArray:
-    """q(-1) and q(+1) of the interpolating polynomial from charges at n nodes, (2, n).
+    """Return q(-1) and q(+1) of the interpolating polynomial from charges at n nodes, (2, n).
 
     Barycentric form: q(1) = (1/n) sum_k (-1)^k cot(theta_k / 2) q(t_k), charges are pi/n times q.
     """

@@ -1,4 +1,4 @@
-"""Equilibria by dense algebra alone, next to a state of the solver: what its error estimates are measured against.
+"""Equilibria by dense algebra alone, next to given edges: the reference for the error estimates of a solver.
 
 Newton on K_e = 2 sqrt(w_e) (K_e = 0 without adhesion) and on the condition of the control, with the plain dense
 evaluation (dense.py: own nodes, moments, kernels and derivatives), until its steps are rounding. Work and energy of
@@ -11,16 +11,20 @@ Far from an answer (routes/dense_algebra.py) steps are limited to a third of the
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from bem.elastic.layer import Layer
-from bem.geometry.patches import Patches
-from bem.geometry.profile import Profile
-from bem.geometry.scaling import Solid
-from bem.scene.result import State
-from bem.scene.scene import Scene
 from validation.harness.arrays import FloatArray, IntArray
-from validation.references.adapters import problem_of
-from validation.references.dense import DenseState, SmoothKernel, dense_nodes, evaluate_dense
+from validation.harness.route import Problem
+from validation.references.closed_forms import uniform_compliance
+from validation.references.dense import (
+    DenseState,
+    LayerKernel,
+    SmoothKernel,
+    dense_nodes,
+    evaluate_dense,
+    layer_nodes,
+)
+from validation.references.waves import Waves
 
 STEPS, FAR_STEPS = 8, 60
 FARTHEST = 0.3  # of the edge scale, where Newton starts far away
@@ -37,99 +41,98 @@ class Interface:
     """w(x) = gamma sqrt(1 + h'^2), dimensionless; `slope` is the true slope per dimensionless one."""
 
     gamma: float
-    profile: Profile
+    profile: Waves
     slope: float
 
     def work(self, x: FloatArray) -> FloatArray:
-        """w at the positions x, same shape."""
-        return np.asarray(self.gamma * np.sqrt(1 + (self.slope * self.profile.slope(x)) ** 2))
+        """Return w at the positions x, same shape."""
+        return np.asarray(self.gamma * np.sqrt(1 + (self.slope * self.profile.height(x, 1)) ** 2))
 
     def critical(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """K = 2 sqrt(w) and its derivative by x."""
-        rise = self.slope**2 * self.profile.slope(x) * self.profile.curvature(x)
+        """Return K = 2 sqrt(w) and its derivative by x."""
+        rise = self.slope**2 * self.profile.height(x, 1) * self.profile.height(x, 2)
         work = self.work(x)
         return 2 * np.sqrt(work), self.gamma**2 * rise / work**1.5
 
     def energy(self, left: FloatArray, right: FloatArray) -> float:
-        """-int w dx by Gauss-Legendre on panels shorter than the shortest wave, and than kinks of w on steep crests."""
+        """Return -int w dx by Gauss-Legendre on panels shorter than waves and than kinks of w on crests."""
         node, weight = QUADRATURE
         steepest = self.slope * float(np.abs(self.profile.amplitudes) @ self.profile.orders)
         total = 0.0
         for a, b in zip(left, right, strict=True):
-            ends = np.linspace(a, b, 2 + int(np.ceil((b - a) * self.profile.max_order * (1 + steepest))))
+            ends = np.linspace(a, b, 2 + int(np.ceil((b - a) * int(self.profile.orders.max()) * (1 + steepest))))
             middle, half = (ends[1:] + ends[:-1]) / 2, np.diff(ends) / 2
             total += float(np.sum(self.work(middle[:, None] + half[:, None] * node) @ weight * half))
         return -total
 
 
-def reference(scene: Scene, state: State, refinement: int = 1) -> dict[str, float]:
-    """Every scalar of a state with edges, in its unit, by dense algebra.
+def equilibrium(
+    problem: Problem, edges: ArrayLike, penetration: float, target: float, refinement: int = 1
+) -> dict[str, float]:
+    """Return every scalar of the equilibrium next to edges (n_patches, 2) and penetration, in m, in its unit.
 
-    `refinement` multiplies the nodes that dense algebra needs; 2 doubles the resolution. NoReferenceError where Newton
-    did not converge, ValueError for a table of the scene that dense algebra does not provide.
+    Parameters
+    ----------
+    problem : Problem
+        Raw numbers of solid, profile, layer and adhesion; its `control` is one of "mean_pressure" (Pa),
+        "total_displacement", "penetration" and "separation" (m).
+    target : float
+        Prescribed value of the control.
+    refinement : int
+        Factor on the nodes that dense algebra needs; 2 doubles the resolution.
+
+    Raises
+    ------
+    NoReferenceError
+        Newton does not converge.
     """
-    problem, surface = problem_of(scene, "dense algebra", "layer", "adhesion"), scene.surface()
-    profile, solid = surface.scaled(), Solid(problem.youngs_modulus, problem.poisson_ratio)
+    surface = Waves(problem.period, *problem.harmonics)
     modulus = problem.youngs_modulus / (1 - problem.poisson_ratio**2)
     q0, rms = 2 * np.pi / surface.period, surface.rms_height
     stress, energy = modulus * q0 * rms / 2, modulus * rms**2 / (2 * surface.period)
+    profile = Waves(2 * np.pi, surface.orders, surface.amplitudes / rms, surface.phases)
     interface = None
     if problem.work_of_adhesion is not None:
         gamma = problem.work_of_adhesion / (modulus * rms**2 * q0 / 2)
         interface = Interface(gamma, profile, q0 * rms if problem.slope_term else 0.0)
-    kernel, compliance, terms = None, 0.0, np.zeros(len(state.edges), dtype=np.int64)
-    edges = np.array(state.edges) * q0
-    left, right = edges[:, 0], edges[:, 1]
+    left, right = np.asarray(edges, dtype=np.float64).T * q0
+    nodes, kernel, compliance = dense_nodes(profile, left, right), None, 0.0
     if problem.thickness is not None:
-        layer = Layer(problem.thickness)
-        addition = layer.kernel(solid, surface.period, 1e-16)
-        kernel = SmoothKernel(addition.smooth, addition.slope)
-        terms = addition.modes_of_kernel(right - left, 1e-14).astype(np.int64)
-        compliance = layer.mean_compliance(solid)
-    nodes = refinement * np.maximum(dense_nodes(profile, left, right), terms)
-    target, weights = _condition(scene, state, compliance, rms, stress)
-    left, right, found, _ = converged(
-        profile, left, right, state.penetration / rms, nodes, kernel, interface, target, weights
+        depth = q0 * problem.thickness
+        kernel, nodes = LayerKernel.of(depth, problem.poisson_ratio), np.maximum(nodes, layer_nodes(left, right, depth))
+        compliance = uniform_compliance(problem.thickness, problem.youngs_modulus, problem.poisson_ratio)
+    aim, weights = {  # aim = alpha Delta + beta load, dimensionless
+        "mean_pressure": (2 * np.pi * target / stress, (0.0, 1.0)),
+        "total_displacement": (target / rms, (1.0, compliance * stress / (2 * np.pi * rms))),
+        "penetration": (target / rms, (1.0, 0.0)),
+        "separation": (profile.highest - target / rms, (1.0, 0.0)),
+    }[problem.control]
+    left, right, state, _ = converged(
+        profile, left, right, penetration / rms, refinement * nodes, kernel, interface, aim, weights
     )
     critical = np.zeros(2 * left.size) if interface is None else interface.critical(np.concatenate([left, right]))[0]
-    jacobian, _ = _residual(found, left, right, interface)
-    stiffness = found.load_rate - found.load_jacobian @ np.linalg.solve(jacobian, found.stress_intensity_rate)
+    jacobian, _ = _residual(state, left, right, interface)
+    stiffness = state.load_rate - state.load_jacobian @ np.linalg.solve(jacobian, state.stress_intensity_rate)
     adhesion = 0.0 if interface is None else interface.energy(left, right)
-    pressure, penetration = found.load / (2 * np.pi) * stress, found.penetration * rms
+    pressure, depth = state.load / (2 * np.pi) * stress, state.penetration * rms
     return {
         "mean_pressure": pressure,
         "contact_fraction": float(np.sum(right - left)) / (2 * np.pi),
-        "penetration": penetration,
-        "separation": surface.max_height - penetration,
-        "total_displacement": penetration + compliance * pressure,
-        "elastic_energy": found.elastic_energy * energy,
+        "penetration": depth,
+        "separation": surface.highest - depth,
+        "total_displacement": depth + compliance * pressure,
+        "elastic_energy": state.elastic_energy * energy,
         "adhesion_energy": adhesion * energy,
-        "total_energy": (found.elastic_energy + adhesion) * energy,
+        "total_energy": (state.elastic_energy + adhesion) * energy,
         "stress_intensity_max": float(np.max(critical)) * stress / np.sqrt(q0),
         "contact_stiffness": float(stiffness) / (2 * np.pi) * stress / rms,
     }
 
 
-def _condition(
-    scene: Scene, state: State, compliance: float, rms: float, stress: float
-) -> tuple[float, tuple[float, float]]:
-    """What the control fixes: target = alpha Delta + beta load, dimensionless."""
-    control = scene.loading.control
-    if control == "mean_pressure":
-        nearest = min(scene.loading.targets, key=lambda target: abs(target - state.mean_pressure))
-        return 2 * np.pi * nearest / stress, (0.0, 1.0)
-    if control == "total_displacement":
-        assert state.total_displacement is not None
-        total = state.total_displacement
-        nearest = min(scene.loading.targets, key=lambda target: abs(target - total))
-        return nearest / rms, (1.0, compliance * stress / (2 * np.pi * rms))
-    return state.penetration / rms, (1.0, 0.0)
-
-
 def _residual(
     here: DenseState, left: FloatArray, right: FloatArray, interface: Interface | None
 ) -> tuple[FloatArray, FloatArray]:
-    """d(K - K_c) / d(outward motion), (2 L, 2 L), and K - K_c, (2 L,)."""
+    """Return d(K - K_c) / d(outward motion), (2 L, 2 L), and K - K_c, (2 L,)."""
     if interface is None:
         return here.stress_intensity_jacobian, here.stress_intensity
     critical, slope = interface.critical(np.concatenate([left, right]))
@@ -138,18 +141,18 @@ def _residual(
 
 
 def converged(
-    profile: Profile,
+    profile: Waves,
     left: FloatArray,
     right: FloatArray,
     penetration: float,
     nodes: IntArray,
-    kernel: SmoothKernel | None,
+    kernel: SmoothKernel | LayerKernel | None,
     interface: Interface | None,
     target: float,
     weights: tuple[float, float],
     far: bool = False,
 ) -> tuple[FloatArray, FloatArray, DenseState, int]:
-    """Edges and state of the equilibrium next to given edges, or far from them, and how often it was evaluated."""
+    """Return edges and state of the equilibrium next to given edges, or far from them, and the evaluations."""
     alpha, beta = weights
     count = left.size
     smallest = np.inf
@@ -168,13 +171,19 @@ def converged(
             return left, right, here, evaluations
         smallest = size
         if far:
-            step = _limited(step, here.stress_intensity, Patches(left, right).edge_scale)
+            step = _limited(step, here.stress_intensity, _edge_scale(left, right))
         left, right, penetration = left - step[:count], right + step[count:-1], penetration + step[-1]
     raise NoReferenceError(f"the last step of Newton is {smallest:.1e}")
 
 
+def _edge_scale(left: FloatArray, right: FloatArray) -> FloatArray:
+    """Return the shorter of the patch and the gap beside every edge, left edges first, (2 L,)."""
+    width, behind = right - left, np.append(left[1:], left[:1] + 2 * np.pi) - right
+    return np.concatenate([np.minimum(width, np.roll(behind, 1)), np.minimum(width, behind)])
+
+
 def _limited(step: FloatArray, stress_intensity: FloatArray, edge_scale: FloatArray) -> FloatArray:
-    """A step no longer than `FARTHEST`; edges that close (K < 0) move outward, and nothing else."""
+    """Return a step no longer than `FARTHEST`; edges that close (K < 0) move outward, and nothing else."""
     closing = stress_intensity < 0
     if np.any(closing):
         return np.append(np.where(closing, FARTHEST * edge_scale, 0.0), 0.0)

@@ -1,7 +1,7 @@
 """An independent FFT solver on the same profile: ContactMechanics (extra `peers`), constrained conjugate gradients.
 
 Polonsky and Keer, Wear 231 (1999) 206: pressures on a uniform grid of n points, p >= 0, gap >= 0, prescribed mean
-pressure; the half-space acts mode by mode.  It shares nothing with the solver but the harmonics of the profile and E*.
+pressure; the half-space acts mode by mode.  It shares nothing with boundary elements but the raw numbers.
 
 A grid counts contact to whole points, so that its area is too large by about one point a patch and falls as 1/n: the
 area compared is the extrapolation 2 A(2n) - A(n) from the two finest grids, its uncertainty the difference between that
@@ -14,11 +14,9 @@ from importlib import import_module
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.scene.scene import Scene
 from validation.harness import route
 from validation.harness.arrays import FloatArray
 from validation.harness.route import Problem
-from validation.references.adapters import problem_of
 
 PACKAGES = ("ContactMechanics", "SurfaceTopography")
 LARGEST_OVERLAP = 1e-12  # m
@@ -26,12 +24,12 @@ ITERATIONS = 50_000
 
 
 class NotConvergedError(ArithmeticError):
-    """The FFT solver gave up."""
+    """Failure of the FFT solver to converge."""
 
 
 @dataclass(frozen=True)
 class GridContact:
-    """What one grid gives at one pressure: separation in m, contact fraction, iterations."""
+    """Contact on one grid at one pressure: separation in m, contact fraction, iterations."""
 
     points: int
     separation: float
@@ -41,7 +39,7 @@ class GridContact:
 
 @dataclass(frozen=True)
 class Extrapolated:
-    """What a sequence of grids tends to: separation in m and contact fraction, with uncertainties."""
+    """Limit of a sequence of grids: separation in m and contact fraction, with uncertainties."""
 
     separation: float
     separation_error: float
@@ -50,17 +48,15 @@ class Extrapolated:
 
 
 def missing() -> str:
-    """Why the solver cannot run here; empty when it can."""
+    """Return why the solver cannot run; empty when it can."""
     return route.missing("peers", *PACKAGES)
 
 
-def grid_contact(scene: Scene, mean_pressure: float, points: int) -> GridContact:
-    """Contact of the profile of a scene at a mean pressure in Pa, on more points than twice the highest harmonic.
+def grid_contact(problem: Problem, mean_pressure: float, points: int) -> GridContact:
+    """Return the contact of a profile without adhesion at a mean pressure in Pa on a half-space.
 
-    NotConvergedError after `ITERATIONS` iterations; ValueError where the scene has adhesion, a layer, or anything else
-    that these grids do not know, NotImplementedError where they do not resolve its profile.
+    NotConvergedError after `ITERATIONS` iterations, NotImplementedError where the points do not resolve the profile.
     """
-    problem = problem_of(scene, "the solver on a grid")
     modulus = problem.youngs_modulus / (1 - problem.poisson_ratio**2)
     height, _ = on_grid(problem, points)
     gap, contact, iterations = pressed(height, problem.period, modulus, mean_pressure)
@@ -70,7 +66,7 @@ def grid_contact(scene: Scene, mean_pressure: float, points: int) -> GridContact
 def pressed(
     height: FloatArray, period: float, modulus: float, mean_pressure: float
 ) -> tuple[FloatArray, NDArray[np.bool_], int]:
-    """Gaps in m, where contact is, (n,) each, and iterations, of heights (n,) in m under a mean pressure in Pa.
+    """Return gaps in m, where contact is, (n,) each, and iterations, of heights (n,) in m under a mean pressure in Pa.
 
     NotConvergedError after `ITERATIONS` iterations.
     """
@@ -86,7 +82,7 @@ def pressed(
 
 
 def extrapolated(grids: list[GridContact]) -> Extrapolated:
-    """The limit of three or more grids, each twice as fine as the one before.
+    """Return the limit of three or more grids, each twice as fine as the one before.
 
     Examples
     --------
@@ -106,7 +102,7 @@ def extrapolated(grids: list[GridContact]) -> Extrapolated:
 
 
 def on_grid(problem: Problem, points: int) -> tuple[FloatArray, FloatArray]:
-    """Heights in m and slopes of a profile at x = k period / points, (points,) each.
+    """Return heights in m and slopes of a profile at x = k period / points, (points,) each.
 
     NotImplementedError where the points do not resolve them.
     """

@@ -21,19 +21,16 @@ the limit c -> 0; terms left out are of the relative order (Q - p_0)/Q, times th
 SI units.
 """
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.geometry.profile import Profile
+from validation.references.waves import Harmonics, Waves
 
-STEPS = 40  # of Newton's rule for the lowest pressure; from the grid it takes five
 POINTS = 200  # within the gap, at the cosines of equally spaced angles
 
 
-def crack(surface: Profile, modulus: float, work: float, left: float, right: float) -> tuple[float, float]:
-    """Mean pressure (Pa) and separation (m) at which the gap from `left` to `right` (m) is in equilibrium.
+def crack(surface: Harmonics, modulus: float, work: float, left: float, right: float) -> tuple[float, float]:
+    """Return the mean pressure (Pa) and separation (m) at which the gap from `left` to `right` (m) is in equilibrium.
 
     The modulus is E*, Pa, the work of adhesion that of flat surfaces, J/m^2; along a slope it is larger by sqrt(1 +
     h'^2).
@@ -54,27 +51,17 @@ def crack(surface: Profile, modulus: float, work: float, left: float, right: flo
     return pressure, opening / period
 
 
-def valleys(pressure: Profile) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Values and curvatures of a profile at those local minima that are lowest to 1e-9 of its rms value, (n,) each."""
-    m = 2 * np.pi / pressure.period * pressure.orders
-    size = 64 * int(pressure.orders.max())
-    grid = np.arange(size) * (pressure.period / size)
-    found = []
-    on_grid = pressure.height(grid)
-    for x in grid[(on_grid <= np.roll(on_grid, 1)) & (on_grid < np.roll(on_grid, -1))]:
-        for _ in range(STEPS):
-            phase = m * x + pressure.phases
-            slope = -float(np.sum(pressure.amplitudes * m * np.sin(phase)))
-            bend = -float(np.sum(pressure.amplitudes * m**2 * np.cos(phase)))
-            x -= slope / bend
-        found.append((math.fsum(pressure.amplitudes * np.cos(m * x + pressure.phases)), bend))
-    value, curvature = np.array(found).T
-    lowest = value - value.min() <= 1e-9 * pressure.rms_height
+def valleys(pressure: Harmonics) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return values and curvatures at the local minima that are lowest to 1e-9 of the rms value, (n,) each."""
+    below = Waves(pressure.period, pressure.orders, -pressure.amplitudes, pressure.phases)
+    places = below.crests
+    value, curvature = -below.height(places), -below.height(places, 2)
+    lowest = value - value.min() <= 1e-9 * below.rms_height
     return value[lowest], curvature[lowest]
 
 
-def closing(pressure: Profile, modulus: float, separation: float) -> tuple[float, NDArray[np.float64]]:
-    """Without adhesion, mean pressure (Pa) and widths (m) of equally deep last gaps at a separation (m).
+def closing(pressure: Harmonics, modulus: float, separation: float) -> tuple[float, NDArray[np.float64]]:
+    """Return mean pressure (Pa) and widths (m) without adhesion of equally deep last gaps at a separation (m).
 
     `pressure` is that of complete contact less its mean, Pa, the modulus E*, Pa.
     """

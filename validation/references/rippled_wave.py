@@ -20,9 +20,9 @@ from functools import cached_property, partial
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-import bem
 from validation.harness.arrays import FloatArray
 from validation.references.one_patch import OnePatch
+from validation.references.waves import Waves
 
 PERIOD, MODULUS, AMPLITUDE = 0.01, 1e6 / 0.75, 1e-4
 MOST = 0.6  # contact fraction beyond which nothing is looked for
@@ -55,15 +55,15 @@ class RippledWave:
         return OnePatch(PERIOD, MODULUS, (AMPLITUDE, *[0.0] * (self.order - 2), self.ripple), self.work)
 
     @property
-    def profile(self) -> bem.Profile:
-        """Its heights."""
-        return bem.Profile.from_harmonics(PERIOD, [1, self.order], [AMPLITUDE, self.ripple])
+    def highest(self) -> float:
+        """Height of the middle crest above the mean plane, m."""
+        return AMPLITUDE + self.ripple
 
     @cached_property
     def crests(self) -> list[float]:
         """Crests of the ripple on the right, y in (0, pi)."""
-        places = 2 * np.pi / PERIOD * self.profile.crests[0]
-        return [float(y) for y in places if 1e-9 < y < np.pi]
+        waves = Waves(2 * np.pi, np.array([1, self.order]), np.array([AMPLITUDE, self.ripple]), np.zeros(2))
+        return [float(y) for y in waves.crests if 1e-9 < y < np.pi]
 
     def loaded(self, *ends: float) -> tuple[list[Jump], list[float]]:
         """Jumps while the mean pressure grows from first touch to the last of some in Pa, and half widths a at each."""

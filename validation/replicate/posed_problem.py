@@ -11,8 +11,8 @@ import numpy as np
 
 from validation.harness.case import Outcome
 from validation.harness.rows import Against
-from validation.references.paper_sketch import POISSON_RATIO, mean_displacement, sketches
 from validation.replicate.evidence import Evidence, mean_over_period
+from validation.replicate.paper_sketch import POISSON_RATIO, mean_displacement, sketches
 from validation.replicate.statements import Alternative
 
 SPREADING = (1 - POISSON_RATIO) ** 2 / (1 - 2 * POISSON_RATIO)

@@ -9,8 +9,8 @@ from bem.scene.result import Event, Result, State
 from bem.scene.scene import parse_scene
 from validation.harness.arrays import FloatArray
 from validation.harness.route import Answer, Laps, Place, Problem
-from validation.references.adapters import contact_of
 from validation.references.posed_contacts import scene_tables
+from validation.routes.scenes import contact_of
 
 LEAST_RELEASED = 1e-3  # of the work of adhesion, by a jump that counts: what a fold of rounding size releases is less
 

@@ -4,18 +4,33 @@ Its knob is the number of nodes on every patch.  It shows what the discretisatio
 its answer, steps are limited to a third of the edge scale.  The equations are those of references/dense_equilibrium.py.
 """
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from bem.elastic.layer import Layer
-from bem.geometry.profile import Profile
-from bem.geometry.scaling import Scales, Solid
+from bem.scene.result import State
+from bem.scene.scene import Scene
 from validation.harness.route import Answer, Laps, Problem
-from validation.references.adapters import contact_of
-from validation.references.dense import SmoothKernel
-from validation.references.dense_equilibrium import Interface, converged
+from validation.references.dense import LayerKernel
+from validation.references.dense_equilibrium import Interface, converged, equilibrium
 from validation.references.posed_contacts import overlap
+from validation.references.waves import Waves
+from validation.routes.scenes import contact_of, problem_of
+
+
+def reference(scene: Scene, state: State, refinement: int = 1) -> dict[str, float]:
+    """Return every scalar of the equilibrium next to a state of a scene, in its unit, at the nearest target.
+
+    NoReferenceError where Newton does not converge, ValueError for a table that dense algebra does not provide.
+    """
+    problem = problem_of(scene, "dense algebra", "layer", "adhesion")
+    if problem.control in ("penetration", "separation"):
+        problem, target = replace(problem, control="penetration"), state.penetration
+    else:
+        reached = getattr(state, problem.control)
+        target = min(problem.targets, key=lambda aim: abs(aim - reached))
+    return equilibrium(problem, state.edges, state.penetration, target, refinement)
 
 
 def solve(problem: Problem, nodes: int) -> Answer:
@@ -24,29 +39,28 @@ def solve(problem: Problem, nodes: int) -> Answer:
         raise NotImplementedError("the slope term, or no adhesion")
     laps = Laps()
     (penetration,) = problem.targets
-    profile = Profile.from_harmonics(problem.period, *problem.harmonics)
-    solid = Solid(problem.youngs_modulus, problem.poisson_ratio)
-    scales, kernel = Scales(profile.period, profile.rms_height, solid.plane_strain_modulus), None
-    if problem.thickness is not None:
-        addition = Layer(problem.thickness).kernel(solid, problem.period, 1e-15)
-        kernel = SmoothKernel(addition.smooth, addition.slope)
-    interface = Interface(problem.work_of_adhesion / scales.release_rate, profile.scaled(), 0.0)
-    depth, start = penetration / scales.height, overlap(problem) / scales.length
+    surface = Waves(problem.period, *problem.harmonics)
+    modulus, q0 = problem.youngs_modulus / (1 - problem.poisson_ratio**2), 2 * np.pi / problem.period
+    rms = surface.rms_height
+    profile = Waves(2 * np.pi, surface.orders, surface.amplitudes / rms, surface.phases)
+    kernel = None if problem.thickness is None else LayerKernel.of(q0 * problem.thickness, problem.poisson_ratio)
+    interface = Interface(problem.work_of_adhesion / (modulus * rms**2 * q0 / 2), profile, 0.0)
+    depth, start = penetration / rms, overlap(problem) * q0
     count = np.full(len(start), nodes)
     laps.end("setup")
     left, right, state, evaluations = converged(
-        interface.profile, start[:, 0], start[:, 1], depth, count, kernel, interface, depth, (1.0, 0.0), far=True
+        profile, start[:, 0], start[:, 1], depth, count, kernel, interface, depth, (1.0, 0.0), far=True
     )
     laps.end("solve")
-    edges = np.stack([left, right], axis=1) * scales.length
+    edges = np.stack([left, right], axis=1) / q0
     values: dict[str, Any] = {
         "contact_fraction": float(np.sum(right - left)) / (2 * np.pi),
-        "mean_pressure": state.load * scales.force / problem.period,
-        "elastic_energy": state.elastic_energy * scales.energy_per_area,
+        "mean_pressure": state.load / (2 * np.pi) * modulus * q0 * rms / 2,
+        "elastic_energy": state.elastic_energy * modulus * rms**2 / (2 * problem.period),
     }
     if gap := problem.asked.get("gap_at"):
         x = np.asarray(gap["points"])
-        rigid = profile.height(x) - profile.max_height + penetration
+        rigid = surface.height(x) - surface.highest + penetration
         values["gap_at"] = contact_of(problem, edges, penetration).displacement(x) - rigid
     laps.end("post")
     counts = {"evaluations": evaluations, "patches": len(start)}

@@ -17,7 +17,7 @@ from fem_reference.result import quantities
 from fem_reference.solve import closed, control_of, problem_of
 from validation.harness.arrays import FloatArray
 from validation.harness.route import Answer, Laps, Problem
-from validation.references.fem_adapter import raw
+from validation.routes.fem_scenes import raw
 
 POINTS = 4096
 MOST_HARMONICS = 4

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from dense_states import evaluate_dense
 from rough_surfaces import rough_scene
 
 from bem.adhesive.interior_tension import largest_tension, opening_tension
 from bem.geometry.profile import Profile
 from bem.solver import solve
-from validation.references.dense import evaluate_dense
 
 
 def test_a_flaw_is_about_to_run_under_the_tension_that_was_there():

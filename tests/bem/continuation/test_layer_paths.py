@@ -13,7 +13,7 @@ from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid
 from bem.scene.scene import parse_scene
 from bem.solver import solve
-from validation.references.dense_equilibrium import reference
+from validation.routes.dense_algebra import reference
 
 PERIOD, AMPLITUDE, MODULUS = 0.01, 1e-4, 1e6
 THIN = 0.02 * PERIOD

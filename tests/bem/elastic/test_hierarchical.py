@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from dense_states import evaluate_dense
 from rough_surfaces import cut, short_waved
 
 from bem.compiled.kernels import REFERENCES
@@ -14,7 +15,6 @@ from bem.elastic.skeleton import Coupling, Skeleton
 from bem.geometry.patches import Patches, ordered
 from bem.geometry.profile import Profile
 from bem.loading.control import LoadControl
-from validation.references.dense import evaluate_dense
 
 SHORT = short_waved(3)
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from dense_states import evaluate_dense
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from rough_surfaces import cut
@@ -12,7 +13,6 @@ from bem.elastic.collocation import Elastic, evaluate
 from bem.elastic.sensitivities import own_sensitivity, stress_intensity_jacobian
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
-from validation.references.dense import evaluate_dense
 
 ROUGH = Profile.self_affine(2 * np.pi, 0.7, 1.0, 40, 0).scaled()
 ELASTIC = Elastic(ROUGH)

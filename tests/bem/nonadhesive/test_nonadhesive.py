@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from dense_states import evaluate_dense
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
@@ -14,7 +15,6 @@ from bem.loading.control import DisplacementControl, LoadControl
 from bem.loading.increments import Accuracy
 from bem.nonadhesive.grid_contact import grid_problem
 from bem.nonadhesive.nonadhesive import _gaps_under_tension, edge_residual, solve_contact
-from validation.references.dense import evaluate_dense
 
 WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])
 FIXED, LOADED = DisplacementControl(), LoadControl()

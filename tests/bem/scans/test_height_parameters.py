@@ -14,9 +14,9 @@ X = SPACING * np.arange(COUNT)
 
 def test_of_a_wave_they_are_those_of_the_sine():
     h = 3e-6 * np.sin(2 * np.pi * 20 * np.arange(COUNT) / COUNT)
-    found = height_parameters(h, 499)
+    parameters = height_parameters(h, 499)
     expected = {"Ra": 2 / np.pi * 3e-6, "Rq": 3e-6 / np.sqrt(2), "Rz": 6e-6}
-    assert found == pytest.approx(expected, rel=2e-4)  # measured 8e-5, of Ra, 200 points a wave
+    assert parameters == pytest.approx(expected, rel=2e-4)  # measured 8e-5, of Ra, 200 points a wave
 
 
 def test_sections_are_fifths_of_the_line():

@@ -50,8 +50,8 @@ def test_missing_heights(method):
     expected[50:52] = H[49] + np.array([1, 2]) / 3 * (H[52] - H[49])
     expected[120] = (H[119] + H[121]) / 2
     np.testing.assert_allclose(scan.h, expected[1:-1], rtol=0, atol=1e-20)
-    found = step_of(scan, "missing")
-    assert (found["count"], found["longest_gap"], found["cut_at_ends"]) == (5, 2, [1, 1])
+    facts = step_of(scan, "missing")
+    assert (facts["count"], facts["longest_gap"], facts["cut_at_ends"]) == (5, 2, [1, 1])
 
 
 def test_a_line_that_is_mostly_missing_is_refused():
@@ -65,8 +65,8 @@ def test_spikes_are_counted_and_replaced_on_request(method, places):
     h = H.copy()
     h[places] += 2e-5
     scan = prepare(raw(h=h), {"outliers": method, "detrend": "none"})
-    found = step_of(scan, "outliers")
-    assert (found["count"], found["first"]) == (len(places), f"sample {places[0] + 1}")
+    facts = step_of(scan, "outliers")
+    assert (facts["count"], facts["first"]) == (len(places), f"sample {places[0] + 1}")
     if method == "keep":
         np.testing.assert_array_equal(scan.h, h)
     else:
@@ -102,6 +102,16 @@ def test_trend_is_removed(method):
     before, after = step_of(scan, "detrend")["rms_height"]
     assert before == pytest.approx(np.std(H + TRENDS[method]), rel=1e-12)
     assert after == pytest.approx(np.std(alone), rel=1e-9)
+
+
+def test_trend_of_too_few_samples_is_refused():
+    with pytest.raises(ScanFileError, match='detrend: = "cubic" of 3 samples'):
+        prepare(raw(X[:3], H[:3]), {"detrend": "cubic"})
+
+
+def test_few_heights_are_refused():
+    with pytest.raises(ScanFileError, match="holds 2 samples with a height"):
+        prepare(raw(X[:3], np.array([1e-6, np.nan, 0.0])), {"missing": "interpolate"})
 
 
 @pytest.mark.parametrize("degree", [1, 2, 3])
@@ -164,7 +174,7 @@ def test_value_for_nothing_seen_is_a_missing_height(value, places, told):
     with pytest.raises(ScanFileError) as caught:
         prepare(raw(h=h), {"outliers": "replace"})
     (refusal,) = caught.value.refusals
-    assert (refusal.key, f"dropouts: {value:.9g} m in {told}" in refusal.found) == ("missing", True), refusal
+    assert (refusal.key, f"dropouts: {value:.9g} m in {told}" in refusal.problem) == ("missing", True), refusal
     bridged = prepare(raw(h=h), {"missing": "interpolate", "detrend": "none"})
     gaps = h.copy()
     gaps[places] = np.nan
@@ -194,8 +204,8 @@ def test_one_sample_of_a_value_that_rasters_have_for_nothing_seen_is_a_dropout(v
     h = H + NOISE
     h[70] = value * METRES[unit]
     seen = RawScan(X, h, None, {"unit_x": unit, "unit_h": unit}, "")
-    found = step_of(prepare(seen, {"missing": "interpolate"}), "dropouts")
-    assert (found["count"], found["places"], found["values"]) == (1, "sample 71", f"{value:.9g} {unit}")
+    facts = step_of(prepare(seen, {"missing": "interpolate"}), "dropouts")
+    assert (facts["count"], facts["places"], facts["values"]) == (1, "sample 71", f"{value:.9g} {unit}")
 
 
 def test_dropouts_count_as_missing():
@@ -205,9 +215,9 @@ def test_dropouts_count_as_missing():
 
 @pytest.mark.parametrize("tilt", [0.0, 0.01, -0.3])
 def test_tilt_is_looked_for(tilt):
-    found = step_of(prepare(raw(h=tilt * X + np.cos(16 * np.pi * X / (COUNT * SPACING)) * 1e-6), {}), "detrend")
-    assert found["tilt"] == pytest.approx(tilt, abs=4e-5)  # measured 1.5e-5, of the wave
-    assert found["rms_without_tilt"] == pytest.approx(1e-6 / np.sqrt(2), rel=2e-4)  # measured 7.5e-5
+    facts = step_of(prepare(raw(h=tilt * X + np.cos(16 * np.pi * X / (COUNT * SPACING)) * 1e-6), {}), "detrend")
+    assert facts["tilt"] == pytest.approx(tilt, abs=4e-5)  # measured 1.5e-5, of the wave
+    assert facts["rms_without_tilt"] == pytest.approx(1e-6 / np.sqrt(2), rel=2e-4)  # measured 7.5e-5
 
 
 def test_unequal_spacing_is_refused():
@@ -223,8 +233,8 @@ def test_unequal_spacing_is_resampled_on_request():
     scan = prepare(raw(x, np.cos(2 * np.pi * x / X[-1])), {"unequal_spacing": "resample", "detrend": "none"})
     np.testing.assert_allclose(np.diff(scan.x), SPACING, rtol=1e-9)
     np.testing.assert_allclose(scan.h, wave, rtol=0, atol=1.5e-4)  # measured 6e-5; without resampling 1e-2
-    found = step_of(scan, "spacing")
-    assert found["least"] < SPACING < found["most"]
+    facts = step_of(scan, "spacing")
+    assert facts["least"] < SPACING < facts["most"]
 
 
 @pytest.mark.parametrize("step", [0.0, -1.0])

@@ -65,7 +65,7 @@ def test_heights_flagged_0_are_missing(valid, at, columns, tmp_path):
 def test_column_that_may_be_a_flag_is_not_passed_over(flags, tmp_path):
     text = rows(X, H, flags)
     refusal = refusal_of(tmp_path, text, columns=[1, 2], **UNITS)
-    assert (refusal.key, "is needed: column 3 holds" in refusal.found) == ("valid_column", True)
+    assert (refusal.key, "is needed: column 3 holds" in refusal.problem) == ("valid_column", True)
     scan = scan_of(tmp_path, text, columns=[1, 2], valid_column=0, **UNITS)
     np.testing.assert_allclose(scan.h, H * 1e-6, rtol=1e-12)
 
@@ -118,13 +118,13 @@ def test_axes_of_a_map_are_refused_by_name(heights, along, down, corner, end, tm
         lines.insert(len(lines) if end else 0, axis)
     refusal = refusal_of(tmp_path, "".join(",".join(line) + "\n" for line in lines), row=1, **SPACED)
     sides = [f"the {'last' if end else 'first'} {side}" for side, axis in (("line", along), ("column", down)) if axis]
-    assert refusal.found == f"has axes in {' and '.join(sides)}, which are no heights"
+    assert refusal.problem == f"has axes in {' and '.join(sides)}, which are no heights"
 
 
 def test_axis_above_columns_is_refused(tmp_path):
     lines = [[-1.0, *np.arange(6) * 0.5], *np.column_stack([X, ROWS.T])]
     text = "".join(",".join(map(str, line)) + "\n" for line in lines)
-    assert "the first line" in refusal_of(tmp_path, text, columns=[1, 3], **UNITS).found
+    assert "the first line" in refusal_of(tmp_path, text, columns=[1, 3], **UNITS).problem
 
 
 @pytest.mark.parametrize("wave", [1, 2.5])
@@ -157,7 +157,7 @@ def test_scan_line_of_points(row, more, turned, tmp_path):
 
 def test_mean_of_scan_lines_at_other_positions_is_refused(tmp_path):
     text = rows(*zip(*[(-a if b == 0.5 else a, b, h) for a, b, h in POINTS], strict=True))
-    assert "different positions" in refusal_of(tmp_path, text, row="mean", **UNITS).found
+    assert "different positions" in refusal_of(tmp_path, text, row="mean", **UNITS).problem
 
 
 TABLE, LINE, MAP = rows(X, H, H + 0.3), rows(X, H), rows(*ROWS.T)
@@ -166,7 +166,7 @@ ALONE = rows(H)
 
 
 @pytest.mark.parametrize(
-    ("text", "values", "key", "found"),
+    ("text", "values", "key", "problem"),
     [
         pytest.param(TABLE, UNITS, "columns", "3 columns", id="which columns"),
         pytest.param(LINE, {"columns": [1, 3], **UNITS}, "columns", "= [1, 3]", id="column that is not there"),
@@ -194,6 +194,6 @@ ALONE = rows(H)
         pytest.param(LINE, {"channel": 0, **UNITS}, "channel", "= 0", id="channel of text"),
     ],
 )
-def test_keys_that_do_not_fit_the_columns_are_refused(text, values, key, found, tmp_path):
+def test_keys_that_do_not_fit_the_columns_are_refused(text, values, key, problem, tmp_path):
     refusal = refusal_of(tmp_path, text, **values)
-    assert (refusal.key, found in refusal.found) == (key, True), refusal
+    assert (refusal.key, problem in refusal.problem) == (key, True), refusal

@@ -77,7 +77,7 @@ def test_what_is_not_clear_is_refused(unit, values, key, said, topography, tmp_p
     with pytest.raises(ScanFileError) as caught:
         read_scan(path, values)
     assert caught.value.refusals[0].key == key
-    assert said in caught.value.refusals[0].found
+    assert said in caught.value.refusals[0].problem
 
 
 def test_file_of_no_known_format_is_told(topography, tmp_path):

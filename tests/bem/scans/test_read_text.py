@@ -118,7 +118,7 @@ LC = "Lc [mm];Ls [um]"
 
 
 @pytest.mark.parametrize(
-    ("text", "values", "key", "found"),
+    ("text", "values", "key", "problem"),
     [
         pytest.param("", UNITS, "file", "holds 0 samples", id="empty"),
         pytest.param("some words\nand more\n", UNITS, "file", "holds 0 samples: line 1 is 'some words'", id="words"),
@@ -152,14 +152,14 @@ LC = "Lc [mm];Ls [um]"
         pytest.param(table(",", heading="x [mm],h [Mm]"), {}, "unit_h", "'Mm' in line 1", id="another unit"),
     ],
 )  # fmt: skip
-def test_wrong_file_is_refused(text, values, key, found, tmp_path):
+def test_wrong_file_is_refused(text, values, key, problem, tmp_path):
     refusal = refusal_of(tmp_path, text, **values)
-    assert (refusal.key, found in refusal.found) == (key, True), refusal
+    assert (refusal.key, problem in refusal.problem) == (key, True), refusal
 
 
 def test_lines_above_the_numbers_are_shown_with_what_skips_them(tmp_path):
     refusal = refusal_of(tmp_path, "ncols 40\n\nNODATA_value -9999\n" + table(";", heading="x [mm];h [um]"))
-    assert refusal.found == "lines 1 to 4 ('ncols 40', 'NODATA_value -9999', 'x [mm];h [um]') are not numbers"
+    assert refusal.problem == "lines 1 to 4 ('ncols 40', 'NODATA_value -9999', 'x [mm];h [um]') are not numbers"
     assert "skip_lines = 3, and what the lines say in unit_x, unit_h, spacing, columns, missing" in refusal.allowed
 
 
@@ -169,16 +169,16 @@ def test_minus_signs_of_unicode_are_told(sign, place, tmp_path):
     lines = table(h=-np.abs(H) - 1).splitlines()
     lines[place] = lines[place].replace("-", sign)
     refusal = refusal_of(tmp_path, "\n".join(lines), **UNITS)
-    assert f"line {place + 1} (" in refusal.found and f"(U+{ord(sign):04X})" in refusal.found
+    assert f"line {place + 1} (" in refusal.problem and f"(U+{ord(sign):04X})" in refusal.problem
     assert 'the hyphen "-"' in refusal.allowed
 
 
 def test_lines_are_counted_as_editors_do(tmp_path):
     """A form feed and the byte 0x85 end no line, but are no numbers either."""
     refusal = refusal_of(tmp_path, "a\x0cb\x85c\x1c\u2028d\r\ne\r" + table(), skip_lines=0, **UNITS)
-    assert refusal.found.startswith("lines 1 to 2 (")
+    assert refusal.problem.startswith("lines 1 to 2 (")
     assert scan_of(tmp_path, b"a\x0cb\x85c\r\ne\r" + table().encode(), skip_lines=2, **UNITS).place(0) == "line 3"
-    assert "line 2 (" in refusal_of(tmp_path, "0 1\n1\x0c2\n" + table(), **UNITS).found
+    assert "line 2 (" in refusal_of(tmp_path, "0 1\n1\x0c2\n" + table(), **UNITS).problem
 
 
 @pytest.mark.parametrize("delimiter", ["\t", ";", " "])
@@ -187,7 +187,7 @@ def test_commas_that_may_part_thousands_are_not_guessed(delimiter, tmp_path):
     cells = ["1,200", "-12,345", "950"]
     text = "".join(f"{k}{delimiter}{cell}\n" for k, cell in enumerate(cells))
     refusal = refusal_of(tmp_path, text, **UNITS)
-    assert (refusal.key, "line 1" in refusal.found, "1.200 or 1200" in refusal.found) == ("decimal", True, True)
+    assert (refusal.key, "line 1" in refusal.problem, "1.200 or 1200" in refusal.problem) == ("decimal", True, True)
     np.testing.assert_allclose(scan_of(tmp_path, text, decimal=",", **UNITS).h, np.array([1.2, -12.345, 950]) * 1e-6)
     for settled in ("0,123", "1,25", "1234,500"):
         assert scan_of(tmp_path, f"{text}3{delimiter}{settled}\n", **UNITS).h[0] == pytest.approx(1.2e-6)
@@ -196,7 +196,7 @@ def test_commas_that_may_part_thousands_are_not_guessed(delimiter, tmp_path):
 def test_many_bad_lines_are_counted(tmp_path):
     with pytest.raises(ScanFileError) as caught:
         scan_of(tmp_path, table() + "1 high\n" * 10, **UNITS)
-    assert [refusal.found for refusal in caught.value.refusals][-1] == "and 7 more lines like that"
+    assert [refusal.problem for refusal in caught.value.refusals][-1] == "and 7 more lines like that"
 
 
 def test_a_million_points_are_read_at_once(tmp_path):

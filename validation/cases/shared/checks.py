@@ -8,13 +8,13 @@ import numpy as np
 
 import bem
 from bem.scene.result import Result, State
-from bem.scene.scene import Scene
 from validation.harness.arrays import FloatArray
 from validation.harness.case import Case, gathered
 from validation.harness.case import Found as Found
 from validation.harness.rows import Against as Against
 from validation.harness.schema import Code, Level, Norm
-from validation.references import adapters
+from validation.routes.scenes import posed as posed
+from validation.routes.scenes import scene_text
 
 OVER_STATES: Norm = "maximum over states"
 
@@ -34,7 +34,7 @@ def case(
     problem: str = "",
 ) -> Case:
     """A case; sources and effects are words in a text, the scene is a name of the registry or a text of more lines."""
-    text = adapters.scene_text(scene) if scene.isidentifier() else scene
+    text = scene_text(scene) if scene.isidentifier() else scene
     return Case(identity, group, level, question, equations, tuple(sources.split()), partial(gathered, find),
                 tuple(effects.split()), text, code, problem)  # fmt: skip
 
@@ -45,11 +45,6 @@ def in_forms(
     """One case in several forms, by their names: the level of each, and what `find` is given; the rest as `case`."""
     for identity, (level, *given) in forms.items():
         yield case(identity, group, partial(find, *given), *words, level=level, **named)
-
-
-def posed(name: str, **tables: Any) -> Scene:
-    """A scene of the registry with some keys of its tables changed; None removes a table or key."""
-    return adapters.scene(name, tables)
 
 
 def solved(name: str, **tables: Any) -> Result:

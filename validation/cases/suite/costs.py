@@ -14,7 +14,6 @@ import bem
 import fem_reference
 from bem.scene.result import Result
 from bem.scene.scene import parse_scene
-from validation.cases.finite_elements.fem_closed_forms import given
 from validation.cases.shared.checks import OVER_STATES, Against, Found, case, work
 from validation.corpus.accuracy_costs import CostPoint, stored
 from validation.corpus.effects import EFFECTS, Times, costs_of, loaded_alone, rough
@@ -140,7 +139,9 @@ def _given_edges() -> Found:
     solid = bem.Solid(wave.youngs_modulus, wave.poisson_ratio)
     ours = bem.ContactState(bem.Profile.from_harmonics(period, [1], [wave.amplitude]), solid, edges, penetration,
                             tolerance=1e-13)  # fmt: skip
-    fem = fem_reference.solve(**given(wave, THICK * period), control="penetration", value=penetration, edges=edges,
+    fem = fem_reference.solve(youngs_modulus=wave.youngs_modulus, poisson_ratio=wave.poisson_ratio,
+                              thickness=THICK * period, period=period, harmonics=([1], [wave.amplitude], [0.0]),
+                              control="penetration", value=penetration, edges=edges,
                               resolution=fem_reference.Resolution(*MESH))  # fmt: skip
     johnson = Against("exact", "Johnson 1995, contact fraction 0.6, alpha 0.3")
     uncertain = {name: float(np.max(fem.uncertainty[name])) for name in ("mean_pressure", "stress_intensity")}

@@ -26,7 +26,8 @@ from validation.corpus.hard.hard_case_run import Finding
 from validation.corpus.hard.scene_case import SceneCase
 from validation.corpus.random.random_scenes import Drawn, draw
 from validation.references.dense import dense_nodes
-from validation.references.dense_equilibrium import NoReferenceError, reference
+from validation.references.dense_equilibrium import NoReferenceError
+from validation.routes.dense_algebra import reference
 
 COPIES: tuple[Callable[[Solved], Copy | None], ...] = (
     copies.scaled,

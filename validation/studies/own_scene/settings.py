@@ -20,7 +20,7 @@ from bem.scans.read_scan import RawScan, read_scan
 from bem.scans.scan_keys import SCAN_KEYS
 from bem.scene.atomic_file import write_atomically
 from bem.scene.scene import Scene, parse_scene
-from validation.references.adapters import changed
+from validation.routes.scenes import changed
 
 LARGEST_JUMP = 3.0  # rms steps at the end of the period
 TILTED = 2.0  # rms heights without the tilt; a wave of one period has 1.6

@@ -29,8 +29,8 @@ import fem_reference
 from bem.scene.result import Result
 from fem_reference import Resolution
 from validation.corpus.effects import ADHESIVE, EFFECTS, LAYER, Changes, Cost, Times, costs_of, rough, solved
-from validation.references import adapters
 from validation.references.closed_forms import Sinusoid
+from validation.routes.scenes import posed
 from validation.studies.stages import timed_stages
 
 DEPTH = 6e-5  # penetration of the sinusoid, m
@@ -110,7 +110,7 @@ def digits_of(price: Price) -> str:
 
 
 def _solved(changes: Changes) -> Result:
-    return solved(adapters.scene("sinusoid", {"loading": {"targets": [DEPTH]}} | changes))
+    return solved(posed("sinusoid", **({"loading": {"targets": [DEPTH]}} | changes)))
 
 
 def _area(changes: Changes, psi: float, by: str) -> Digits:

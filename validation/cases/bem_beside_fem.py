@@ -1,0 +1,182 @@
+"""One scene by boundary elements and by finite elements: the numbers compared, with the uncertainty of each code.
+
+For every quantity |BEM - FEM| <= sqrt(u_BEM^2 + u_FEM^2).  u_FEM comes from the three meshes of the reference, u_BEM
+from the error estimates of a state: of the contact fraction for the edges, of the mean pressure for the load.  A
+quantity without an estimate has the tolerance of the scene times its scale: rms height for heights, largest pressure
+in the middle of a patch for stresses, that times sqrt(period) for stress intensities.
+
+Stress intensities are compared at given edges alone, because both codes impose them at an equilibrium.  Displacements
+behave as a square root at edges and pressures diverge: displacements are compared no nearer to an edge than a tenth of
+the patch or gap beside it, pressures under a smooth weight on the inner 0.8 of each patch.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+import bem
+from bem.scene.result import State
+from bem.scene.scene import Scene
+from fem_reference import Resolution, Result
+from validation.harness.arrays import FloatArray
+from validation.plugin.rows import Code, Quantity, Rows
+from validation.routes.fem_scenes import middle_pressure, solve_fem, uncertain
+from validation.routes.scenes import contact_state, edge_scale
+
+RESOLUTIONS = {
+    "P2/P1": Resolution(2, 10, 10),
+    "P2/P1, 12 cells": Resolution(2, 12, 10),
+    "P4/P3": Resolution(4, 8, 18),
+}
+ROUNDING = 1e-11  # of the scale: left by doubles where finite elements state less
+AWAY = 0.1  # of the patch or gap beside an edge
+ASIDE = 0.1  # of a patch or gap: offset of the edges from which finite elements start where several equilibria exist
+POINTS = 48  # at which displacements are compared
+ELASTIC = ("converged", "negative_stress_intensity", "interpenetration")  # at given edges: a state, whatever K
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One quantity by both codes, with the uncertainty of each and a scale, all in `unit`."""
+
+    name: str
+    quantity: Quantity
+    unit: str
+    bem: FloatArray
+    fem: FloatArray
+    bem_uncertainty: float
+    fem_uncertainty: float
+    scale: float
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A scene by both codes; without differences one of them has no state, and `failure` says why."""
+
+    differences: tuple[Difference, ...]
+    fem: Result | None = None
+    state: bem.ContactState | None = None  # the boundary elements at their edges
+    failure: str = ""
+
+    def add_to(self, rows: Rows, label: str = "") -> None:
+        """Add a row for every difference, or a failed row."""
+        prefix = f"{label}: " if label else ""
+        if not self.differences or self.fem is None:
+            rows.not_converged(f"{prefix}equilibrium", self.failure, of=Code.BEM, by=Code.FEM, quantity=Quantity.EDGES)
+            return
+        resolution = self.fem.resolution
+        source = f"P{resolution.order}/P{resolution.order - 1}, {self.fem.unknowns} unknowns"
+        for each in self.differences:
+            rows.compare(prefix + each.name, each.bem, each.fem, of=Code.BEM, by=Code.FEM, quantity=each.quantity,
+                         unit=each.unit, uncertainty=(each.bem_uncertainty, each.fem_uncertainty),
+                         source=source)  # fmt: skip
+
+    def share(self) -> float:
+        """Return the largest difference over its combined uncertainty; nan without a state."""
+        shares = [np.max(np.abs(d.bem - d.fem)) / np.hypot(d.bem_uncertainty, d.fem_uncertainty)
+                  for d in self.differences]  # fmt: skip
+        return float(max(shares, default=np.nan))
+
+
+def compare_equilibria(scene: Scene, elements: str, patches: int | None) -> Comparison:
+    """Compare the equilibria at the last target of a scene with a layer; each code finds its own edges.
+
+    `patches` is the number that the finite elements look for.  If None, they start from the boundary elements' edges,
+    shifted by `ASIDE`, because several equilibria exist and the path decides which one is meant.
+    """
+    result = bem.solve(scene)
+    state = result.targets[-1]
+    if state.status != "converged" or not state.certificate.ok:
+        return Comparison((), failure=f"boundary elements: {state.status}, {result.failure}")
+    edges, period = np.array(state.edges), scene.surface().period
+    start = None if patches else edges + ASIDE * edge_scale(edges, period) * np.array([-1.0, 1.0])
+    fem = solve_fem(scene, RESOLUTIONS[elements], patches or len(edges), start=start)
+    if fem.status != "converged" or fem.edges.shape != (state.n_patches, 2):
+        why = f"finite elements: {fem.status} with {len(fem.edges)} patches of {state.n_patches}. {fem.message}"
+        return Comparison((), fem, failure=why)
+    elastic = contact_state(scene, edges, state.penetration)
+    return Comparison(tuple(differences(scene, fem, elastic, state)), fem, elastic)
+
+
+def compare_prescribed(scene: Scene, elements: str, edges: FloatArray, penetration: float) -> Comparison:
+    """Compare the elastic states at edges (n_patches, 2) and penetration, m, given to both codes."""
+    fem = solve_fem(scene, RESOLUTIONS[elements], edges=edges)
+    state = contact_state(scene, edges, penetration)
+    if fem.status not in ELASTIC:
+        return Comparison((), fem, failure=f"finite elements: {fem.status}. {fem.message}")
+    return Comparison(tuple(differences(scene, fem, state, None)), fem, state)
+
+
+def differences(scene: Scene, fem: Result, elastic: bem.ContactState, state: State | None) -> Iterator[Difference]:
+    """Yield everything that both codes compute and nobody prescribed; `state` is None at given edges."""
+    tolerance, known = scene.accuracy.tolerance, fem.uncertainty
+    height, period, control = fem.problem.unit_height, fem.problem.period, scene.loading.control
+    prescribed = "penetration" if control == "separation" else control
+    middle = middle_pressure(elastic)
+    scale = float(np.max(np.abs(middle)))
+
+    def difference(name: str, quantity: Quantity, unit: str, ours: ArrayLike, theirs: ArrayLike, own: float,
+                   uncertainty: Any, scale: float) -> Difference:  # fmt: skip
+        spread = max(float(np.max(uncertainty)), ROUNDING * scale)
+        return Difference(name, quantity, unit, np.ravel(ours), np.ravel(theirs), own, spread, scale)
+
+    pressure = tolerance * scale
+    if state is not None:
+        own = state.error_estimate.contact_fraction or 0.0
+        pressure = max(pressure, state.error_estimate.mean_pressure or 0.0)
+        yield difference("edges", Quantity.EDGES, "m", state.edges, fem.edges, own * period, known["edges"], period)
+        yield difference("contact fraction", Quantity.AREA, "", state.contact_fraction, fem.contact_fraction, own,
+                         known["contact_fraction"], 1.0)  # fmt: skip
+        for key in ("penetration", "total_displacement"):
+            if key != prescribed and getattr(state, key) is not None:
+                yield difference(key.replace("_", " "), Quantity.LENGTH, "m", getattr(state, key), getattr(fem, key),
+                                 tolerance * height, known[key], height)  # fmt: skip
+    if prescribed != "mean_pressure":
+        ours = elastic.mean_pressure if state is None else state.mean_pressure
+        yield difference("mean pressure", Quantity.PRESSURE, "Pa", ours, fem.mean_pressure, pressure,
+                         known["mean_pressure"], scale)  # fmt: skip
+    yield difference("pressure away from the edges", Quantity.POINTS, "Pa", middle, fem.middle_pressure,
+                     tolerance * scale, known["middle_pressure"], scale)  # fmt: skip
+    if state is None:
+        root, energy = scale * float(np.sqrt(period)), elastic.elastic_energy
+        yield difference("stress intensity", Quantity.INTENSITY, "Pa m^1/2", elastic.stress_intensity,
+                         fem.stress_intensity, tolerance * root, known["stress_intensity"], root)  # fmt: skip
+        yield difference("elastic energy per period", Quantity.ENERGY, "J/m", energy, fem.elastic_energy,
+                         tolerance * abs(energy), known["elastic_energy"], abs(energy))  # fmt: skip
+    else:
+        energy = abs(state.elastic_energy)
+        for key in ("elastic_energy", "total_energy") if scene.adhesion is not None else ("elastic_energy",):
+            yield difference(key.replace("_", " "), Quantity.ENERGY, "J/m^2", getattr(state, key),
+                             getattr(fem, key) / period, tolerance * energy, np.asarray(known[key]) / period,
+                             energy)  # fmt: skip
+    x = away_from_edges(fem)
+    spread = float(np.max(fem.uncertainty_at("displacement", x))) + 2 * uncertain(fem, "penetration")
+    yield difference("displacement away from the edges", Quantity.POINTS, "m", elastic.displacement(x),
+                     fem.displacement(x) - (fem.total_displacement - fem.penetration), tolerance * height, spread,
+                     height)  # fmt: skip
+
+
+def away_from_edges(fem: Result) -> FloatArray:
+    """Return equally spaced positions from the first edge on, at most POINTS, in m, without those near an edge."""
+    knots = np.append(fem.edges.ravel(), fem.edges[0, 0] + fem.problem.period)
+    x = knots[0] + (np.arange(POINTS) + 0.5) / POINTS * fem.problem.period
+    place = np.searchsorted(knots, x) - 1
+    share = (x - knots[place]) / np.diff(knots)[place]
+    return np.asarray(x[(share > AWAY) & (share < 1 - AWAY)])
+
+
+def figure(rows: Rows, title: str, comparison: Comparison) -> None:
+    """Add a figure of the pressure along the layer by both codes."""
+    fem, state = comparison.fem, comparison.state
+    if fem is None or state is None:
+        return
+    scale, period, x = float(np.max(np.abs(fem.middle_pressure))), fem.problem.period, fem.interface.x
+    line = np.linspace(x[0], x[0] + period, 400)
+    ours, theirs = np.nan_to_num(state.pressure(line)), fem.interface.pressure
+    shown, on = np.abs(theirs) < 1.5 * scale, np.abs(ours) < 1.5 * scale  # pressures are infinite at edges
+    rows.curves(title, "x / mm", "pressure / kPa",
+                {"boundary elements": (line[on] * 1e3, ours[on] / 1e3),
+                 "finite elements": (x[shown] * 1e3, theirs[shown] / 1e3)})  # fmt: skip

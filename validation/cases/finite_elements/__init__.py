@@ -1,1 +1,0 @@
-"""Cases of the finite element reference: against closed forms, then against the boundary elements."""

@@ -1,1 +1,0 @@
-"""Cases on rough profiles: the paper's profile, theory without adhesion, the paper's method, FFT solvers."""

@@ -1,1 +1,0 @@
-"""Cases on what is said of a state: identities, error estimates, verdicts, observables."""

@@ -1,0 +1,190 @@
+"""Finite elements against closed forms, before they are a reference for anything.
+
+- Complete contact of a wave with a bonded layer, any nu: energy per area h_1^2 / (4 c(q)), c(q) of Carbone and
+  Mangialardi (J. Mech. Phys. Solids 56 (2008) 684); the energy converges with the order 2 m of elements of order m.
+- One patch on a layer of two periods, which is a half-space to 1e-8: Johnson's state (Int. J. Solids Struct. 32 (1995)
+  423), with its edges given (load and stress intensity asked) and found by the finite elements' closure (edges and
+  load).
+- The closure moves edges until K = K_c.  Both are made with E*, so that a wrong E* leaves edges, load and energy as
+  they are: asked are K at the edges found, sqrt(2 E* gamma), and the smallest eigenvalue of the energy in motions of
+  the edges.
+
+h = D cos(q0 x), D = 50 or 100 um, period 10 mm, E = 1 MPa.  U is what the finite elements state from three meshes.
+"""
+
+import numpy as np
+import pytest
+
+import bem
+import fem_reference
+from fem_reference import Resolution
+from fem_reference.solve import companions
+from validation.plugin.rows import Code, Quantity
+from validation.references.closed_forms import Sinusoid, layer_compliance, uniform_compliance
+from validation.routes.fem_scenes import uncertain
+
+PERIOD, AMPLITUDE, E = 0.01, 50e-6, 1e6
+HALVED = 0.35 * float(np.expm1(0.5 / 0.35)) * PERIOD  # thickness at which meshes have half as many rows as columns
+HALF_SPACE = 1e-8  # relative: a layer of two periods
+CLOSURE = {2: Resolution(2, 10, 10), 4: Resolution(4, 8, 18)}
+GIVEN = {2: Resolution(2, 10, 12), 4: Resolution(4, 10, 22)}
+
+
+def raw(wave, thickness):
+    """Return a wave on a layer as `fem_reference.solve` takes it: raw numbers, without adhesion."""
+    return {"youngs_modulus": wave.youngs_modulus, "poisson_ratio": wave.poisson_ratio, "thickness": thickness,
+            "period": wave.wavelength, "harmonics": ([1], [wave.amplitude], [0.0])}  # fmt: skip
+
+
+def even_order(sizes, errors):
+    """Return the order p of errors C h^p (1 + b h^2) on three meshes, as smooth solutions leave on uniform ones."""
+    h = np.asarray(sizes)
+    terms = np.column_stack([np.log(h), h**2, np.ones(3)])
+    return float(np.linalg.solve(terms, np.log(errors))[0])
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("poisson_ratio", [-0.5, 0.3, 0.499999, 0.5])
+@pytest.mark.parametrize("order", [2, 4])
+def test_complete_contact(rows, order, poisson_ratio):
+    """Do finite elements converge at their order in complete contact, for any Poisson's ratio?"""
+    exact = 0.25 * AMPLITUDE**2 / float(layer_compliance(2 * np.pi / PERIOD, HALVED, E, poisson_ratio))
+    asymptotic = order == 2 or poisson_ratio < 0.4  # else P4 meets rounding, 1e-11, before its asymptotic range
+    ladder = companions(Resolution(order, 24 if asymptotic else 16, 10))  # 14, 18 and 24 cells
+    result = fem_reference.refine(**raw(Sinusoid(AMPLITUDE, PERIOD, E, poisson_ratio, 0.0), HALVED),
+                                  control="mean_pressure", value=0.0, edges="complete", resolutions=ladder)  # fmt: skip
+    energy = result.estimates["strain_energy"]
+    rows.compare("elastic energy", float(energy.value) / PERIOD, exact, of=Code.FEM, by=Code.EXACT,
+                 quantity=Quantity.ENERGY, unit="J/m^2", source="Carbone and Mangialardi 2008",
+                 uncertainty=max(float(np.max(energy.uncertainty)) / PERIOD, 1e-11 * exact))  # fmt: skip
+    rows.count("unknowns", result.result.unknowns, of=Code.FEM)
+    errors = [abs(float(level) / PERIOD / exact - 1) for level in energy.levels]
+    cells = [resolution.cells for resolution in ladder]
+    rows.curves("Relative error of the elastic energy in complete contact", "cells per period", "error",
+                {f"P{order}, nu = {poisson_ratio:g}": (cells, errors)}, log="xy")  # fmt: skip
+    if asymptotic:
+        observed = even_order([1 / count for count in cells], errors)
+        pairwise = np.log(errors[1] / errors[2]) / np.log(cells[2] / cells[1])
+        rows.compare("order of the elastic energy", observed, 2.0 * order, of=Code.FEM, by=Code.RATE,
+                     quantity=Quantity.RATE, uncertainty=abs(observed - pairwise), required=0.5,
+                     because="half an order; the next elements differ by two",
+                     source="energy norm of order m, squared")  # fmt: skip
+
+
+def patch(fraction, poisson_ratio, alpha, resolution, *, given):
+    """Return Johnson's wave and the finite elements' state at its penetration, edges given or found."""
+    wave, half = Sinusoid(AMPLITUDE, PERIOD, E, poisson_ratio, alpha), 0.5 * fraction * PERIOD
+    state = fem_reference.solve(**raw(wave, 2 * PERIOD), control="penetration", resolution=resolution,
+                                value=float(wave.penetration(fraction * np.pi / 2)),
+                                work_of_adhesion=wave.work_of_adhesion,
+                                edges=[[-half, half]] if given else None)  # fmt: skip
+    assert given or state.status == "converged", state.message
+    return wave, state
+
+
+at_both_orders = pytest.mark.parametrize("order", [pytest.param(2, marks=pytest.mark.quick),
+                                                   pytest.param(4, marks=pytest.mark.standard)])  # fmt: skip
+
+
+@at_both_orders
+@pytest.mark.parametrize(("fraction", "poisson_ratio", "alpha"), [(0.1, 0.3, 0.1), (0.4, 0.5, 0.3), (0.7, 0.45, 0.3)])
+def test_given_edges(rows, order, fraction, poisson_ratio, alpha):
+    """Do finite elements find load and stress intensity of Johnson's states at given edges?"""
+    wave, state = patch(fraction, poisson_ratio, alpha, GIVEN[order], given=True)
+    johnson = rows.between(Code.FEM, Code.EXACT, "Johnson 1995")
+    star, critical = wave.full_contact_pressure, wave.alpha * wave.full_contact_pressure * np.sqrt(PERIOD)
+    johnson.compare("mean pressure", state.mean_pressure, float(wave.mean_pressure(fraction * np.pi / 2)),
+                    quantity=Quantity.PRESSURE, unit="Pa",
+                    uncertainty=(uncertain(state, "mean_pressure"), HALF_SPACE * star))  # fmt: skip
+    johnson.compare("stress intensity", state.stress_intensity, critical, quantity=Quantity.INTENSITY, unit="Pa m^1/2",
+                    uncertainty=(np.ravel(state.uncertainty["stress_intensity"]), HALF_SPACE * critical))  # fmt: skip
+
+
+@at_both_orders
+@pytest.mark.parametrize(("fraction", "poisson_ratio", "alpha"), [(0.5, 0.3, 0.3), (0.35, 0.5, 0.2)])
+def test_closure(rows, order, fraction, poisson_ratio, alpha):
+    """Do finite elements find edges and load of Johnson's states by their own closure?"""
+    wave, state = patch(fraction, poisson_ratio, alpha, CLOSURE[order], given=False)
+    johnson = rows.between(Code.FEM, Code.EXACT, "Johnson 1995")
+    johnson.compare("contact fraction", state.contact_fraction, fraction, quantity=Quantity.AREA,
+                    uncertainty=(uncertain(state, "contact_fraction"), HALF_SPACE))  # fmt: skip
+    johnson.compare("mean pressure", state.mean_pressure, float(wave.mean_pressure(fraction * np.pi / 2)),
+                    quantity=Quantity.PRESSURE, unit="Pa",
+                    uncertainty=(uncertain(state, "mean_pressure"),
+                                 HALF_SPACE * wave.full_contact_pressure))  # fmt: skip
+
+
+WAVE = Sinusoid(amplitude=1e-4, wavelength=PERIOD, youngs_modulus=E, poisson_ratio=0.3, alpha=0.3)
+
+
+def stiffness(psi):
+    """Return d2U in J/m^3 as both edges of WAVE move outwards at fixed penetration, and as both move to one side.
+
+    K / E* times dK: outwards K = sqrt(period / tan psi) pi E* (Delta - D S (1 - ln S)) / (period ln S), S = sin^2 psi.
+    A shift adds the odd pressure E* D q0^2 / 2 s (1 + S - 2 s^2) / sqrt(S - s^2), s = sin(q0 x / 2), per length.
+    """
+    share, modulus = np.sin(psi) ** 2, WAVE.modulus
+    intensity = np.sqrt(2 * modulus * WAVE.work_of_adhesion)
+    per_lift = np.sqrt(PERIOD / np.tan(psi)) * np.pi * modulus / (PERIOD * np.log(share))  # dK/dDelta
+    outwards = -intensity * (1 / np.sin(2 * psi) + 2 / (np.tan(psi) * np.log(share)))
+    outwards += per_lift * WAVE.amplitude * np.log(share) * np.sin(2 * psi)
+    curvature = WAVE.amplitude * (2 * np.pi / PERIOD) ** 2
+    aside = modulus * curvature * np.sqrt(2 * PERIOD * np.sin(2 * psi)) * np.cos(psi) / 4
+    return float(intensity / modulus * outwards * np.pi / PERIOD), float(intensity / modulus * aside)
+
+
+@pytest.mark.quick
+def test_modulus_of_the_closure(rows):
+    """Has the contact whose edges the finite elements find the stress intensity and the stability it must?"""
+    fractions = (0.3, 0.5, 0.7)
+    states = [fem_reference.solve(**raw(WAVE, 2 * PERIOD), control="penetration", resolution=CLOSURE[2],
+                                  value=float(WAVE.penetration(fraction * np.pi / 2)),
+                                  work_of_adhesion=WAVE.work_of_adhesion) for fraction in fractions]  # fmt: skip
+    critical = float(np.sqrt(2 * WAVE.modulus * WAVE.work_of_adhesion))
+    rows.compare("stress intensity at the edges found", np.concatenate([s.stress_intensity.ravel() for s in states]),
+                 critical, of=Code.FEM, by=Code.EXACT, quantity=Quantity.INTENSITY, unit="Pa m^1/2",
+                 uncertainty=max(uncertain(state, "stress_intensity") for state in states), required=1e-8 * critical,
+                 because="the closure ends below 1e-8", source="sqrt(2 E* gamma)")  # fmt: skip
+    exact = np.array([min(stiffness(fraction * np.pi / 2)) for fraction in fractions])
+    rows.compare("smallest eigenvalue of the energy", [state.min_eigenvalue for state in states], exact, of=Code.FEM,
+                 by=Code.EXACT, quantity=Quantity.STIFFNESS, unit="J/m^3", uncertainty=0.01 * exact,
+                 required=0.01 * exact, because="differences on the scouting mesh decide the sign only",
+                 source="Johnson's state, moved edges")  # fmt: skip
+    profile = bem.Profile.from_harmonics(PERIOD, [1], [WAVE.amplitude])
+    by_bem = []
+    for fraction in fractions:
+        half, adhesion = fraction * PERIOD / 2, bem.Adhesion(WAVE.work_of_adhesion)
+        state = bem.ContactState(profile, bem.Solid(E, 0.3), [[-half, half]],
+                                 float(WAVE.penetration(fraction * np.pi / 2)), adhesion=adhesion)  # fmt: skip
+        by_bem.append([float(motion @ state.hessian @ motion) / 2 for motion in np.array([[-1, 1], [1, 1]])])
+    closed = np.ravel([stiffness(fraction * np.pi / 2) for fraction in fractions])
+    rows.compare("d2U outwards and to one side", np.ravel(by_bem), closed, of=Code.BEM, by=Code.EXACT,
+                 quantity=Quantity.STIFFNESS, unit="J/m^3", uncertainty=1e-10 * closed, required=1e-9 * closed,
+                 because="nine digits of a derivative", source="Johnson's state, moved edges")  # fmt: skip
+
+
+@pytest.mark.quick
+def test_two_given_patches_on_a_layer(rows):
+    """Do both codes see the same load, stress intensity, energy and displacement of two given patches?"""
+    nu, thickness, penetration, harmonics = 0.3, 0.2 * PERIOD, 12e-6, ([1, 2], [4e-6, 20e-6], [0.5, 0.3])
+    profile = bem.Profile.from_harmonics(PERIOD, *harmonics)
+    edges = [[place - 0.7e-3, place + 0.9e-3] for place in np.sort(profile.crests[0])]
+    solid, layer = bem.Solid(E, nu), bem.Layer(thickness)
+    state = bem.ContactState(profile, solid, edges, penetration, layer=layer)
+    fem = fem_reference.solve(youngs_modulus=E, poisson_ratio=nu, thickness=thickness, period=PERIOD,
+                              harmonics=harmonics, control="penetration", value=penetration, edges=edges,
+                              resolution=Resolution(4, 6, 9))  # fmt: skip
+    total = layer.total_displacement(solid, penetration, state.mean_pressure)
+    both = rows.between(Code.BEM, Code.FEM, "P4/P3, 6 cells, given edges")
+    for name, quantity, unit, value in (
+        ("load", Quantity.PRESSURE, "N/m", state.load),
+        ("stress_intensity", Quantity.INTENSITY, "Pa m^1/2", np.ravel(state.stress_intensity)),
+        ("elastic_energy", Quantity.ENERGY, "J/m", state.elastic_energy),
+        ("total_displacement", Quantity.LENGTH, "m", total),
+    ):
+        both.compare(name.replace("_", " "), value, np.ravel(getattr(fem, name)), quantity=quantity, unit=unit,
+                     uncertainty=(1e-9 * np.max(np.abs(value)), uncertain(fem, name)))  # fmt: skip
+    mean = uniform_compliance(thickness, E, nu) * fem.mean_pressure
+    rows.compare("mean displacement of the face", fem.total_displacement - fem.penetration, mean, of=Code.FEM,
+                 by=Code.EXACT, quantity=Quantity.LENGTH, unit="m", uncertainty=1e-11 * mean, required=1e-10 * mean,
+                 because="holds on any mesh, to rounding of the solution", source="Betti: c(0) p")  # fmt: skip

@@ -1,0 +1,156 @@
+"""Paths: independent of the increment, the first of several states at a load, patches that stand beside a detachment.
+
+Rough profile of 100 harmonics (Hurst exponent 0.7, h_rms = 50 um, period 10 mm, E = 1 MPa, nu = 0.5), loaded and
+unloaded.
+
+A wave with a ripple whose crests come in pairs of nearly equal height: when one of a pair detaches, the other patch
+shrinks before it comes to rest.  Seven equal crests lose their symmetry on unloading; which patches detach follows from
+the way this begins.  Reference: overdamped motion of the edges down the energy in small explicit steps,
+
+    d(edge)/dt ~ -dU/d(edge) l / w,   l the shorter of patch and gap,
+
+from the state before the event until forces are 1e-4 w, ended by Newton.  A patch narrower than a thousandth is gone.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import bem
+from validation.plugin.rows import Code, Quantity
+from validation.routes.scenes import edge_scale, solved, values
+
+INCREMENTS = (0.05, 0.0125)  # rms heights
+STEP, LARGEST, STEPS, NEWTON = 0.2, 0.05, 5000, 4  # of the motion: times l force / w, at most so many l
+AT_REST, GONE = 1e-4, 1e-3
+
+
+@pytest.mark.quick
+def test_increment(rows):
+    """Are states at targets and events independent of the increment on the way?"""
+    coarse, fine = (solved("rough_100", accuracy={"max_increment": increment}) for increment in INCREMENTS)
+    assert [event.kind for event in coarse.events] == [event.kind for event in fine.events]
+    finer = rows.between(Code.BEM, Code.IDENTITY, "increments a quarter as long", "construction")
+    for place, states, others, names in (
+        ("target", coarse.targets, fine.targets,
+         {"contact_fraction": (Quantity.AREA, ""), "mean_pressure": (Quantity.PRESSURE, "Pa"),
+          "n_patches": (Quantity.COUNT, "")}),
+        ("event", coarse.events, fine.events,
+         {"penetration": (Quantity.LENGTH, "m"), "mean_pressure": (Quantity.PRESSURE, "Pa"),
+          "energy_released": (Quantity.ENERGY, "J/m^2")}),
+    ):  # fmt: skip
+        for name, (quantity, unit) in names.items():
+            value, reference = (np.nan_to_num(values(each, name)) for each in (states, others))
+            words = name.replace("n_patches", "patches").replace("_", " ")
+            finer.compare(f"{words} of every {place}", value, reference, quantity=quantity, unit=unit,
+                          required=1e-9 * np.max(np.abs(reference)),
+                          because="nine digits: events are located, not stepped over")  # fmt: skip
+    rows.count("evaluations", sum(state.evaluations for state in coarse.states), of=Code.BEM)
+    rows.curves("Contact fraction at targets for two increments", "separation / um", "contact fraction",
+                {f"increment {increment} rms heights": (values(result.targets, "separation") * 1e6,
+                                                        values(result.targets, "contact_fraction"))
+                 for increment, result in zip(INCREMENTS, (coarse, fine), strict=True)})  # fmt: skip
+
+
+@pytest.mark.quick
+def test_first_state_at_a_load(rows):
+    """Is the state at a mean pressure asked for the first on the way, where events make a load occur twice?"""
+    adhesion = {"work_of_adhesion": 0.05}
+    twice = {1381.208: 61.8e-6, 3558.97: 48.3e-6}  # Pa, and a separation between the two states of that load
+    stops, spacing = (70e-6, 56e-6, 42e-6), 0.05e-6
+    loads = sorted([*twice, 2000.0, 2002.0])  # the last two within one increment
+    loading = {"start": stops[0], "stop": stops[2], "count": 3, "then_back_to": stops[0], "targets": None,
+               "at_mean_pressures": loads}  # fmt: skip
+    states = solved("rough_100", adhesion=adhesion, loading=loading).targets
+    asked = [[abs(state.mean_pressure / load - 1) < 1e-6 for load in loads] for state in states]
+    at_load = np.any(asked, axis=1)
+    scene = rows.between(Code.BEM, Code.IDENTITY, "the scene", "construction")
+    scene.compare("mean pressures asked for, in order", values(states, "mean_pressure")[at_load],
+                  [*loads, *loads[::-1]], quantity=Quantity.PRESSURE, unit="Pa", required=1e-8,
+                  because="tolerance of the scene")  # fmt: skip
+    scene.compare("separations asked for, in order", values(states, "separation")[~at_load],
+                  [*stops, *stops[-2::-1]], quantity=Quantity.LENGTH, unit="m", required=1e-15,
+                  because="rounding")  # fmt: skip
+    first, bracketed = [], []
+    for load, middle in twice.items():
+        near = (middle + spacing * np.arange(8, -9, -1)).tolist()
+        path = solved("rough_100", adhesion=adhesion, loading={"targets": [stops[0], *near]}).targets
+        before, after = next(pair for pair in pairwise(path) if pair[0].mean_pressure < load <= pair[1].mean_pressure)
+        share = (load - before.mean_pressure) / (after.mean_pressure - before.mean_pressure)
+        bracketed.append(before.contact_fraction + share * (after.contact_fraction - before.contact_fraction))
+        first.append(
+            next(state.contact_fraction for state, of in zip(states, asked, strict=True) if of[loads.index(load)])
+        )
+    scene.compare("contact fraction at loads that occur twice", first, bracketed, quantity=Quantity.AREA,
+                  required=1e-3 * np.array(bracketed), because="linear between states 0.05 um apart, next to a fold",
+                  source="states between which the load is first passed")  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Ripples:
+    """Orders, amplitudes in m and phases of a profile with a period of 10 mm, and its work of adhesion in J/m^2."""
+
+    orders: tuple[int, ...]
+    amplitudes: tuple[float, ...]
+    phases: tuple[float, ...]
+    work: float
+
+    def path(self, targets):
+        """Solve the path to penetrations in m."""
+        profile = {name: list(getattr(self, name)) for name in ("orders", "amplitudes", "phases")}
+        return solved("sinusoid", profile=profile, adhesion={"work_of_adhesion": self.work},
+                      loading={"targets": targets}, accuracy={"max_increment": 0.02, "tolerance": None})  # fmt: skip
+
+    def state(self, edges, penetration):
+        """Return the state of given patches, (n, 2) in m, at a penetration in m."""
+        profile = bem.Profile.from_harmonics(0.01, self.orders, self.amplitudes, self.phases)
+        solid, adhesion = bem.Solid(1e6, 0.5), bem.Adhesion(self.work, False)
+        return bem.ContactState(profile, solid, edges, penetration, adhesion=adhesion, tolerance=1e-8)
+
+    def relaxed(self, edges, penetration):
+        """Return edges at rest, (n, 2) in m, by the overdamped motion from given ones."""
+        widths = edges[:, 1] - edges[:, 0]
+        for _ in range(STEPS):
+            force = self.state(edges, penetration).gradient / self.work
+            if np.max(np.abs(force)) < AT_REST:
+                break
+            edges = edges - np.clip(STEP * force, -LARGEST, LARGEST) * edge_scale(edges, 0.01)
+            stays = edges[:, 1] - edges[:, 0] > GONE * widths
+            edges, widths = edges[stays], widths[stays]
+        for _ in range(NEWTON):
+            state = self.state(edges, penetration)
+            edges = edges - np.linalg.solve(state.hessian, state.gradient.ravel()).reshape(edges.shape)
+        return edges
+
+
+@pytest.mark.quick
+def test_patch_that_stands(rows):
+    """Does the other patch of a pair stand when one detaches, shrunk to where the overdamped motion comes to rest?"""
+    pairs = Ripples((1, 24), (3e-5, 4e-6), (0.0, 0.02), 0.01)
+    between = 2.16e-6  # m; the outer pair detaches at penetrations of 2.22 and 2.11 um
+    result = pairs.path([10e-6, between])
+    last = result.targets[-1]
+    before = next(s for s in reversed(result.states) if s.branch == "unloading" and s.n_patches > last.n_patches)
+    fold = next(event.penetration for event in result.events if event.kind == "detachment")
+    # begins 0.02 um beyond the fold, at which the motion would take for ever
+    rest = pairs.relaxed(pairs.relaxed(np.array(before.edges), fold - 0.02e-6), between)
+    motion = rows.between(Code.BEM, Code.IDENTITY, "overdamped motion of the edges", "construction")
+    motion.compare("patches before and after", [before.n_patches, last.n_patches], [5, len(rest)],
+                   quantity=Quantity.COUNT, required=0.5, because="a count")  # fmt: skip
+    motion.compare("contact fraction after", last.contact_fraction, float(np.sum(np.diff(rest))) / 0.01,
+                   quantity=Quantity.AREA, required=1e-10, because="Newton ends the motion at rounding")  # fmt: skip
+
+
+@pytest.mark.quick
+def test_first_of_equal_patches_detaches(rows):
+    """Are as many of seven equal patches left as the overdamped motion leaves, begun with one a little narrower?"""
+    equal, around = Ripples((7,), (2e-5,), (0.0,), 0.1), (-5.4e-6, -5.8e-6)  # they part at -5.46 um
+    first, after = equal.path([10e-6, *around]).targets[1:]
+    edges = np.array(first.edges)
+    edges[0] += 0.01 * (edges[0, 1] - edges[0, 0]) * np.array([0.5, -0.5])
+    rows.compare("patches before and after", [first.n_patches, after.n_patches],
+                 [7, len(equal.relaxed(edges, around[1]))], of=Code.BEM, by=Code.IDENTITY, quantity=Quantity.COUNT,
+                 kind="construction", required=0.5, because="a count",
+                 source="overdamped motion of the edges")  # fmt: skip
