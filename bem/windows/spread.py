@@ -22,7 +22,6 @@ import numpy as np
 from numpy.polynomial import polynomial
 
 from bem.adhesive.equilibrium import edge_positions
-from bem.continuation.path import Path
 from bem.elastic.collocation import Evaluation, evaluate
 from bem.elastic.far_field import Charges, far_fields
 from bem.elastic.hierarchical import if_solvable
@@ -31,6 +30,7 @@ from bem.geometry.patches import TWO_PI, Patches, ordered
 from bem.loading.crew import Crew
 from bem.loading.path_events import EventNumbers, PathEvent, PathStatus
 from bem.loading.points_without_edges import PathPoint
+from bem.path.path import Path
 from bem.windows.landing import Departure, Landing, Release, landed
 from bem.windows.windows import Window, in_core, seams, wider, windows_of
 

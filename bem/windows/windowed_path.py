@@ -1,6 +1,6 @@
 """Path of a large contact: windows of patches followed side by side, where there are many; else the whole at once.
 
-Every window is followed by the engine of the whole contact (bem/continuation/path.py), which locates every event in it.
+Every window is followed by the engine of the whole contact (bem/path/path.py), which locates every event in it.
 Windows are joined after each step (spread.py).  Where they fail, the step is halved, and at last the whole contact is
 followed over it.  Targets, first touch, complete contact and loads on the way are those of the whole contact.
 Dimensionless; half-space, penetration control.
@@ -16,17 +16,17 @@ from typing import ClassVar
 import numpy as np
 
 from bem.adhesive.branch import tangent
-from bem.continuation.loads import extremes
-from bem.continuation.locating import Start
-from bem.continuation.path import Path
-from bem.continuation.points_with_edges import Equilibrium, Point
-from bem.continuation.rest import at_rest
 from bem.geometry.patches import Patches
 from bem.loading.assessment import Assessment
 from bem.loading.crew import Crew
 from bem.loading.increments import Effort, Increments
 from bem.loading.path_events import EventNumbers, PathTension, path_events
 from bem.loading.points_without_edges import Failed
+from bem.path.loads import extremes
+from bem.path.locating import Start
+from bem.path.path import Path
+from bem.path.points_with_edges import Equilibrium, Point
+from bem.path.rest import at_rest
 from bem.windows.spread import Spread, Spreading
 
 STEP = 0.05  # rms heights: windows are joined after each

@@ -309,7 +309,7 @@ def balances(found: Solved) -> Iterator[Balance]:
         flawed = scene.loading.flaw is not None and any(event.kind == "opening" for event in events)
         unknown = any(None in (event.energy_released, event.error_estimate.energy_released) for event in events)
         if before is None or flawed or unknown:
-            continue  # energies of complete contact know nothing of a flaw (bem/continuation/opening.py)
+            continue  # energies of complete contact know nothing of a flaw (bem/path/opening.py)
         freed = math.fsum(float(event.energy_released or 0.0) for event in events)
         work, error = _work(scene, units, before, after, events)
         change = after.potential - before.potential

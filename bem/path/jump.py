@@ -1,7 +1,7 @@
 """Jumps of an adhesive path: where the contact goes when its branch has ended, and the energy that it releases.
 
-A branch ends where it folds, where a symmetry breaks, or where a gap closes; all are located (folds.py,
-touches.py), so that neither the jump nor its numbers depend on the steps.  The jump follows the forces at the value of
+A branch ends where it folds, where a symmetry breaks, or where a gap closes; all are located (fold.py,
+touch.py), so that neither the jump nor its numbers depend on the steps.  The jump follows the forces at the value of
 the control at which the branch ends (relaxation.py): from a fold along its mode until a force is felt, which grows as
 the square of the motion, from a broken symmetry along a branch that begins there, or on both sides of its mode.  What
 it releases is the difference of the potential of two equilibria, each located with its error.  A jump that leaves all
@@ -18,13 +18,6 @@ import numpy as np
 from bem.adhesive.branch import after_step, moving_patches, numbers_of, outward_motion, unstable_patches
 from bem.adhesive.equilibrium import Balance, System, balance
 from bem.adhesive.relaxation import Cause, Relaxed, relax
-from bem.continuation.curve import LONGEST
-from bem.continuation.folds import LimitPoint
-from bem.continuation.locating import OFF, VERIFIED, AtControl, Located, Refused, Start, locate
-from bem.continuation.opening import complete_potential
-from bem.continuation.points_with_edges import Equilibrium, Point
-from bem.continuation.symmetry import TIED
-from bem.continuation.touches import Touch
 from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima
 from bem.geometry.arrays import FloatArray, IntArray
@@ -33,6 +26,13 @@ from bem.loading.complete_contact import CompleteContact
 from bem.loading.increments import SAFETY, Increments
 from bem.loading.path_events import EventNumbers, PathEvent, path_events
 from bem.loading.points_without_edges import Complete, Failed, Separated
+from bem.path.fold import LimitPoint
+from bem.path.locating import OFF, VERIFIED, AtControl, Located, Refused, Start, locate
+from bem.path.opening import complete_potential
+from bem.path.points_with_edges import Equilibrium, Point
+from bem.path.stand import LONGEST
+from bem.path.symmetry import TIED
+from bem.path.touch import Touch
 
 FORCES = 1e-2, 1e-4, 1e-6  # of the work of adhesion, that a push from a fold shall meet, in turn
 

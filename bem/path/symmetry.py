@@ -14,11 +14,11 @@ import numpy as np
 
 from bem.adhesive.branch import outward_motion
 from bem.adhesive.equilibrium import System
-from bem.continuation.curve import LONGEST, CurvePoint, curve_point, unit_of
-from bem.continuation.folds import LimitPoint
-from bem.continuation.locating import InPlane, Refused, Start, locate
-from bem.continuation.steps import SHORTER, Way, shorter_steps
 from bem.geometry.arrays import FloatArray
+from bem.path.fold import LimitPoint
+from bem.path.locating import InPlane, Refused, Start, locate
+from bem.path.stand import LONGEST, Stand, stand_near, unit_of
+from bem.path.steps import SHORTER, Way, shorter_steps
 
 TIED = 1e-6  # relative difference of patches that are equal
 
@@ -37,7 +37,7 @@ def alone(limit: LimitPoint) -> FloatArray:
     return np.asarray(unit @ single[first])
 
 
-def other_branch(system: System, limit: LimitPoint, motion: FloatArray, way: Way) -> CurvePoint | Refused:
+def other_branch(system: System, limit: LimitPoint, motion: FloatArray, way: Way) -> Stand | Refused:
     """The branch that begins where a symmetry breaks, a little along a motion; its parameter grows from there on.
 
     So close to there that no more modes are unstable on it than were neutral.
@@ -54,7 +54,7 @@ def other_branch(system: System, limit: LimitPoint, motion: FloatArray, way: Way
             refused = found
             continue
         moved = outward_motion(at.patches, found.patches)
-        point = curve_point(system, found.balance, found.numbers.value, normal, float(normal @ moved))
+        point = stand_near(system, found.balance, found.numbers.value, normal, float(normal @ moved))
         if point is not None and point.lowest[0].size <= limit.modes.shape[1]:
             return point
     return refused

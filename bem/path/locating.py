@@ -1,4 +1,4 @@
-"""Equilibria that meet a condition: Newton on the bordered system (curve.py), and the error of what it finds.
+"""Equilibria that meet a condition: Newton on the bordered system (stand.py), and the error of what it finds.
 
 Iterates are evaluated at a tolerance until a step is short.  The last evaluation has more nodes and modes than that
 tolerance asks for; what it changes, of the numbers as the last Newton steps leave them, is the error.  Newton has
@@ -6,7 +6,7 @@ diverged where a step is no shorter than the one before it.  Where modes V are h
 forces lambda that hold them are further unknowns, and V . d xi = 0.
 
 A condition says phi and its derivatives in a state.  These are a value of the control, a load, a plane through edges,
-the neutral mode of a fold or of a bifurcation (folds.py), and a gap that closes (touches.py).  Dimensionless.
+the neutral mode of a fold or of a bifurcation (fold.py), and a gap that closes (touch.py).  Dimensionless.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ import numpy as np
 
 from bem.adhesive.branch import after_step, outward_motion
 from bem.adhesive.equilibrium import Balance, System, balance, energy_noise
-from bem.continuation.curve import LONGEST, SHORT, Row, bordered, missing, unit_of
 from bem.elastic.collocation import Resolution, finer, resolve
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
 from bem.loading.path_events import EventNumbers
+from bem.path.stand import LONGEST, SHORT, Row, bordered, missing, unit_of
 
 LAST = 1e-5  # units: the last step, behind which LAST^2 = 1e-10 is missing
 LOCATED = 1e-9  # what is left of zero: rms heights, works of adhesion, eigenvalues
@@ -42,7 +42,7 @@ class Refused(Enum):
     UNRESOLVED = "the gaps are too narrow to resolve"
     SINGULAR = "the bordered system is singular"
     DIVERGED = "Newton's steps do not shrink"
-    FAR = "what was found is not on this piece of the curve"
+    FAR = "what was found is not on this span of the curve"
     MISFIT = "the two ends of the step do not agree"
     UNCLEAR = "a shorter step must tell what happens in this one"
 
