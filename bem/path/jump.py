@@ -30,8 +30,8 @@ from bem.path.fold import LimitPoint
 from bem.path.locating import OFF, VERIFIED, AtControl, Located, Refused, Start, locate
 from bem.path.opening import complete_potential
 from bem.path.points_with_edges import Equilibrium, Point
-from bem.path.stand import LONGEST
-from bem.path.symmetry import TIED
+from bem.path.stand import LONGEST_MOTION
+from bem.path.symmetry import EQUAL
 from bem.path.touch import Touch
 
 FORCES = 1e-2, 1e-4, 1e-6  # of the work of adhesion, that a push from a fold shall meet, in turn
@@ -63,7 +63,7 @@ class Jumps:
         at, mode = limit.at, limit.modes[:, 0]
         state, patches, work = at.balance.state, at.patches, at.balance.work
         length = np.sqrt(np.array(FORCES) * float(work @ np.abs(mode)) / limit.bend)
-        longest = LONGEST / float(np.max(np.abs(mode) / patches.edge_scale))
+        longest = LONGEST_MOTION / float(np.max(np.abs(mode) / patches.edge_scale))
         for part in np.minimum(length, longest):
             if not self._is_felt(patches.moved(part * mode), state.penetration, at.numbers.value, mode):
                 continue
@@ -153,7 +153,7 @@ class Jumps:
         if isinstance(found, Refused) or found.balance.factor is None:
             return None
         moved = outward_motion(here.state.patches, found.patches) / here.state.patches.edge_scale
-        return found if np.max(np.abs(moved)) <= LONGEST else None
+        return found if np.max(np.abs(moved)) <= LONGEST_MOTION else None
 
     def _is_felt(self, patches: Patches, penetration: float, value: float, motion: FloatArray) -> bool:
         """Whether edges feel a force along a motion: more than errors leave of one."""
@@ -220,5 +220,5 @@ def _failed(relaxed: Relaxed, events: tuple[PathEvent, ...] = ()) -> Failed:
 def leading_patch(patches: Patches, outward: FloatArray) -> float:
     """Centre of the patch that grows or shrinks most in a motion of the edges; of two alike, that which shrinks."""
     growth = (outward / patches.edge_scale).reshape(2, -1).sum(axis=0)
-    leading = int(np.argmax(np.abs(growth) * np.where(growth < 0, 1 + TIED, 1.0)))
+    leading = int(np.argmax(np.abs(growth) * np.where(growth < 0, 1 + EQUAL, 1.0)))
     return float(patches.center[leading])

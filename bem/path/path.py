@@ -40,7 +40,7 @@ from bem.path.span import Span
 from bem.path.stand import Stand
 from bem.path.steps import (
     SHORTER,
-    SHORTEST,
+    SHORTEST_STEP,
     Way,
     curve_from,
     evaluated_at_itself,
@@ -219,7 +219,7 @@ class Path:
         while True:
             ahead = predicted(at, length, way)
             tried = float(np.max(np.abs(ahead[0] / at.unit)))
-            if tried < SHORTEST:
+            if tried < SHORTEST_STEP:
                 yield self._by_control(at, way)
                 return
             span = step_from(self.system, at, ahead, way)

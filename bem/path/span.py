@@ -16,7 +16,7 @@ from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.path.stand import Stand
 
-NEAR = 0.05  # of the chord, or of the rise of the control: how far from the quintic a point of its span may lie
+ON_SPAN = 0.05  # of the chord, or of the rise of the control: how far from the quintic a point of its span may lie
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +94,7 @@ class Span:
         y = self._at(s)
         off = float(np.max(np.abs((motion - y[:-1]) / self.first.unit)))
         risen = abs(value - self.first.value - float(y[-1]))
-        return -NEAR <= s <= 1 + NEAR and off <= NEAR * self.size and risen <= NEAR * self.rise
+        return -ON_SPAN <= s <= 1 + ON_SPAN and off <= ON_SPAN * self.size and risen <= ON_SPAN * self.rise
 
     def turns(self) -> FloatArray:
         """Parameters at which the control turns, ascending."""

@@ -34,7 +34,7 @@ from bem.geometry.patches import Patches
 from bem.loading.path_events import EventNumbers
 
 PINNED = 0.4  # of the shortest wave that may pin an edge: its unit of length, if its edge scale is not less
-LONGEST = 0.2  # units: a motion of the edges along the curve, in a step or by Newton
+LONGEST_MOTION = 0.2  # units: a motion of the edges along the curve, in a step or by Newton
 SHORT = 5e-4  # units, or of a gap: a motion in which everything is linear but for a part of its square
 SOFTENING = 60.0  # times the work of adhesion: what stiffness per unit may fall by in a motion by a unit; measured 39
 MODES = 8  # lowest modes that are looked at; more turn within a step only among equal patches

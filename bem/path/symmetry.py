@@ -17,10 +17,10 @@ from bem.adhesive.equilibrium import System
 from bem.geometry.arrays import FloatArray
 from bem.path.fold import LimitPoint
 from bem.path.locating import InPlane, Refused, Start, locate
-from bem.path.stand import LONGEST, Stand, stand_near, unit_of
+from bem.path.stand import LONGEST_MOTION, Stand, stand_near, unit_of
 from bem.path.steps import SHORTER, Way, shorter_steps
 
-TIED = 1e-6  # relative difference of patches that are equal
+EQUAL = 1e-6  # relative difference of patches that are equal
 
 
 def alone(limit: LimitPoint) -> FloatArray:
@@ -33,7 +33,7 @@ def alone(limit: LimitPoint) -> FloatArray:
     shrink, slide = -(left + right), right - left
     single = max(shrink, slide, key=np.linalg.norm)
     share = np.linalg.norm(single, axis=1)
-    first = int(np.flatnonzero(share >= (1 - TIED) * share.max())[0])
+    first = int(np.flatnonzero(share >= (1 - EQUAL) * share.max())[0])
     return np.asarray(unit @ single[first])
 
 
@@ -45,7 +45,7 @@ def other_branch(system: System, limit: LimitPoint, motion: FloatArray, way: Way
     at = limit.at
     unit, refused = unit_of(system, at.balance), Refused.UNCLEAR
     motion = motion / np.max(np.abs(motion / unit))
-    for part in shorter_steps(LONGEST / SHORTER):
+    for part in shorter_steps(LONGEST_MOTION / SHORTER):
         patches = at.patches.moved(part * motion)
         normal = motion / unit**2
         start = Start(patches, at.numbers.penetration, at.numbers.value)

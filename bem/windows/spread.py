@@ -38,7 +38,7 @@ WIDER = 3, 7  # limit: patches of buffer more, for a window whose path fails
 ALIKE = 0.1  # residual of joined windows, beyond which one has felt the events of another too late: a shorter step
 JOINED = 0.5  # limit: of the shortest step: residual beyond which windows do not fit
 ROUNDS = 5  # limit: of windows that follow one another's events in it
-NEAR = 8  # edges next to an event, by which the far field of its window is judged
+BESIDE = 8  # edges next to an event, by which the far field of its window is judged
 PREDICTED = 0.15  # edge scales that edges are moved at most to predict the far field at the end of a step
 
 
@@ -182,7 +182,7 @@ class Spreading:
     def _error(self, release: Release, state: Evaluation, missed: FloatArray) -> float:
         """Return what edges near an event miss of K, as a penetration."""
         apart = np.abs((edge_positions(state.patches) - release.event.position + np.pi) % TWO_PI - np.pi)
-        near = np.argsort(apart)[:NEAR]
+        near = np.argsort(apart)[:BESIDE]
         shift = missed[near] * state.stress_intensity[near] / (2 - missed[near]) / state.stress_intensity_rate[near]
         return float(np.max(np.abs(shift)))
 
