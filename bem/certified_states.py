@@ -119,7 +119,7 @@ def _gaps_of(problem: Problem, found: GapStatistics, separation: float, open_fra
 def _judged(
     problem: Problem, state: Evaluation | GapEvaluation, assessment: Assessment, tolerance: float
 ) -> DimensionlessCertificate:
-    """The certificate, by pressures or by gaps, whichever were the unknowns."""
+    """Return the certificate, by pressures or by gaps, whichever were the unknowns."""
     if not isinstance(state, Evaluation):
         from bem.audit import gap_certificate  # only the last gaps
 
@@ -151,7 +151,7 @@ def _judged(
 
 
 def _error_estimate(problem: Problem, assessment: Assessment, separation: float | None) -> ErrorEstimate:
-    """The size of each correction in SI units, with a margin, never below rounding.
+    """Return the size of each correction in SI units, with a margin, never below rounding.
 
     The separation is that of a state given by its gaps, which rounds relative to itself; so does a stiffness, which is
     large where edges are about to move on their own.
@@ -240,7 +240,7 @@ def missed_state(control: str, target: float, status: Status, reason: str) -> St
 
 
 def event_of(problem: Problem, event: PathEvent) -> Event:
-    """An event of the path in SI units."""
+    """Return an event of the path in SI units."""
     height, energy = problem.scales.height, problem.scales.energy_per_area
     at, error = event.at, event.error
     bounded, known = math.isfinite(at.load), math.isfinite(event.energy_released)

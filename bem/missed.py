@@ -1,4 +1,4 @@
-"""Targets that a path does not meet: why, in the unit of the control, and what may help.
+"""Targets that a path does not meet: the reason, in the unit of the control, and remedies.
 
 A target that is missed does not end the path.  Its row gives the reason, and the path goes on from the last state kept
 to the next target: later states are those of a path that turned back, or went past the target, at that state.
@@ -26,7 +26,7 @@ LISTED = 3  # format: targets missed whose reasons stand in the failure of a res
 
 
 class MissedTargetError(Exception):
-    """A target is not met: what a result calls that, why, and what may help, in the order in which to try it."""
+    """A target that is not met: its status, the reason, and remedies in the order in which to try them."""
 
     def __init__(self, status: Status, why: str, *remedies: str) -> None:
         super().__init__(why)
@@ -34,49 +34,49 @@ class MissedTargetError(Exception):
 
 
 def no_point(status: str, at: float, control: str, has_history: bool) -> MissedTargetError:
-    """No state was found at a value of the control, SI, with the status of the point there."""
+    """Return the error of a point of this status, at a value of the control, SI, where no state was found."""
     remedies = ["half the accuracy.max_increment", "a slightly different target"] if has_history else []
     remedies += ['loading.control = "separation"'] if has_history and control == "mean_pressure" else []
     return MissedTargetError("not_converged", f"{FAILURES[status]} at {at:.9g} {UNITS[control]}", *remedies, COARSER)
 
 
 def not_computed(error: BaseException) -> MissedTargetError:
-    """What double precision or memory cannot do."""
+    """Return the error of a computation that double precision or memory ended."""
     return MissedTargetError("not_converged", f"{type(error).__name__}: {error}", COARSER)
 
 
 def tension_apart() -> MissedTargetError:
-    """A tension is asked for where nothing touches."""
+    """Return the error of a tension that is asked for where nothing touches."""
     why = "this path has no state there: separated surfaces carry no tension"
     return MissedTargetError("unreachable", why, "a target in compression before it")
 
 
 def beyond_contact(deepest: float) -> MissedTargetError:
-    """A motion beyond complete contact, which is at this penetration, m."""
+    """Return the error of a motion beyond complete contact, which is at this penetration, m."""
     why = f"this path has no state there: complete contact is at {deepest:.9g} m"
     return MissedTargetError("unreachable", why, "a target before that", 'loading.control = "mean_pressure"')
 
 
 def passed_over() -> MissedTargetError:
-    """The path ended beside the target, at a state without edges."""
+    """Return the error of a path that ended beside the target, at a state without edges."""
     why = "no equilibrium was found: the gap closed again, or the surfaces came apart"
     return MissedTargetError("not_converged", why, "another loading.flaw", "targets in smaller steps")
 
 
 def came_apart(at: float) -> MissedTargetError:
-    """No contact carries the tension asked for: the last one came apart at this mean pressure, Pa."""
+    """Return the error of a tension that no contact carries: the last one came apart at this mean pressure, Pa."""
     why = f"this path has no state there: the surfaces came apart at {at:.9g} Pa"
     return MissedTargetError("unreachable", why, "less tension", 'loading.control = "separation"')
 
 
 def flat_apart() -> MissedTargetError:
-    """Flat surfaces have no such state."""
+    """Return the error of a state that flat surfaces do not have."""
     why = "this path has no state there: flat surfaces neither overlap nor carry this tension"
     return MissedTargetError("unreachable", why, 'loading.control = "mean_pressure" in compression')
 
 
 def advice(remedies: Sequence[str]) -> str:
-    """What may help, in the order in which to try it.
+    """Return remedies as a text, in the order in which to try them.
 
     Examples
     --------

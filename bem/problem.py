@@ -33,7 +33,7 @@ COARSEST_EVENT = 0.002  # of the rms height (or its equal in load): events are n
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A scene in the units of the solver, and what converts its results.
+    """Dimensionless problem of a scene, with the units of its results.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class Problem:
         return None if self.elastic.kernel is None else self.elastic.kernel.ratio
 
     def control_value(self, target: float, kind: str) -> float:
-        """A target of the scene (m or Pa) as value of the control."""
+        """Return a target of the scene (m or Pa) as value of the control."""
         if kind == "mean_pressure":
             return self.load_of(target)
         if kind == "separation":
@@ -73,16 +73,16 @@ class Problem:
         return target / self.scales.height
 
     def load_of(self, mean_pressure: float) -> float:
-        """Dimensionless load per period of a mean pressure in Pa."""
+        """Return the dimensionless load per period of a mean pressure in Pa."""
         return 2 * np.pi * mean_pressure / self.scales.stress
 
     def mean_pressure(self, load: float) -> float:
-        """Mean pressure in Pa of a dimensionless load per period."""
+        """Return the mean pressure in Pa of a dimensionless load per period."""
         return load / (2 * np.pi) * self.scales.stress
 
 
 def pose(scene: Scene, surface: Profile) -> Problem:
-    """The dimensionless problem of a scene whose profile is not flat.
+    """Return the dimensionless problem of a scene whose profile is not flat.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def pose(scene: Scene, surface: Profile) -> Problem:
 
 
 def _control(kind: str, scales: Scales, mean_compliance: float | None) -> Control:
-    """The control of a scene as a linear condition on penetration and load."""
+    """Return the control of a scene as a linear condition on penetration and load."""
     if kind == "mean_pressure":
         return LoadControl()
     if kind == "total_displacement" and mean_compliance:

@@ -34,7 +34,7 @@ from bem.loading.path_events import PathEvent
 from bem.missed import uncertified
 from bem.problem import Problem
 from bem.scene.effects import effects_of
-from bem.scene.plausibility import cautions_of, groups_of, pressure_groups
+from bem.scene.plausibility import cautions_of, groups_of
 from bem.scene.result import (
     Branch,
     Caution,
@@ -126,9 +126,9 @@ class Record:
         self.ahead, self.warned = [], []
         return state
 
-    def miss(self, state: State, **place: Any) -> None:
+    def miss(self, state: State, tension: LargestTension | None = None, **place: Any) -> None:
         """Add the row of a target that was not met; the next state takes the events ahead."""
-        self.entries.append(Entry((), replace(state, events=self._events, **place)))
+        self.entries.append(Entry((), replace(state, events=self._events, **place), tension=tension))
 
     @property
     def stored(self) -> int:
@@ -143,8 +143,7 @@ class Record:
     def result(self, status: Status, failure: str | None = None) -> Result:
         """Return the result of all entries."""
         result = self.begun.with_entries(self.entries)
-        groups = result.groups | pressure_groups(result.groups, [state for state in result.states if state.found])
-        return replace(result, status=status, failure=failure, groups=groups)
+        return replace(result, status=status, failure=failure)
 
 
 def entries_of(result: Result, begun: Result) -> Iterator[Entry]:
@@ -168,7 +167,7 @@ def entries_of(result: Result, begun: Result) -> Iterator[Entry]:
 
 
 def _lines(scene: Scene) -> dict[str, NDArray[Any]]:
-    """The lines of the profile of a scan as it is solved: what its file alone does not say."""
+    """Return the lines of the profile of a scan as it is solved, which its file alone does not give."""
     surface = scene.surface()
     ascending = np.argsort(surface.orders)
     wavenumbers = 2 * np.pi / surface.period * surface.orders[ascending]
@@ -177,7 +176,7 @@ def _lines(scene: Scene) -> dict[str, NDArray[Any]]:
 
 @dataclass(frozen=True, eq=False)
 class Recorder:
-    """Turns the points of a path into what is kept of them.
+    """Recorder of points of a path as states, events and fields.
 
     Parameters
     ----------
@@ -197,7 +196,7 @@ class Recorder:
     on_state: Callable[[Record], None] | None
 
     def note(self, events: tuple[PathEvent, ...]) -> None:
-        """Keep events, with the next state.
+        """Add events to the next state.
 
         Raises
         ------
@@ -228,7 +227,8 @@ class Recorder:
             state = replace(separated_state(self.problem, 0.0), status=status, certificate=certificate)
         else:
             state = missed_state(control, value, status, reason)
-        self.record.miss(state, branch=branch, target=True, index=index, **self._cost())
+        tension = tension_of(self.problem, self.path.largest_tension)
+        self.record.miss(state, tension, branch=branch, target=True, index=index, **self._cost())
         self._tell()
 
     def _tell(self) -> None:
@@ -236,7 +236,7 @@ class Recorder:
             self.on_state(self.record)
 
     def target_of(self, point: AnyPoint) -> float:
-        """The controlled quantity of a point, SI."""
+        """Return the controlled quantity of a point, SI."""
         if self.scene.loading.control == "mean_pressure":
             return self.problem.mean_pressure(point.value)
         if self.scene.loading.control == "separation":
@@ -256,7 +256,7 @@ class Recorder:
         return equilibrium_state(self.problem, point.state, assessment, self.scene.accuracy.tolerance, target)
 
     def _warn_of_tension(self, state: Evaluation | GapEvaluation, work: FloatArray) -> None:
-        """Once, where the tension inside the contact would open it at a flaw of atomic size."""
+        """Warn once where the tension inside the contact would open it at a flaw of atomic size."""
         tension, record, scales = import_module("bem.adhesive.interior_tension"), self.record, self.problem.scales
         warned = [*record.warned, *(caution for entry in record.entries for caution in entry.warnings)]
         if any(caution.about == TENSION for caution in warned):
@@ -295,5 +295,5 @@ class Recorder:
         return found
 
     def _penetration_of(self, point: AnyPoint) -> float:
-        """Penetration of surfaces that are apart."""
+        """Return the penetration of surfaces that are apart."""
         return 0.0 if self.scene.loading.control == "mean_pressure" else min(point.value, 0.0)

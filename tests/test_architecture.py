@@ -77,7 +77,7 @@ ORDER = (
     "validation/studies/own_scene",
     "validation/studies/faults",
     "validation/fits",
-    "validation/replicate",
+    "validation/paper",
     "validation/challenge",
     "validation",
     "validation/command_line",
@@ -89,7 +89,7 @@ APART = {  # besides the order: folders that these do not import from either
     "bem/nonadhesive": ("bem/adhesive", "bem/path"),
     "bem/scene": ("bem/path", "bem/nonadhesive"),
     "validation/studies": ("validation/cases",),
-    "validation/replicate": ("validation/cases",),
+    "validation/paper": ("validation/cases",),
 }
 ONE_PATH = ("bem/solver.py", "bem/record.py")  # ask a path only what bem/loading/loading_path.py says
 

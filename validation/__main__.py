@@ -141,12 +141,9 @@ def _cases_and_baselines(options: argparse.Namespace) -> tuple[tuple[Case, ...],
 
 def _replicate(options: argparse.Namespace) -> int:
     """Replicate the paper's results section; its realisations and figures lie beside the report."""
-    members = import_module("validation.replicate.members")
-    size = members.QUICK if options.quick else members.PAPER
-    form = " --quick" if options.quick else ""
-    command = f"python -m validation replicate{form} --out {options.out.resolve().name}"
-    bench = Bench(options.out, options.quick, say, options.jobs, opener_of(options.executor))
-    return _stored(import_module("validation.replicate").replicate(bench, size, command), options.out, options)
+    replicate = import_module("validation.paper.replicate").replicate
+    return int(replicate(options.out, quick=options.quick, jobs=options.jobs, executor=options.executor,
+                         say=lambda text: print(text, file=sys.stderr)))  # fmt: skip
 
 
 def _stored(made: Report, folder: Path, options: argparse.Namespace) -> int:

@@ -72,20 +72,20 @@ def stored_result(scene: Scene, folder: Path, resume: bool, overwrite: bool) -> 
 
 
 class Kept(Protocol):
-    """What has been found so far: record.py."""
+    """Record of a run (bem/record.py)."""
 
     @property
     def begun(self) -> Result:
-        """What all states share."""
+        """Result without states."""
         ...
 
     @property
     def entries(self) -> Sequence[Entry]:
-        """In the order found."""
+        """Entries in the order of the path."""
         ...
 
     def result(self, status: Status) -> Result:
-        """All of it."""
+        """Return the result of all entries."""
         ...
 
 

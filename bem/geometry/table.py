@@ -50,9 +50,11 @@ def table(name: str) -> Callable[[type[Kind]], type[Kind]]:
         @wraps(unchecked)
         def checked(self: Any, *values: Any, **named: Any) -> None:
             keys = [item.name for item in fields(made)]
+            twice = [key for key in keys[: len(values)] if key in named]
+            if len(values) > len(keys) or twice:
+                told = f"{', '.join(twice)} given twice" if twice else f"{len(values)} values given"
+                raise TypeError(f"{made.__name__}: {told}; it takes {', '.join(keys)}")
             given = {key: plain(value) for key, value in (*zip(keys, values, strict=False), *named.items())}
-            if len(values) > len(keys):
-                raise TypeError(f"{made.__name__} takes {len(keys)} values: {', '.join(keys)}")
             try:
                 unchecked(self, **given)
             except ValidationError as error:

@@ -1,1 +1,1 @@
-"""What is asked for besides the states: shapes, spectra, distributions of pressure and widths."""
+"""Gaps, shapes, spectra and distributions of the pressure of a state."""

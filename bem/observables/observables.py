@@ -31,7 +31,7 @@ Fields = dict[str, NDArray[Any]]
 
 
 class Posed(Protocol):
-    """What the observables depend on besides the state: the profile, its units, and the compliance of the modes."""
+    """Posed problem: the profile, its units, and the compliance of the modes."""
 
     @property
     def profile(self) -> Profile:
@@ -52,7 +52,7 @@ class Posed(Protocol):
 def contact_fields(
     wanted: Collection[str], problem: Posed, pressure: PatchPressure, penetration: float, index: int
 ) -> Fields:
-    """Arrays of a state with patches and gaps, or without any patch (separated), under names that end in `index`.
+    """Return the arrays of a state with patches and gaps, or without any patch, under names that end in `index`.
 
     `wanted` are names of [output]; pressure and penetration Delta are dimensionless.
     """

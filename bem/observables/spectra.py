@@ -82,7 +82,7 @@ def spectra(
 def complete_contact_spectra(
     profile: Profile, highest: int | None = None, compliance_ratio: ComplianceRatio | None = None
 ) -> Spectra:
-    """The same in complete contact, where u = h: C_u = C_h, C_sigma = (m / ratio_m)^2 C_h."""
+    """Return the spectra of complete contact, where u = h: C_u = C_h, C_sigma = (m / ratio_m)^2 C_h."""
     highest = spectral_orders(profile) if highest is None else highest
     orders = np.arange(1.0, highest + 1)
     of_profile = profile_spectrum(profile, highest)

@@ -127,21 +127,29 @@ def read_table(text: str, skip_lines: int = 0, decimal: str | None = None) -> Te
 
 def _heading_of(above: Sequence[Line], width: int) -> tuple[str, ...]:
     """Return the units in the lines above the numbers; ScanFileError for lines that are no heading."""
-    heading = heading_units(above[-1][1], width) if above else None
-    if heading is None and not above:
+    if not above:
         return ("",) * width
-    count = 0 if heading is None else 1
-    if heading is not None and not heading[0] and len(above) > 1:  # units alone may have names right above them
-        cells = (above[-2][1].split(mark or None) for mark in DELIMITERS)
-        count += above[-2][0] == above[-1][0] - 1 and any(len(names) == width for names in cells)
-    if heading is not None and count == len(above):
-        return heading[1]
+    heading, count = heading_units(above[-1][1], width), 0
+    if heading is not None:
+        named, units = heading
+        count = 2 if not named and _are_names(above[-2:-1], above[-1][0], width) else 1
+        if count == len(above):
+            return units
     texts = ", ".join(repr(line[:40]) for _, line in above[:LISTED]) + ", .." * (len(above) > LISTED)
     first, last = above[0][0], above[-1][0]
     problem = f"line {first} ({texts}) is" if len(above) == 1 else f"lines {first} to {last} ({texts}) are"
     allowed = "columns of numbers, under a heading with a unit for each column, as in x [mm]; h [um]; or skip_lines = "
     allowed += f"{above[-1 - count][0]}, and what the lines say in unit_x, unit_h, spacing, columns, missing_value, "
     raise refused("file", f"{problem} not numbers", f"{allowed}valid_column")
+
+
+def _are_names(lines: Sequence[Line], units: int, width: int) -> bool:
+    """Return whether a line holds a name for each column and stands right above the line of their units."""
+    return any(
+        number == units - 1 and len(names) == width and not any(re.match("[-+.]?[0-9]", name) for name in names)
+        for number, line in lines
+        for names in (line.split(mark or None) for mark in DELIMITERS)
+    )
 
 
 def _reading_of(body: Sequence[Line], readings: Iterable[Reading]) -> tuple[Reading, int]:

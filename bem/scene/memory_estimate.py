@@ -7,9 +7,10 @@ U = sum_m p_m h_m / 4 erf(p' / sqrt(2 V_m)) and V_m sums up to wave m.  Adhesion
 that opens a crack of half length c, a quarter of a mean wave.
 
 With H harmonics there are 0.5 H (1 - f)^0.7 contacts, fewer below f = 0.6, and the widest has 6.5 times the mean width.
-Memory grows with H, with the unknowns, and with the square of the nodes on the widest contact; on a layer with the
-square of all unknowns.  These numbers were measured on self-affine profiles of 300 to 16,000 harmonics: memory holds
-within a factor of two, unless so few gaps are left that contact may as well be complete, which needs less.
+Memory grows with H, with the unknowns, and with the nodes on the widest contact; with adhesion by tables of the widest
+contact, on a layer with the square of all unknowns.  These numbers were measured on self-affine profiles of 300 to
+20,000 harmonics: memory holds within a factor of two, unless so few gaps are left that contact may as well be
+complete, which needs less.
 """
 
 from __future__ import annotations
@@ -26,7 +27,8 @@ from bem.scene.elastic_tables import elastic_effects
 from bem.scene.scene import Scene
 from bem.scene.scene_rules import Mistake, SceneError
 
-BASE, PER_HARMONIC, PER_UNKNOWN, PER_PAIR = 8e7, 1.4e4, 4500.0, 250.0  # format: bytes, measured
+BASE, PER_HARMONIC, PER_UNKNOWN, PER_NODE, PER_PAIR = 8e7, 1.8e4, 4500.0, 6000.0, 250.0  # format: bytes, measured
+ADHESIVE = 4.5e7, 1.2e8  # format: bytes, measured: of modules, and of tables of a contact as wide as the period
 FEWEST = 0.3  # format: gaps, below which contact is complete
 
 
@@ -49,7 +51,7 @@ def memory_estimate(scene: Scene) -> MemoryEstimate:
     ...     "profile": {"kind": "harmonics", "period": 0.01, "orders": [1], "amplitudes": [1e-5], "phases": [0.0]},
     ...     "loading": {"control": "penetration", "targets": [1e-5]},
     ... })
-    >>> memory_estimate(scene).bytes < 1e8
+    >>> memory_estimate(scene).bytes < 2e8
     True
     """
     surface = scene.surface()
@@ -66,7 +68,9 @@ def memory_estimate(scene: Scene) -> MemoryEstimate:
     contacts = np.maximum(gaps * np.minimum(1, 1.6 * share), 1)
     unknowns = 17 * contacts * (2 * gaps / count) ** (-4 / 7)
     nodes = 7.5 * count * np.minimum(1, 6.5 * share / gaps)
-    memory = fixed + PER_UNKNOWN * unknowns + 8 * nodes**2
+    memory = fixed + PER_UNKNOWN * unknowns + PER_NODE * nodes
+    if scene.adhesion is not None:
+        memory += ADHESIVE[0] + ADHESIVE[1] * share
     if scene.layer is not None:
         width = surface.period * share / contacts / scene.layer.thickness
         unknowns = np.maximum(unknowns, contacts * np.minimum(7 * width, 12 * np.sqrt(width)))

@@ -12,11 +12,11 @@ this module.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from bem.scene.result import Caution, State
+from bem.scene.result import Caution
 from bem.scene.scene import Scene
 
 MEANINGS = {
@@ -25,8 +25,6 @@ MEANINGS = {
     "pressure_scale": "E* times the rms slope, Pa: mean pressures of this size press a half-space flat",
     "adhesion_over_elastic_energy": "w over the elastic energy of complete contact; above 1 contact closes by itself",
     "noise_share_of_slope": "share of the mean square slope that noise makes, of samples with a noise floor",
-    "least_mean_pressure": "of the states, over pressure_scale",
-    "largest_mean_pressure": "of the states, over pressure_scale",
 }
 SMALL_SLOPE = 0.5  # format: rms slope above which small strain fails
 SLOPES = (1e-7, 1.0)  # format: rms slopes of real surfaces, from a silicon wafer on
@@ -64,13 +62,6 @@ def groups_of(scene: Scene) -> dict[str, float]:
     if scene.scan is not None and isinstance(scene.profile.harmonics, int) and scene.scan.spectrum.floor:
         groups["noise_share_of_slope"] = scene.scan.noise_share(scene.profile.harmonics)
     return groups
-
-
-def pressure_groups(groups: Mapping[str, float], states: Sequence[State]) -> dict[str, float]:
-    """Return the least and largest mean pressure of states over the pressure scale."""
-    scale = groups["pressure_scale"]
-    over = [state.mean_pressure / scale for state in states if np.isfinite(state.mean_pressure)] if scale > 0 else []
-    return {"least_mean_pressure": min(over), "largest_mean_pressure": max(over)} if over else {}
 
 
 def cautions_of(scene: Scene, groups: Mapping[str, float]) -> tuple[Caution, ...]:

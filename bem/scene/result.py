@@ -368,9 +368,9 @@ class Result(Views):
 
     @property
     def answered(self) -> bool:
-        """Whether the scene has its answer: it ended as asked, or all that was not met lies behind a pull-off.
+        """Success of the scene: it ended as asked, or every target that was not met lies behind a pull-off.
 
-        A tension that the contact cannot carry, asked for on the way out, has one: how much it carried.
+        A tension beyond what the contact carries, asked for on the way out, is answered by the pull-off.
         """
         missed = [state for state in self.states if not state.found]
         pulled = [k for k, event in enumerate(self.events) if event.kind == "pull_off"]

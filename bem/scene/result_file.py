@@ -21,7 +21,7 @@ import json
 import os
 import platform
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from functools import cache
 from importlib import metadata
@@ -32,15 +32,17 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import TypeAdapter, ValidationError
 
-from bem.geometry.table import TableError
+from bem.geometry.table import TableError, plain
 from bem.scene.atomic_file import write_atomically
 from bem.scene.result import Caution, Entry, Event, LargestTension, Result, State
-from bem.scene.scene_tables import REQUIRED_TABLES, TABLES, class_of
+from bem.scene.scene_rules import REQUIRED
+from bem.scene.scene_tables import REQUIRED_TABLES, TABLES, WITH_DEFAULTS, class_of
 from bem.scene.stored_arrays import CorruptArraysError, check_arrays, packed, unpacked
 
 SCHEMA, FORMER = "linecontact-result/2", "linecontact-result/1"
 RESULT_FILE, FIELDS_FILE, JOURNAL_FILE = "result.json", "fields.npz", "journal.jsonl"
 SHOWN = 64  # format: characters of a value in an error
+SAME_SHARE = 1e-9  # derived: of the period; rounding of edges, with a margin
 
 Kind = TypeVar("Kind")
 
@@ -272,41 +274,58 @@ def _result(content: Any, place: str) -> tuple[Result, str | None]:
     result = _typed(_RESULT, {name: value for name, value in content.items() if name != "schema"}, place)
     facts = dict(result.provenance)
     sha256 = facts.pop("fields_sha256", None)
-    if not isinstance(sha256, str | None):
-        raise CorruptResultError(f"{place}: provenance.fields_sha256 is {sha256!r}; allowed: a text or null")
+    for key, value in result.provenance.items():
+        if not isinstance(value, str) and (value is not None or key != "fields_sha256"):
+            raise CorruptResultError(f"{place}: provenance.{key} is {str(value)[:SHOWN]}; allowed: a text")
     _check_scene(result.scene, place)
     _check_states(result, place)
     return replace(result, provenance=facts), sha256
 
 
 def _check_scene(scene: Mapping[str, Any], place: str) -> None:
-    """Raise CorruptResultError where a scene lacks a table, or a key of a table has a value that is not allowed."""
-    for name in TABLES:
-        table = scene.get(name, "missing")
-        if table is None and name not in REQUIRED_TABLES:
-            continue
-        if not isinstance(table, dict):
-            raise CorruptResultError(f"{place}: scene.{name} is {str(table)[:SHOWN]}; allowed: a table")
-        model = class_of(name)
-        keys = {item.name for item in fields(model)} - {"initial"}
-        try:
-            model(**{key: value for key, value in table.items() if key in keys})
-        except TableError as error:
-            raise CorruptResultError(f"{place}: scene.{error.mistakes[0]}") from error
+    """Raise CorruptResultError where a resolved scene lacks a table or a key, or a value is not allowed."""
+    for name in ("title", *TABLES):
+        table = scene.get(name, "missing" if name in TABLES else None)
+        needed = name in ("title", *REQUIRED_TABLES, *WITH_DEFAULTS)
+        if not isinstance(table, str if name == "title" else dict) and (table is not None or needed):
+            raise CorruptResultError(f"{place}: scene.{name} is {str(table)[:SHOWN]}; allowed: a text or a table")
+        if isinstance(table, dict):
+            _check_table(name, table, place)
+
+
+def _check_table(name: str, table: Mapping[str, Any], place: str) -> None:
+    """Raise CorruptResultError where a resolved table lacks a key, has an unknown one, or a value is not allowed."""
+    given = {key: value for key, value in table.items() if (name, key) != ("profile", "sha256")}
+    if isinstance(given.get("initial"), dict):
+        given["initial"] = {key: value for key, value in given["initial"].items() if key != "penetration"}
+    try:
+        needed = [*plain(class_of(name)(**given))]
+    except TableError as error:
+        raise CorruptResultError(f"{place}: scene.{error.mistakes[0]}") from error
+    needed += ["period", *REQUIRED[table["kind"]]] if name == "profile" else []
+    for key in needed:
+        if key not in table:
+            raise CorruptResultError(f"{place}: scene.{name}.{key} is missing")
 
 
 def _check_states(result: Result, place: str) -> None:
     """Raise CorruptResultError where a state does not match the targets, the events or its edges."""
-    loading = result.scene["loading"]
-    asked = len(loading["targets"]) + len(loading.get("at_mean_pressures", ()))
-    asked += loading.get("stop_at_mean_pressure") is not None
+    loading, period = result.scene["loading"], result.scene["profile"]["period"]
+    asked = len(loading["targets"]) + len(loading["at_mean_pressures"])
+    asked += "stop_at_mean_pressure" in loading
     events, stored = 0, 0
     for k, state in enumerate(result.states):
         named = state.index is not None and 0 <= state.index < asked
+        ends = [end for edge in state.edges for end in edge]
+        share = sum(b - a for a, b in state.edges) / period if ends else float(state.status == "complete_contact")
+        close = abs(state.contact_fraction - share) < SAME_SHARE or not state.found
+        placed = ends == sorted(ends) and (not ends or (0 <= ends[0] <= period and ends[-1] <= ends[0] + period))
         for key, right, allowed in (
             ("index", named if state.target else state.index is None, f"0 to {asked - 1} at a target, else null"),
             ("events", events <= state.events <= len(result.events), f"{events} to {len(result.events)}"),
+            ("edges", placed, f"ascending positions within one period of {period:g} m"),
             ("n_patches", state.n_patches == len(state.edges), f"{len(state.edges)}, the number of edges"),
+            ("contact_fraction", close, f"{share:.9g}, the share of the period between edges"),
             ("stored", state.stored in (None, stored), f"{stored} or null"),
         ):
             if not right:

@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, Any, Literal, get_origin, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.scene.stored_arrays import FIELDS, split
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -30,21 +32,8 @@ UNITS = {
     **dict.fromkeys(("elastic_energy", "adhesion_energy", "total_energy", "energy_released"), "J/m^2"),
     **{"mean_pressure": "Pa", "stress_intensity_max": "Pa m^1/2", "contact_stiffness": "Pa/m", "cpu_seconds": "s"},
 }
-FIELD_UNITS = {  # of fields.npz, by the names without the numbers of states
-    **dict.fromkeys(("x", "displacement", "gap"), "m"),
-    **dict.fromkeys(("scan_x", "scan_h", "profile_x", "profile_h"), "m"),
-    **{"pressure": "Pa", "sigma": "Pa", "sigma_bounds": "Pa", "P": "1/Pa", "tail_coefficient": "Pa^2"},
-    **{"q": "rad/m", "slope_q": "rad/m", "C_h": "m^3", "C_u": "m^3", "C_sigma": "Pa^2 m"},
-}
 COORDINATES = {"branch", "target", "separation", "penetration", "mean_pressure", "event_kind", "event_penetration"}
 COORDINATES |= {"field_q", "field_scan_x", "field_profile_x"}
-SAMPLED = {  # fields of fields.npz on points of their own, by the name of these; {k} is the number in theirs
-    **dict.fromkeys(("x", "displacement", "gap", "pressure", "patch"), "point_{k}"),
-    **dict.fromkeys(("q", "C_h", "C_u", "C_sigma"), "wavenumber"),
-    **dict.fromkeys(("sigma", "P"), "level_{k}"),
-    **dict.fromkeys(("scan_x", "scan_h"), "scan_point"),
-    **dict.fromkeys(("profile_x", "profile_h"), "profile_point"),
-}
 
 
 class Views:
@@ -54,6 +43,7 @@ class Views:
     states: tuple[Any, ...]
     events: tuple[Any, ...]
     status: str
+    warnings: tuple[Any, ...]
     fields: dict[str, NDArray[Any]]
     failure: str | None
 
@@ -106,10 +96,10 @@ class Views:
                 unit = UNITS.get(name.removeprefix("error_estimate_"), "1")
                 found[prefix + name] = (dimension, column, {"units": unit} if column.dtype.kind == "f" else {})
         for name, values in self.fields.items():
-            stem, _, k = name.rpartition("_") if name.rpartition("_")[2].isdigit() else (name, "", "")
-            along = SAMPLED.get(stem, f"of_{name}").format(k=k)
-            attributes = {"units": FIELD_UNITS.get(stem, "1")} if values.dtype.kind == "f" else {}
-            found[f"field_{name}"] = (along if values.ndim else (), values, attributes)
+            stem, k = split(name)
+            along, unit = FIELDS.get(stem, (f"of_{name}", "1"))
+            attributes = {"units": unit} if values.dtype.kind == "f" else {}
+            found[f"field_{name}"] = (along.format(k=k) if values.ndim else (), values, attributes)
         of_points = [name for name in found if name.rpartition("_")[0] in ("field_x", "field_sigma")]
         dataset = xarray.Dataset(found, attrs={"title": self.scene.get("title", ""), "status": self.status})
         counted = {name: np.arange(dataset.sizes[name]) for name in ("state", "event")}
@@ -123,6 +113,8 @@ class Views:
     def __repr__(self) -> str:
         words = [f"{len(self.states)} states", f"{sum(state.target for state in self.states)} at targets"]
         words.append(f"{len(self.events)} events")
+        if self.warnings:
+            words.append(f"{len(self.warnings)} warning{'s' * (len(self.warnings) != 1)} in .warnings")
         if found := [state for state in self.states if state.found]:
             last = found[-1]
             words.append(f"last at {last.mean_pressure:.6g} Pa, contact fraction {last.contact_fraction:.6g}")

@@ -16,30 +16,36 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-GROUPS = (  # arrays of a stored state k, each named with "_k"; a group is complete or absent
+FIELDS = {  # name without the k of a state: what it runs along, and its unit
+    **dict.fromkeys(("x", "displacement", "gap"), ("point_{k}", "m")),
+    "pressure": ("point_{k}", "Pa"),
+    "patch": ("point_{k}", "1"),
+    **dict.fromkeys(("C_h", "C_u"), ("wavenumber", "m^3")),
+    "C_sigma": ("wavenumber", "Pa^2 m"),
+    "q": ("wavenumber", "rad/m"),
+    "sigma": ("level_{k}", "Pa"),
+    "P": ("level_{k}", "1/Pa"),
+    "sigma_bounds": ("bound_{k}", "Pa"),
+    "outside_contact": ("", "1"),
+    "tail_coefficient": ("", "Pa^2"),
+    **dict.fromkeys(("scan_x", "scan_h"), ("scan_point", "m")),
+    **dict.fromkeys(("profile_x", "profile_h"), ("profile_point", "m")),
+    "scan_wavelength": ("scan_band", "m"),
+    "scan_density": ("scan_band", "m^3"),
+    "profile_q": ("profile_line", "rad/m"),
+    "profile_amplitude": ("profile_line", "m"),
+}
+GROUPS = (  # arrays that are stored together, those of a state each named with "_k"
     ("x", "displacement", "gap", "pressure", "patch"),
     ("C_u", "C_sigma"),
     ("sigma", "P", "sigma_bounds", "outside_contact", "tail_coefficient"),
+    ("q", "C_h"),
+    ("scan_x", "scan_h", "profile_x", "profile_h", "scan_wavelength", "scan_density"),
+    ("profile_q", "profile_amplitude"),
 )
-SHARED = {  # arrays without k, with those of the same length
-    "q": "C_h",
-    "C_h": "q",
-    "scan_x": "scan_h",
-    "scan_h": "scan_x",
-    "scan_wavelength": "scan_density",
-    "scan_density": "scan_wavelength",
-    "profile_x": "profile_h",
-    "profile_h": "profile_x",
-    "profile_q": "profile_amplitude",
-    "profile_amplitude": "profile_q",
-}
-AS_LONG = {  # arrays of a state, and an array of the same length: of the state, or without k
-    **dict.fromkeys(("displacement", "gap", "pressure", "patch"), "x"),
-    **dict.fromkeys(("C_u", "C_sigma"), "q"),
-    "P": "sigma",
-}
-SCALARS = ("outside_contact", "tail_coefficient")
-NUMBERS = "biuf"  # kinds of arrays that a result holds
+OF_STATES = GROUPS[:3]
+WHOLE, MAYBE_NAN = ("patch",), ("pressure", "scan_h")  # outside contact; where a sample is missing
+NUMBERS = "if"  # kinds of arrays that a result holds
 LONGEST_NAME = 64  # format: characters of the name of an array
 
 
@@ -75,16 +81,20 @@ def unpacked(raw: bytes) -> dict[str, NDArray[Any]]:
 
 def check_arrays(arrays: Mapping[str, NDArray[Any]], stored: Iterable[int]) -> None:
     """Raise CorruptArraysError unless arrays are those of the states `stored` and have matching lengths."""
-    states = {str(k) for k in stored}
-    for name in arrays:
+    states, sizes = {str(k) for k in stored}, dict[str, tuple[str, int]]()
+    for name, values in arrays.items():
         stem, k = split(name)
         group: tuple[str, ...] = next((names for names in GROUPS if stem in names), ())
-        if (not group or k not in states) if k else name not in SHARED:
+        if not group or (k not in states if group in OF_STATES else k):
             raise CorruptArraysError(f"{name} is no array of a state of this result")
-        for other in group:
-            if f"{other}_{k}" not in arrays:
-                raise CorruptArraysError(f"holds {name} without {other}_{k}")
-        _check_length(arrays, name, stem, k)
+        for other in [f"{other}_{k}" if k else other for other in group] + ["q"] * (stem == "C_u"):
+            if other not in arrays:
+                raise CorruptArraysError(f"holds {name} without {other}")
+        dimension = FIELDS[stem][0].format(k=k)
+        _check_values(name, stem, values)
+        first, size = sizes.setdefault(dimension, (name, values.size))
+        if dimension and values.size != size:
+            raise CorruptArraysError(f"{name} has {values.size} values, {first} has {size}")
     for k in states - {split(name)[1] for name in arrays}:
         raise CorruptArraysError(f"holds no array of the stored state {k}")
 
@@ -101,20 +111,16 @@ def split(name: str) -> tuple[str, str]:
     return (match[1], match[2]) if match else (name, "")
 
 
-def _check_length(arrays: Mapping[str, NDArray[Any]], name: str, stem: str, k: str) -> None:
-    """Raise CorruptArraysError where an array is empty, has another dimension, or not the length of its partner."""
-    values = arrays[name]
-    if values.ndim != (stem not in SCALARS):
+def _check_values(name: str, stem: str, values: NDArray[Any]) -> None:
+    """Raise CorruptArraysError where an array is empty, or not of the type and dimension that it should be."""
+    if values.dtype.kind != ("i" if stem in WHOLE else "f"):
+        raise CorruptArraysError(f"{name} is of type {values.dtype}")
+    if stem not in MAYBE_NAN and not np.all(np.isfinite(values)):
+        raise CorruptArraysError(f"{name} has values that are not finite")
+    if values.ndim != bool(FIELDS[stem][0]):
         raise CorruptArraysError(f"{name} has the shape {values.shape}")
     if values.size == 0:
         raise CorruptArraysError(f"{name} is empty")
-    partner = AS_LONG.get(stem) if k else SHARED[name]
-    if partner is None:
-        return
-    other = arrays.get(f"{partner}_{k}", arrays.get(partner))
-    if other is None or other.size != values.size:
-        size = "none" if other is None else other.size
-        raise CorruptArraysError(f"{name} has {values.size} values, {partner} has {size}")
 
 
 def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[Any]:

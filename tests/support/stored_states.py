@@ -16,7 +16,7 @@ def stored_state(**changes):
         "mean_pressure": 1.0,
         "contact_fraction": 0.1,
         "n_patches": 2,
-        "edges": ((0.001, 0.002), (0.009, 0.0101)),
+        "edges": ((0.001, 0.0015), (0.0096, 0.0101)),
         "elastic_energy": 1.0,
         "adhesion_energy": -2.0,
         "total_energy": -1.0,

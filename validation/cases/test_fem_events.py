@@ -150,8 +150,8 @@ def jumps(elements):
         return state.total_energy, uncertain(state, "total_energy")
 
     def turned(state):
-        found = fold(state, "penetration")
-        return [(found.values[name], float(found.uncertainty[name])) for name in ("penetration", "total_energy")]
+        turning = fold(state, "penetration")
+        return [(turning.values[name], float(turning.uncertainty[name])) for name in ("penetration", "total_energy")]
 
     def jump(kind, place, before, after):
         return Jump(kind, place, ((before[0] - after[0]) / 0.01, (before[1] + after[1]) / 0.01))  # per 10 mm

@@ -56,18 +56,18 @@ def manufactured_errors(order, nu, cells):
         for component in range(2):
             np.add.at(rhs, component * n + V.element_dofs[shape], force[component] * moments)
     u, p = np.sin(phase(V.doflocs)), p0 * np.cos(phase(Q.doflocs))
-    found = np.concatenate([amplitude[0] * u, amplitude[1] * u, p])
+    solution = np.concatenate([amplitude[0] * u, amplitude[1] * u, p])
     edge = V.get_dofs().flatten()
     pinned = np.array([2 * n] if softness == 0 else [], dtype=edge.dtype)
     held = np.concatenate([edge, n + edge, pinned])  # one pressure where p is up to a constant
     free = np.setdiff1d(np.arange(2 * n + m), held)
     matrix = assemble(spaces, mu, softness).matrix
-    found[free] = spsolve(matrix[free][:, free].tocsc(), (rhs - matrix[:, held] @ found[held])[free])
+    solution[free] = spsolve(matrix[free][:, free].tocsc(), (rhs - matrix[:, held] @ solution[held])[free])
     square = 0.0
     for component in range(2):
-        off = np.asarray(V.interpolate(found[component * n : (component + 1) * n])) - amplitude[component] * sine
+        off = np.asarray(V.interpolate(solution[component * n : (component + 1) * n])) - amplitude[component] * sine
         square += float(np.sum(off**2 * V.dx))
-    off = np.asarray(Q.interpolate(found[2 * n :])) - p0 * np.cos(phase(np.asarray(Q.global_coordinates())))
+    off = np.asarray(Q.interpolate(solution[2 * n :])) - p0 * np.cos(phase(np.asarray(Q.global_coordinates())))
     off -= np.sum(off * Q.dx) if softness == 0 else 0.0
     return float(np.sqrt(square)), float(np.sqrt(np.sum(off**2 * Q.dx)))
 
@@ -130,7 +130,7 @@ def ratios(order, draws):
 
     Resolutions are among the coarsest that the reference accepts.
     """
-    rng, found = np.random.default_rng([SEED, order]), []
+    rng, shares = np.random.default_rng([SEED, order]), []
     for _ in range(draws):
         ratio, alpha = float(rng.choice([0.0, 0.5, rng.uniform(0, 0.5)])), float(rng.uniform(0.05, 0.5))
         cells = int(rng.integers(*((10, 17) if order == 2 else (6, 11))))
@@ -140,8 +140,8 @@ def ratios(order, draws):
         critical = wave.alpha * wave.full_contact_pressure * np.sqrt(PERIOD)
         load = abs(fem.mean_pressure - float(wave.mean_pressure(fraction * np.pi / 2)))
         intensity = np.abs(fem.stress_intensity - critical) / np.asarray(fem.uncertainty["stress_intensity"])
-        found.append([load / float(np.max(fem.uncertainty["mean_pressure"])), *intensity.ravel()])
-    return np.array(found)
+        shares.append([load / float(np.max(fem.uncertainty["mean_pressure"])), *intensity.ravel()])
+    return np.array(shares)
 
 
 @pytest.mark.parametrize("draws", [pytest.param(8, marks=pytest.mark.quick),

@@ -77,14 +77,14 @@ def ways(scene):
     again = bem.solve(replace(scene, loading=replace(scene.loading, targets=tuple(targets))))
     assert again.status == "converged"
     assert [event.kind for event in again.events] == [event.kind for event in result.events]
-    found = []
+    legs = []
     for start, end in pairwise(ends):
         states = again.targets[start : end + 1]
         work = sum(w * conjugate(scene, s)[1] for w, s in zip(weights[start : end + 1], states, strict=True))
         growth = conjugate(scene, states[-1])[2] - conjugate(scene, states[0])[2]
         events = again.events[states[0].events : states[-1].events]
-        found.append(Way(float(work), growth, sum(event.energy_released or 0.0 for event in events), len(events)))
-    return result, found
+        legs.append(Way(float(work), growth, sum(event.energy_released or 0.0 for event in events), len(events)))
+    return result, legs
 
 
 @pytest.mark.quick
@@ -98,8 +98,8 @@ def test_loop_on_a_layer(rows, control):
                   adhesion={"work_of_adhesion": 0.1}, loading={"control": control, "targets": list(targets)},
                   accuracy={"max_increment": 0.4 if control == "mean_pressure" else None,
                             "tolerance": None})  # fmt: skip
-    _, found = ways(scene)
-    loop = sum(found[1:], found[0])
+    _, legs = ways(scene)
+    loop = sum(legs[1:], legs[0])
     assert loop.events > 0
     rows.compare("energy released over the work less the growth of the potential",
                  loop.released / (loop.work - loop.growth), 1.0, of=Code.BEM, by=Code.IDENTITY,
@@ -111,11 +111,11 @@ def test_loop_on_a_layer(rows, control):
 @pytest.mark.quick
 def test_loop_and_separation_of_a_rough_profile(rows):
     """Is what a loop of separation dissipates the sum of what its events release, and is nothing stored once apart?"""
-    result, found = ways(posed("hysteresis", accuracy={"max_increment": None}))
+    result, legs = ways(posed("hysteresis", accuracy={"max_increment": None}))
     apart = result.targets[-1]
     assert (apart.status, apart.contact_fraction, apart.total_energy) == ("separated", 0.0, 0.0)
     assert min(event.energy_released or 0.0 for event in result.events) >= 0
-    loops = [found[0] + found[1], sum(found[1:], found[0])]  # 30, 70, 30 um; and on to 160 um, apart
+    loops = [legs[0] + legs[1], sum(legs[1:], legs[0])]  # 30, 70, 30 um; and on to 160 um, apart
     rows.compare("work of the loop and of the whole way", [loop.work for loop in loops],
                  [loop.growth + loop.released for loop in loops], of=Code.BEM, by=Code.IDENTITY,
                  quantity=Quantity.ENERGY, unit="J/m^2", kind="construction",

@@ -130,14 +130,14 @@ def equilibrium(
 
 
 def _residual(
-    here: DenseState, left: FloatArray, right: FloatArray, interface: Interface | None
+    state: DenseState, left: FloatArray, right: FloatArray, interface: Interface | None
 ) -> tuple[FloatArray, FloatArray]:
     """Return d(K - K_c) / d(outward motion), (2 L, 2 L), and K - K_c, (2 L,)."""
     if interface is None:
-        return here.stress_intensity_jacobian, here.stress_intensity
+        return state.stress_intensity_jacobian, state.stress_intensity
     critical, slope = interface.critical(np.concatenate([left, right]))
     outward = np.repeat([-1.0, 1.0], left.size)
-    return here.stress_intensity_jacobian - np.diag(outward * slope), here.stress_intensity - critical
+    return state.stress_intensity_jacobian - np.diag(outward * slope), state.stress_intensity - critical
 
 
 def converged(
@@ -157,21 +157,21 @@ def converged(
     count = left.size
     smallest = np.inf
     for evaluations in range(1, (FAR_STEPS if far else STEPS) + 1):
-        here = evaluate_dense(profile, left, right, penetration, nodes, kernel)
-        jacobian, miss = _residual(here, left, right, interface)
+        state = evaluate_dense(profile, left, right, penetration, nodes, kernel)
+        jacobian, miss = _residual(state, left, right, interface)
         matrix = np.block(
             [
-                [jacobian, here.stress_intensity_rate[:, None]],
-                [beta * here.load_jacobian[None, :], np.array([[alpha + beta * here.load_rate]])],
+                [jacobian, state.stress_intensity_rate[:, None]],
+                [beta * state.load_jacobian[None, :], np.array([[alpha + beta * state.load_rate]])],
             ]
         )
-        step = np.linalg.solve(matrix, -np.append(miss, alpha * penetration + beta * here.load - target))
+        step = np.linalg.solve(matrix, -np.append(miss, alpha * penetration + beta * state.load - target))
         size = float(np.max(np.abs(step)))
         if size < SMALLEST_STEP or (size < 1e-10 and size > 0.5 * smallest):  # no longer falls: rounding
-            return left, right, here, evaluations
+            return left, right, state, evaluations
         smallest = size
         if far:
-            step = _limited(step, here.stress_intensity, _edge_scale(left, right))
+            step = _limited(step, state.stress_intensity, _edge_scale(left, right))
         left, right, penetration = left - step[:count], right + step[count:-1], penetration + step[-1]
     raise NoReferenceError(f"the last step of Newton is {smallest:.1e}")
 

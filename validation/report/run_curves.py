@@ -30,7 +30,7 @@ Point = tuple[float, float]  # of the quantity and the mean pressure, SI
 
 @dataclass
 class Strokes:
-    """What is drawn of a path, None between strokes."""
+    """Strokes of a path, separated by None."""
 
     branches: dict[str, list[Point | None]] = field(default_factory=lambda: {"loading": [], "unloading": []})
     jumps: list[Point | None] = field(default_factory=list)
@@ -54,7 +54,7 @@ def curves_of(result: Result) -> Iterator[Figure]:
 
 
 def jumps(event: Event) -> bool:
-    """Whether energy is released, beyond its error: the contact goes over to another state at once."""
+    """Return whether energy is released beyond its error: the contact goes over to another state at once."""
     return event.energy_released is not None and event.energy_released > (event.error_estimate.energy_released or 0.0)
 
 
@@ -145,7 +145,7 @@ def _pulled_off(result: Result, factor: float, lift: float) -> Iterator[Series]:
 
 
 def finite(error: float | None) -> float:
-    """An estimated error; none where there is no finite one."""
+    """Return an estimated error; zero where there is no finite one."""
     return 0.0 if error is None or not math.isfinite(error) else error
 
 
@@ -165,7 +165,7 @@ class Theory:
 
 
 def spectrum_of(result: Result) -> DiscreteSpectrum | None:
-    """The lines of the profile of a result; None of a scan whose result does not hold them."""
+    """Return the lines of the profile of a result; None of a scan whose result does not hold them."""
     if result.scene["profile"]["kind"] != "samples":
         return DiscreteSpectrum.of_profile(surface_of(result.scene["profile"], None))
     if "profile_q" not in result.fields:

@@ -21,7 +21,7 @@ Array = NDArray[Any]
 
 
 def figures_of(result: Result) -> Iterator[Figure]:
-    """All figures of a run, in the order of the page."""
+    """Yield all figures of a run, in the order of the page."""
     yield from curves_of(result)
     yield from distributions_of(result)
     if any(state.error_estimate.mean_pressure for state in result.states):
@@ -58,7 +58,7 @@ def _errors(result: Result) -> Panel:
 
 
 def _shapes(result: Result) -> Iterator[Figure]:
-    """Rigid profile and deformed surface above, pressure below, for the first shapes."""
+    """Yield rigid profile and deformed surface above, pressure below, for the first shapes."""
     fields = result.fields
     for name, state in list(shape_states(result).items())[:MOST_SHAPES]:
         x, displacement, gap, pressure = (fields[f"{key}_{name}"] for key in ("x", "displacement", "gap", "pressure"))
@@ -111,12 +111,12 @@ def _widths(state: State, period: float) -> tuple[Array, Array]:
 
 
 def _where(state: State) -> str:
-    """Where on the path a stored state is."""
+    """Return the place of a state on the path, in words."""
     if math.isnan(state.mean_pressure):
         return f"complete contact, {state.branch}"
     return f"{readable(state.mean_pressure, 'Pa', 3)}, {state.branch}"
 
 
 def _line(label: str, x: Array, y: Array) -> Series:
-    """A curve, broken where there is no number."""
+    """Return a curve, broken where there is no number."""
     return trace(label, x.tolist(), [value if math.isfinite(value) else None for value in y.tolist()])

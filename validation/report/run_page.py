@@ -45,7 +45,7 @@ def write_run_page(folder: Path) -> Result:
 
 
 def inputs_of(result: Result, folder: Path) -> dict[int, dict[str, float]]:
-    """Relative uncertainty of the input by target and quantity, from the study of the same scene in the folder.
+    """Return the relative uncertainty of the input by target and quantity, from the study of a scene in its folder.
 
     Nothing where there is none, or where it is of another scene or another path.
     """
@@ -69,7 +69,7 @@ def inputs_of(result: Result, folder: Path) -> dict[int, dict[str, float]]:
 
 
 def render_run(result: Result, inputs: Inputs | None = None) -> str:
-    """The page of a run as text; relative uncertainties of the input are by target and quantity."""
+    """Return the page of a run as text; relative uncertainties of the input are by target and quantity."""
     left_open = max((value for known in (inputs or {}).values() for value in known.values()), default=math.nan)
     found = replace(result, states=tuple(state for state in result.states if state.found))
     columns, rows = answer(result, inputs)
@@ -101,7 +101,7 @@ def render_run(result: Result, inputs: Inputs | None = None) -> str:
 
 
 def _target(state: State) -> list[Cell]:
-    """Cells of a state."""
+    """Return the cells of a state."""
     error = state.error_estimate
     numbers = []
     for name in ("separation", "mean_pressure", "contact_fraction"):
@@ -129,14 +129,14 @@ def _events(result: Result) -> Iterator[list[Cell]]:
 
 
 def _cell(value: float | None, error: float | None) -> Cell:
-    """A number with its estimated error: as many digits as that leaves, nine at most."""
+    """Return a number with its estimated error, nine digits at most."""
     if value is None:
         return NOTHING
     return (f"{value:.9g} ± {error:.1g}" if error else f"{value:.9g}"), value
 
 
 def _certificate(result: Result) -> Iterator[tuple[str, str]]:
-    """The worst of each measure over all states."""
+    """Yield the worst of each measure over all states."""
     for name in MEASURES:
         values = [value for state in result.states if (value := getattr(state.certificate, name)) is not None]
         if values:
@@ -145,17 +145,17 @@ def _certificate(result: Result) -> Iterator[tuple[str, str]]:
 
 
 def _measure(value: float, name: str) -> str:
-    """A number with its unit, where it has one."""
+    """Return a number with its unit, where it has one."""
     return quantity(value, UNITS[name]) if name in UNITS else number(value)
 
 
 def _step(step: Mapping[str, Any]) -> tuple[str, str]:
-    """A step of the preparation of a scan: its name, and what it did."""
+    """Return the name of a step of the preparation of a scan, and its facts."""
     facts = {key: value for key, value in step.items() if key != "step"}
     said = [f"{key.replace('_', ' ')} {_plain(value)}" for key, value in facts.items()]
     return str(step.get("step", "")), ", ".join(said)
 
 
 def _plain(value: Any) -> str:
-    """A number, or one before and one after."""
+    """Return a number, or a number before and after a step."""
     return " → ".join(map(_plain, value)) if isinstance(value, list | tuple) else str(number(value))

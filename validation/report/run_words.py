@@ -1,4 +1,4 @@
-"""A resolved scene, and what came of it, in sentences: quantities with units that suit their size."""
+"""Resolved scene and outcome of a run in sentences, with units that suit the size of each quantity."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -18,7 +18,7 @@ LISTED = 8  # targets that are spelt out
 
 
 def outcome(result: Result) -> str:
-    """The first sentence of a page: how it ended, how much of it is certified, and where."""
+    """Return the first sentence of a page: status, certified states, events and the last state."""
     facts = summary(result, "", len(result.scene["loading"]["targets"]))
     how = {"converged": "Converged", "not_converged": "Not converged"}.get(result.status, result.status.capitalize())
     missed, beyond = len(result.states) - facts["states"], ""
@@ -43,7 +43,7 @@ def succeeded(result: Result) -> bool:
 
 
 def scene_in_words(scene: Mapping[str, Any]) -> list[str]:
-    """What is in contact, and what is done with it, one sentence each."""
+    """Return sentences on the bodies in contact and on the loading."""
     solid, layer, adhesion, loading = (scene[name] for name in ("solid", "layer", "adhesion", "loading"))
     modulus = solid["youngs_modulus"] / (1 - solid["poisson_ratio"] ** 2)
     body = "A half-space" if layer is None else f"A layer of {quantity(layer['thickness'], 'm')} on a rigid plate"

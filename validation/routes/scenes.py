@@ -41,8 +41,8 @@ def solved(name: str, **tables: Any) -> Result:
 
 def values(states: Iterable[Any], name: str) -> FloatArray:
     """Return one attribute of every state or event as numbers, (n,); nan for None."""
-    found = [getattr(state, name) for state in states]
-    return np.array([np.nan if value is None else value for value in found], dtype=np.float64)
+    attributes = [getattr(state, name) for state in states]
+    return np.array([np.nan if value is None else value for value in attributes], dtype=np.float64)
 
 
 def estimates(states: Iterable[State], name: str) -> FloatArray:

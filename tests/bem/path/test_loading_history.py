@@ -41,16 +41,6 @@ def test_events_have_positions_and_release_energy():
         assert event.position is None or 0 <= event.position < 0.01
 
 
-def test_seven_equal_contacts_lose_their_symmetry_by_an_event():
-    wave = Sinusoid(1e-4 / 7, 0.01 / 7, 1e6, 0.5, 0.3)
-    below, above = (float(wave.penetration(share * np.pi / 2)) for share in (0.70, 0.80))
-    result = solve(scene("penetration", [below, above], order=7))
-    kinds = {e.kind for e in result.events if e.penetration > below}
-    widths = [np.ptp([b - a for a, b in state.edges]) for state in result.targets]
-    assert "bifurcation" in kinds
-    assert widths[0] <= 1e-10 * 0.01 < widths[1]
-
-
 def test_seven_equal_contacts_without_adhesion_stay_equal():
     result = solve(scene("penetration", [0.9 * 1e-4 / 7], order=7, alpha=0))
     assert np.ptp([b - a for a, b in result.targets[0].edges]) <= 1e-10 * 0.01
@@ -65,16 +55,6 @@ def test_every_control_finds_the_same_state(control):
     assert here.stable_at_fixed_load
     assert abs(twin.contact_fraction - here.contact_fraction) <= 1e-9
     assert abs(twin.mean_pressure - here.mean_pressure) <= 1e-8 * abs(here.mean_pressure)
-
-
-@pytest.mark.parametrize(("share", "stable"), [(0.105, False), (0.5, True), (0.93, False)])
-def test_both_stabilities_are_reported(share, stable):
-    """At fixed penetration every state is stable; at fixed load only where the load grows with it."""
-    state = solve(scene("penetration", [float(WAVE.penetration(at * np.pi / 2)) for at in (0.5, share)])).targets[-1]
-    assert state.contact_fraction == pytest.approx(share, abs=1e-6)
-    assert state.certificate.min_eigenvalue > 0
-    assert state.stable_at_fixed_load is stable
-    assert (state.contact_stiffness > 0) is stable
 
 
 def test_a_flaw_opens_complete_contact_and_releases_energy():

@@ -220,13 +220,6 @@ def test_tilt_is_looked_for(tilt):
     assert facts["rms_without_tilt"] == pytest.approx(1e-6 / np.sqrt(2), rel=2e-4)  # measured 7.5e-5
 
 
-def test_unequal_spacing_is_refused():
-    x = X.copy()
-    x[70] += 0.01 * SPACING
-    with pytest.raises(ScanFileError, match=r'sample 71 is 0\.01 sample distances .*unequal_spacing = "resample"'):
-        prepare(raw(x), {})
-
-
 def test_unequal_spacing_is_resampled_on_request():
     wave = np.cos(2 * np.pi * X / X[-1])
     x = X + 0.4 * SPACING * np.sin(40 * X / X[-1]) * np.sin(np.pi * X / X[-1])
@@ -235,14 +228,6 @@ def test_unequal_spacing_is_resampled_on_request():
     np.testing.assert_allclose(scan.h, wave, rtol=0, atol=1.5e-4)  # measured 6e-5; without resampling 1e-2
     facts = step_of(scan, "spacing")
     assert facts["least"] < SPACING < facts["most"]
-
-
-@pytest.mark.parametrize("step", [0.0, -1.0])
-def test_positions_that_do_not_increase_are_refused(step):
-    x = X.copy()
-    x[31] = x[30] + step * SPACING
-    with pytest.raises(ScanFileError, match="not increasing in x: sample 32"):
-        prepare(raw(x), {"unequal_spacing": "resample"})
 
 
 @pytest.mark.parametrize("harmonics", [1, 20, 60, 99])

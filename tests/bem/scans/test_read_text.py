@@ -140,6 +140,7 @@ LC = "Lc [mm];Ls [um]"
         pytest.param(table(heading="Filter [um]"), UNITS, "file", "line 1 ('Filter", id="one setting with a unit"),
         pytest.param(table(";", heading=f"{LC}\nx [mm];h [um]"), UNITS, "file", "lines 1 to 2", id="settings above"),
         pytest.param(table(";", heading="NODATA;-9999\nx [mm];h [um]"), {}, "file", "lines 1 to 2", id="no data above"),
+        pytest.param(table(heading="NODATA -9999\nmm um"), {}, "file", "lines 1 to 2", id="no data above units"),
         pytest.param(f"y/x;{';'.join(map(str, X))}\n" + f"0;{';'.join(map(str, H))}\n" * 4, UNITS, "file", "line 1",
                      id="axis that looks like a heading"),
         pytest.param(table(heading="x/y 0.5"), UNITS, "file", "line 1", id="number in a heading"),
@@ -199,8 +200,8 @@ def test_many_bad_lines_are_counted(tmp_path):
     assert [refusal.problem for refusal in caught.value.refusals][-1] == "and 7 more lines like that"
 
 
-def test_a_million_points_are_read_at_once(tmp_path):
-    count = 1_000_000
+def test_many_points_are_read_at_once(tmp_path):
+    count = 300_000
     scan = scan_of(tmp_path, "\n".join(f"{k / 4},{k % 1000 / 8}" for k in range(count)), **UNITS)
     assert scan.h.size == count
     assert (scan.x[-1], scan.h[-1]) == pytest.approx(((count - 1) / 4e3, 999 / 8e6), rel=1e-12)

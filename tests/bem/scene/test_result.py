@@ -264,6 +264,8 @@ WRONG = {
     "states[0].index is 2; allowed: 0 to 1": lambda c: c["states"][0].update(index=2),
     "states[0].index is None": lambda c: c["states"][0].update(index=None),
     "states[1].events is 3; allowed: 1 to 2": lambda c: c["states"][1].update(events=3),
+    "states[0].contact_fraction is 7.0; allowed: 0.1": lambda c: c["states"][0].update(contact_fraction=7.0),
+    "states[0].edges is ((0.002, 0.001)": lambda c: c["states"][0].update(edges=[[0.002, 0.001], [0.003, 0.004]]),
     "states[0].stored is 1; allowed: 0": lambda c: c["states"][0].update(stored=1),
     "states[0] is {": lambda c: c["states"][0].update(elastic_energy=None),  # NaN, which a converged state has not
     "events[0].kind is None": lambda c: c["events"][0].update(kind=None),
@@ -274,8 +276,12 @@ WRONG = {
     'scene.loading.control = "time"': lambda c: c["scene"]["loading"].update(control="time"),
     "scene.loading.targets = 5": lambda c: c["scene"]["loading"].update(targets=5),
     "scene.profile.kind = 5": lambda c: c["scene"]["profile"].update(kind=5),
+    "scene.loading.initial is missing": lambda c: c["scene"]["loading"].pop("initial"),
+    "scene.profile.period is missing": lambda c: c["scene"]["profile"].pop("period"),
+    "scene.title is 5": lambda c: c["scene"].update(title=5),
     "scene.solid is None": lambda c: c["scene"].update(solid=None),
     "provenance is 3": lambda c: c.update(provenance=3),
+    "provenance.date is 3": lambda c: c["provenance"].update(date=3),
     "provenance.fields_sha256 is 3": lambda c: c["provenance"].update(fields_sha256=3),
     "groups.a is 'b'": lambda c: c.update(groups={"a": "b"}),
     "status is None": lambda c: c.update(status=None),
@@ -309,9 +315,11 @@ def test_a_shape_that_lacks_an_array_is_named(lacking, tmp_path):
 OTHER_ARRAYS = {
     "x_7 is no array of a state": lambda fields: {name.replace("_0", "_7"): a for name, a in fields.items()},
     "height is no array of a state": lambda fields: fields | {"height": np.ones(3)},
+    "gap_0 has values that are not finite": lambda fields: fields | {"gap_0": np.full(5, np.nan)},
+    "patch_0 is of type float64": lambda fields: fields | {"patch_0": np.ones(5)},
     "x_0 is empty": lambda fields: {name: values[:0] for name, values in fields.items()},
-    "gap_0 has 4 values, x has 5": lambda fields: fields | {"gap_0": np.ones(4)},
-    "profile_q has 3 values, profile_amplitude has none": lambda fields: fields | {"profile_q": np.ones(3)},
+    "gap_0 has 4 values, x_0 has 5": lambda fields: fields | {"gap_0": np.ones(4)},
+    "holds profile_q without profile_amplitude": lambda fields: fields | {"profile_q": np.ones(3)},
     "holds no array of the stored state 0": lambda _: {"profile_q": np.ones(3), "profile_amplitude": np.ones(3)},
 }
 
@@ -343,7 +351,10 @@ ARCHIVES = {
     "deflated": ({"x_0.npy": (npy(np.zeros(10**6)), zipfile.ZIP_DEFLATED)}, "compressed"),
     "lzma": ({"x_0.npy": (PLAIN, zipfile.ZIP_LZMA)}, "compressed"),
     "no array": ({"x_0.npy": (b"abc", zipfile.ZIP_STORED)}, "corrupt"),
-    "another dimension": ({"q.npy": (npy(np.ones((2, 2))), zipfile.ZIP_STORED)}, "q has the shape"),
+    "another dimension": (
+        {"q.npy": (npy(np.ones((2, 2))), zipfile.ZIP_STORED), "C_h.npy": (npy(np.ones(4)), zipfile.ZIP_STORED)},
+        "q has the shape",
+    ),
     "another name": ({"../x.npy": (PLAIN, zipfile.ZIP_STORED)}, "no name of an array"),
     "no ending": ({"x_0": (PLAIN, zipfile.ZIP_STORED)}, "no name of an array"),
     "a larger shape": ({"x_0.npy": (PLAIN.replace(b"(3,)", b"(9,)"), zipfile.ZIP_STORED)}, "its bytes are not numbers"),

@@ -1,5 +1,8 @@
 """`bem.solve` of a file, a mapping, a scene and objects: the same scene, and one clear refusal of what is none."""
 
+import pickle
+from dataclasses import FrozenInstanceError
+
 import numpy as np
 import pytest
 
@@ -128,3 +131,21 @@ def test_keys_of_files_are_refused_beside_arrays(tmp_path):
 def test_a_profile_of_samples_that_need_preparation_is_refused(x, h):
     with pytest.raises(ValueError, match="finite heights at equal steps"):
         bem.Profile.from_samples(x, h, 1)
+
+
+def test_objects_take_values_by_place_and_name_and_refuse_them_in_the_words_of_a_scene():
+    assert bem.Solid(np.float32(2.0), poisson_ratio=0) == bem.Solid(2.0, 0.0)
+    with pytest.raises(
+        ValueError, match=r'solid\.youngs_modulus = "1e6"; .*; solid\.poisson_ratio = 0\.7; allowed: a number'
+    ):
+        bem.Solid("1e6", 0.7)
+    for values, named in [((1e6, 0.5, 1.0), {}), ((1e6, 0.5), {"poisson_ratio": 0.3})]:
+        with pytest.raises(TypeError, match="it takes youngs_modulus, poisson_ratio"):
+            bem.Solid(*values, **named)
+
+
+@pytest.mark.parametrize("made", [bem.Solid(1e6, 0.5), bem.Layer(1e-3), bem.Adhesion(0.1, True)], ids=repr)
+def test_objects_are_frozen_compared_and_carried(made):
+    assert pickle.loads(pickle.dumps(made)) == made
+    with pytest.raises(FrozenInstanceError):
+        made.other = 1.0

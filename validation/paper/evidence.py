@@ -7,7 +7,7 @@ the error is sqrt((n - 1) / n sum (t_k - mean t)^2).  Loads in units of E*, leng
 Source of the jackknife: B. Efron, C. Stein, Ann. Statist. 9 (1981) 586, doi:10.1214/aos/1176345462.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -22,10 +22,10 @@ from bem.scene.scene_rules import surface_of
 from persson import AdhesiveContact, DiscreteSpectrum, NonadhesiveContact, solve, solve_nonadhesive
 from validation.harness.arrays import FloatArray
 from validation.harness.figure_data import marks, shaded, trace
-from validation.harness.schema import Series, Table
+from validation.harness.schema import Series
+from validation.paper.members import LOADS, PAPER, Size
+from validation.paper.statements import Statement
 from validation.references.paper_problem import MODULUS
-from validation.replicate.members import LOADS, PAPER, Size
-from validation.replicate.statements import Passage
 
 SAME_LOAD = 1e-9  # of E*
 
@@ -110,9 +110,24 @@ class Evidence:
             return f"only {len(self.loading)} of {self.size.seeds} realisations reached {LOADS[-1]:g} E*"
         return ""
 
-    def paper(self, where: str) -> Passage:
-        """A passage of the paper that this is judged by."""
-        return Passage(where, self.shortfall)
+    def statement(
+        self,
+        where: str,
+        quantity: str,
+        ours: tuple[float, float],
+        printed: float,
+        allowed: float,
+        alternative: float | None = None,
+        note: str = "",
+        **kind: bool,
+    ) -> Statement:
+        """Return a statement that rests on the ensemble; `ours` is a number and its standard error."""
+        return Statement(where, quantity, printed, ours[0], 2 * ours[1], allowed, alternative, note, self.shortfall,
+                         **kind)  # fmt: skip
+
+    def jumped(self) -> int:
+        """Return how many loads of `LOADS` realisations jump over: there `value_at` interpolates."""
+        return sum(one.index_of(load) is None for one in self.loading for load in LOADS)
 
     @cached_property
     def lines(self) -> DiscreteSpectrum:
@@ -153,12 +168,6 @@ class LoadCurve:
     error: FloatArray  # standard
     wet: FloatArray  # the theory with adhesion
     dry: FloatArray
-
-    def points(self, caption: str, more: Mapping[str, FloatArray]) -> Table:
-        """A line for each load, with more columns."""
-        columns = {"p/E*": np.array(LOADS), "bem, mean": self.mean, "standard error": self.error,
-                   "Persson with adhesion": self.wet, "Persson without": self.dry, **more}  # fmt: skip
-        return Table(caption=caption, columns=list(columns), rows=np.stack(list(columns.values()), axis=1).tolist())
 
 
 def theory_with_adhesion(one: Realisation, load: float, detached_width: float = 1.0) -> AdhesiveContact:

@@ -11,20 +11,19 @@ Theory: C_u = C A(q)/A0, exponent -(2 + H) where adhesion is negligible; 1 - 2 H
 every q, C_sigma ~ q^2 C.  Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
 from validation.harness.arrays import FloatArray
-from validation.harness.case import Outcome
 from validation.harness.figure_data import drawn, loglog, semilogx, trace
-from validation.harness.schema import Cells, Figure, Row, Series, Table
+from validation.harness.schema import Figure, Series
+from validation.paper.evidence import Evidence, Realisation, estimate, jackknife, scattered
+from validation.paper.members import LOADS, SPECTRA_AT
+from validation.paper.statements import Statement, Topic
 from validation.references.paper_problem import HURST, MODULUS
-from validation.replicate.evidence import Evidence, Realisation, estimate, jackknife, scattered
-from validation.replicate.members import LOADS, SPECTRA_AT
-from validation.replicate.statements import Alternative, Passage
 
 Window = tuple[float, float]
 
@@ -32,16 +31,8 @@ MIDDLE: tuple[Window, ...] = ((3.0, 30.0), (5.0, 50.0), (10.0, 100.0), (3.0, 100
 DRAWN = (3.0, 100.0)  # of the middle, whose straight line is drawn
 HIGH: Window = (250.0, 1000.0)
 SHIFTED, NEGLIGIBLE = (3.0, 100.0), 0.2  # orders; of the theory's C_u
-OTHERS: tuple[Window, ...] = ((1.0, 10.0), (20.0, 200.0), (100.0, 1000.0))  # windows that are only shown
 PAPERS = -2.73  # exponent of C_u
 FULL_CONTACT = -(1 + 2 * HURST)  # of C_u: the profile's own
-MEASURED = {
-    "C_u": {0.005: 0.011, 0.02: 0.015},
-    "theory": {0.005: 0.029, 0.02: 0.0013},
-    "C_sigma": {0.005: 0.019, 0.02: 0.045},
-    "high": {0.005: 0.071, 0.02: 0.0089},
-    "rise": {0.005: 0.09, 0.02: 0.036},
-}  # differences found
 MIDST = float(np.log(DRAWN[0] * DRAWN[1]) / 2)  # logarithm of its middle
 BANDS = 24  # of orders, equal in ln q, in figures
 HOW_DRAWN = (
@@ -116,92 +107,70 @@ def spectra(evidence: Evidence, load: float, name: str = "C_u") -> FloatArray:
     return np.array(every)[:, : evidence.size.harmonics]
 
 
-def compute(evidence: Evidence) -> Outcome:
-    """Rows, figures and table of the loading ensemble and of the profile at high load."""
-    rows: list[Row] = []
-    lines: list[Cells] = []
+def compute(evidence: Evidence) -> Topic:
+    """Return statements and figures of the loading ensemble and of the profile at high load."""
+    statements: list[Statement] = []
     for load in SPECTRA_AT:
         power = spectra(evidence, load)
         theory = evidence.with_adhesion[load].displacement_power(evidence.loading[0].surface.q0)
-        for judge in (_middle_rows, _shift_rows, _high_rows):
-            rows += judge(load, power, theory, evidence.paper)
-        for window in (*MIDDLE, HIGH, *OTHERS):
-            if window[1] <= evidence.size.harmonics:
-                found, of_mean = exponent_of(power, [window]), exponent_of_mean(power, [window])
-                said = exponent(theory, window)
-                lines.append([load, len(power), f"{window[0]:g} to {window[1]:g}", found.value, found.error,
-                              of_mean.value, of_mean.error, said, found.value + 2, said + 2])  # fmt: skip
-    tables = [
-        Table(
-            caption="Exponents of the spectra by window, fitted to each realisation, and to their mean, which single "
-            "realisations with much power at short waves make flatter: the spectrum is slightly curved, "
-            "steeper at long waves and flatter towards full contact at short ones, so that a number like the paper's "
-            "-2.73 depends on the orders it is taken from.",
-            columns=["p/E*", "realisations", "orders", "C_u", "standard error", "C_u of the mean",
-                     "standard error of that", "Persson's C_u", "C_sigma",
-                     "Persson's C_sigma"],
-            rows=lines,
-        )
-    ]  # fmt: skip
+        for judge in (_middle, _shift, _high):
+            statements += judge(load, power, theory, evidence)
     figures = list(_figures(evidence))
     if evidence.high_load is not None:
-        row, figure, table = _high_load(evidence.high_load, evidence.paper)
-        rows, figures, tables = [*rows, row], [*figures, figure], [*tables, table]
-    return Outcome(rows=tuple(rows), figures=tuple(figures), tables=tuple(tables))
+        statement, figure = _high_load(evidence.high_load, evidence)
+        statements, figures = [*statements, statement], [*figures, figure]
+    question = "What are the exponents of the spectra, and is contact full at short wavelengths?"
+    return Topic(question, statements, (), figures)
 
 
-def _middle_rows(load: float, power: FloatArray, theory: FloatArray, paper: Callable[[str], Passage]) -> list[Row]:
-    """The paper's exponents of the middle range: of C_u, of its theory, of C_sigma."""
-    here = [window for window in MIDDLE if window[1] <= power.shape[1]]
-    found = exponent_of(power, here)
-    said = float(np.mean([exponent(theory, window) for window in here])) if here else np.nan
-    of_mean = exponent_of_mean(power, here).value if here else np.nan
-    full = "the exponent of full contact"
+def _middle(load: float, power: FloatArray, theory: FloatArray, evidence: Evidence) -> list[Statement]:
+    """Judge the paper's exponents of the middle range: of C_u, of its theory, of C_sigma."""
+    windows = [window for window in MIDDLE if window[1] <= power.shape[1]]
+    found = exponent_of(power, windows)
+    said = float(np.mean([exponent(theory, window) for window in windows])) if windows else np.nan
+    of_mean = exponent_of_mean(power, windows).value if windows else np.nan
+    statement = evidence.statement
     return [
-        paper("section 5: -2.73, theory -2.7").states(
-            f"exponent of C_u at {load:g} E*, middle range", found.value, found.error, PAPERS, 0.15,
-            Alternative(FULL_CONTACT, full), measured=MEASURED["C_u"][load], last_digit=0.005,
-            reported=f"{found.reported()}; fitted to the mean spectrum {of_mean:.3f}"),
-        paper("section 5: theory -2.7").states(
-            f"exponent of C_u in the theory with adhesion at {load:g} E*, middle range", said, 0.0, -2.7, 0.1,
-            Alternative(FULL_CONTACT, full), measured=MEASURED["theory"][load], last_digit=0.05),
-        paper("section 5: -H in the middle range").states(
-            f"exponent of C_sigma at {load:g} E*, middle range (that of C_u plus 2)", found.value + 2, found.error,
-            -HURST, 0.15, Alternative(FULL_CONTACT + 2, full), measured=MEASURED["C_sigma"][load],
-            reported=found.reported(2)),
+        statement("section 5: -2.73, theory -2.7", f"exponent of C_u at {load:g} E*, middle range",
+                  (found.value, found.error), PAPERS, 0.15, FULL_CONTACT,
+                  f"{found.reported()}; fitted to the mean spectrum {of_mean:.3f}"),
+        statement("section 5: theory -2.7", f"exponent of C_u in the theory with adhesion at {load:g} E*, middle range",
+                  (said, 0.0), -2.7, 0.1, FULL_CONTACT),
+        statement("section 5: -H in the middle range",
+                  f"exponent of C_sigma at {load:g} E*, middle range (that of C_u plus 2)",
+                  (found.value + 2, found.error), -HURST, 0.15, FULL_CONTACT + 2, found.reported(2)),
     ]  # fmt: skip
 
 
-def _shift_rows(load: float, power: FloatArray, theory: FloatArray, paper: Callable[[str], Passage]) -> list[Row]:
-    """By how much C_u lies above that of the theory, whatever the exponents: mean over the orders of `SHIFTED`."""
+def _shift(load: float, power: FloatArray, theory: FloatArray, evidence: Evidence) -> list[Statement]:
+    """Judge how far C_u lies above that of the theory: mean over the orders of `SHIFTED`."""
     if power.shape[1] < SHIFTED[1]:
         return []
     inside = slice(int(SHIFTED[0]) - 1, int(SHIFTED[1]))
-    ratio, error = estimate((power[:, inside] / theory[inside]).mean(axis=1))
-    row = paper("section 5: a non-negligible shift, the exponents the same").says_they_differ(
-        f"C_u at {load:g} E* is off that of the theory with adhesion by more than {NEGLIGIBLE:.0%} and two "
-        "standard errors, orders 3 to 100", abs(ratio - 1) > max(NEGLIGIBLE, 2 * error),
-        f"over the theory's: {ratio:.2f} +- {error:.2f}")  # fmt: skip
-    return [row]
+    ratio = estimate((power[:, inside] / theory[inside]).mean(axis=1))
+    return [
+        evidence.statement("section 5: a non-negligible shift, the exponents the same",
+                           f"C_u at {load:g} E* over that of the theory with adhesion, orders 3 to 100, off by more "
+                           f"than {NEGLIGIBLE:.0%}", ratio, 1.0, NEGLIGIBLE, differs=True)
+    ]  # fmt: skip
 
 
-def _high_rows(load: float, power: FloatArray, theory: FloatArray, paper: Callable[[str], Passage]) -> list[Row]:
-    """The exponent of C_sigma at the high end, and by how much it has risen from the middle."""
+def _high(load: float, power: FloatArray, theory: FloatArray, evidence: Evidence) -> list[Statement]:
+    """Judge the exponent of C_sigma at the high end, and by how much it has risen from the middle."""
     if power.shape[1] < HIGH[1]:
         return []
     found = exponent_of(power, [HIGH])
     rise = [exponent(one, HIGH) - np.mean([exponent(one, window) for window in MIDDLE]) for one in power]
-    passage = paper("section 5: from -H in the middle range to 1 - 2 H of full contact at high q")
+    where = "section 5: from -H in the middle range to 1 - 2 H of full contact at high q"
     return [
-        passage.states(f"exponent of C_sigma at {load:g} E*, orders 250 to 1000", found.value + 2, found.error,
-                       1 - 2 * HURST, 0.15, Alternative(-HURST, "that of the middle range"),
-                       measured=MEASURED["high"][load]),
-        passage.states(f"rise of the exponent of C_sigma to orders 250 to 1000, {load:g} E*", *estimate(rise),
-                       1 - HURST, 0.15, Alternative(0.0, "no rise"), measured=MEASURED["rise"][load]),
+        evidence.statement(where, f"exponent of C_sigma at {load:g} E*, orders 250 to 1000",
+                           (found.value + 2, found.error), 1 - 2 * HURST, 0.15, -HURST),
+        evidence.statement(where, f"rise of the exponent of C_sigma to orders 250 to 1000, {load:g} E*",
+                           estimate(rise), 1 - HURST, 0.15, 0.0),
     ]  # fmt: skip
 
 
-def _high_load(one: Realisation, paper: Callable[[str], Passage]) -> tuple[Row, Figure, Table]:
+def _high_load(one: Realisation, evidence: Evidence) -> tuple[Statement, Figure]:
     """C_u / C as contact becomes complete: at the highest load, in bands of orders, and its mean at every load."""
     profile = one.result.fields["C_h"]
     carried = np.flatnonzero(profile > 0)
@@ -213,21 +182,16 @@ def _high_load(one: Realisation, paper: Callable[[str], Passage]) -> tuple[Row, 
         series.append(trace(f"p = {load:.3g} E*, A/A0 = {fraction:.4f}", order, followed, hue=k))
         lines.append((state.separation * 1e6, load, fraction, *estimate(ratio), max(abs(v - 1) for v in followed)))
     (_, _, first, least, *_), (_, _, last, mean, error, _) = lines[0], lines[-1]
-    row = paper("section 5: C_u tends to C at very high load").states(
-        f"C_u over C at contact fraction {last:.4f}, mean over orders", mean, error, 1.0, 0.02,
-        Alternative(least, f"its value at {first:.3f}"), measured=0.0055)  # fmt: skip
+    statement = evidence.statement("section 5: C_u tends to C at very high load",
+                                   f"C_u over C at contact fraction {last:.4f}, mean over orders", (mean, error), 1.0,
+                                   min(0.02, abs(least - 1) / 2), least,
+                                   f"excluded: its value at {first:.3f}")  # fmt: skip
     figure = drawn(
         "high-load",
         f"C_u / C of a profile with {carried.size} harmonics as contact becomes complete, in bands of orders.",
         semilogx("$q/q_0$", "$C_u/C$", *series),
     )
-    table = Table(
-        caption=f"C_u / C of a profile with {one.surface.max_order} harmonics (seed "
-        f"{one.result.scene['profile']['seed']}) as contact becomes complete: mean over orders, and its largest miss.",
-        columns=["s / um", "p/E*", "contact fraction", "C_u / C, mean", "standard error", "farthest band from 1"],
-        rows=np.array(lines).tolist(),
-    )
-    return row, figure, table
+    return statement, figure
 
 
 def banded(values: FloatArray, bands: int = BANDS) -> tuple[list[float], list[float]]:

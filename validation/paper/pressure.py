@@ -16,30 +16,26 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from validation.harness.arrays import FloatArray
-from validation.harness.case import Outcome
 from validation.harness.figure_data import axes, drawn, loglog, marks, semilogy, shaded, trace
-from validation.harness.rows import Against
-from validation.harness.schema import Figure, Row, Series, Table
-from validation.references.paper_problem import MODULUS
-from validation.replicate.double_gaussian_fit import FACTOR, Sample, window_figure, window_table
-from validation.replicate.evidence import (
+from validation.harness.schema import Figure, Series
+from validation.paper.double_gaussian_fit import FACTOR, Sample
+from validation.paper.evidence import (
     Evidence,
     Realisation,
-    estimate,
     jackknife,
     joined,
     mean_and_error,
     theory_with_adhesion,
 )
-from validation.replicate.members import SPECTRA_AT
-from validation.replicate.statements import Alternative, unless_short
+from validation.paper.members import SPECTRA_AT
+from validation.paper.statements import Check, Statement, Topic
+from validation.references.paper_problem import MODULUS
 
 BOUNDS = np.linspace(-0.3, 0.7, 51)  # of E*
 CENTRES = (BOUNDS[1:] + BOUNDS[:-1]) / 2
 TAIL_BOUNDS = -np.geomspace(30.0, 0.05, 41)  # of E*
 TENSILE_END = (-6.0, -2.0)  # of E*
 COMPRESSIVE_END = (1.0, 3.0)  # of h'_rms / 2
-FACTORS = (1.0, 1.2, FACTOR, 2.0, 3.0)  # on the theory's sigma_a
 
 
 def density(one: Realisation, load: float, bounds: FloatArray) -> FloatArray:
@@ -68,24 +64,23 @@ def decay_power(sigma: FloatArray, values: FloatArray) -> float:
     return float(minimize_scalar(misfit, bounds=(0.2, 8.0), method="bounded", options={"xatol": 1e-6}).x)
 
 
-def compute(evidence: Evidence) -> Outcome:
-    """Rows, figures and tables."""
-    rows: list[Row] = []
+def compute(evidence: Evidence) -> Topic:
+    """Return statements, checks and figures."""
+    statements: list[Statement] = []
     figures: list[Figure] = []
     samples: list[Sample] = []
     spread = evidence.lines.slope_rms / 2
     for load in SPECTRA_AT:
         values = np.array([density(one, load, BOUNDS) for one in evidence.with_fields_at(load)])
-        theories = {factor: _distribution(evidence, load, factor) for factor in FACTORS}
+        theories = {factor: _distribution(evidence, load, factor) for factor in (1.0, FACTOR)}
         sample = Sample(load, CENTRES, values, evidence.with_adhesion[load].detachment_stress / MODULUS, spread)
         samples.append(sample)
-        rows += [_gaussian_row(evidence, sample), _tensile_row(evidence, load), *sample.rows(evidence.paper)]
+        statements += [_gaussian(evidence, sample), *sample.statements(evidence)]
         figures += _figures(sample, theories[1.0], theories[FACTOR])
-    rows.append(_factor_row(evidence, samples))
-    figures += [window_figure(samples), _tail_figure(evidence)]
-    tables = (window_table(samples, [_distribution(evidence, load, 1.0)(CENTRES) for load in SPECTRA_AT]),
-              _factor_table(evidence, samples))  # fmt: skip
-    return Outcome(rows=tuple(rows), figures=tuple(figures), tables=tables)
+    statements.append(_factor(evidence, samples))
+    figures.append(_tail_figure(evidence))
+    checks = [] if evidence.shortfall else [_tensile(evidence, load) for load in SPECTRA_AT]
+    return Topic("What is the distribution of the pressure?", statements, checks, figures)
 
 
 def _distribution(evidence: Evidence, load: float, factor: float) -> Callable[[FloatArray], FloatArray]:
@@ -102,35 +97,26 @@ def _distance(evidence: Evidence, sample: Sample, factor: float) -> float:
     return float(np.sum(np.abs(sample.mean - said)) / np.sum(sample.mean))
 
 
-def _factor_row(evidence: Evidence, samples: Sequence[Sample]) -> Row:
+def _factor(evidence: Evidence, samples: Sequence[Sample]) -> Statement:
     closer = sum(_distance(evidence, one, FACTOR) < _distance(evidence, one, 1.0) for one in samples)
-    return evidence.paper("section 5: a factor of about 1.4 brings the theory closer").states(
+    return evidence.statement(
+        "section 5: a factor of about 1.4 brings the theory closer",
         f"loads of {len(samples)} at which the theory's P(sigma) comes closer with {FACTOR:g} sigma_a",
-        float(closer), 0.0, float(len(samples)), 0.5,
-        Alternative(float(len(samples) - 1), "a load at which it does not"), measured=0.0)  # fmt: skip
+        (float(closer), 0.0), float(len(samples)), 0.5, float(len(samples) - 1))  # fmt: skip
 
 
-def _factor_table(evidence: Evidence, samples: Sequence[Sample]) -> Table:
-    return Table(
-        caption="Distance int |P - P of the theory| dsigma over the contact fraction, with the theory's sigma_a "
-        "multiplied by a factor: the paper's 1.4 brings the theory closer; most of the distance is its smaller area, "
-        "which no sigma_a mends.",
-        columns=["p/E*", *(f"{factor:g} sigma_a" for factor in FACTORS)],
-        rows=[[one.load, *(_distance(evidence, one, factor) for factor in FACTORS)] for one in samples],
-    )
-
-
-def _gaussian_row(evidence: Evidence, sample: Sample) -> Row:
+def _gaussian(evidence: Evidence, sample: Sample) -> Statement:
     low, high = (bound * sample.spread for bound in COMPRESSIVE_END)
     end = (low <= CENTRES) & (high >= CENTRES)
-    power, error = jackknife(lambda mean: decay_power(CENTRES[end], mean[end]), sample.values)
-    return evidence.paper("section 5: Gaussian tail at high pressure").states(
-        f"power k of ln P = a - b sigma^k at high pressure, {sample.load:g} E*", power, error, 2.0, 0.5,
-        Alternative(1.0, "an exponential tail"), measured={0.005: 0.046, 0.02: 0.143}[sample.load])  # fmt: skip
+    power = jackknife(lambda mean: decay_power(CENTRES[end], mean[end]), sample.values)
+    return evidence.statement(
+        "section 5: Gaussian tail at high pressure",
+        f"power k of ln P = a - b sigma^k at high pressure, {sample.load:g} E*", power, 2.0, 0.5, 1.0,
+        "excluded: an exponential tail")  # fmt: skip
 
 
-def _tensile_row(evidence: Evidence, load: float) -> Row:
-    """P |sigma|^3 over its limit, mean over the end and the realisations: exact, a check of ours."""
+def _tensile(evidence: Evidence, load: float) -> Check:
+    """Compare P |sigma|^3 with its limit of JKR edges, mean over the end and the realisations."""
     centres = -np.sqrt(TAIL_BOUNDS[1:] * TAIL_BOUNDS[:-1])
     inside = (centres >= TENSILE_END[0]) & (centres <= TENSILE_END[1])
     ratios = []
@@ -138,11 +124,8 @@ def _tensile_row(evidence: Evidence, load: float) -> Row:
         limit = float(one.field("tail_coefficient", load)) / MODULUS**2
         exact = limit * (TAIL_BOUNDS[1:] ** -2 - TAIL_BOUNDS[:-1] ** -2) / 2 / np.diff(TAIL_BOUNDS)
         ratios.append(float(np.mean((density(one, load, TAIL_BOUNDS) / exact)[inside])))
-    ratio, error = estimate(ratios)
-    row = Against("exact", "JKR edges: P -> (2 E*/(pi lambda)) sum w_e |sigma|^-3").row(
-        f"tensile tail P |sigma|^3 over its limit, -6 to -2 E*, at {load:g} E*", "", 1.0, ratio, (0.01, 0.0035),
-        "absolute", uncertainty=error)  # fmt: skip
-    return unless_short(row, evidence.shortfall)
+    name = f"tensile tail P |sigma|^3 over (2 E*/(pi lambda)) sum w_e, -6 to -2 E*, at {load:g} E*"
+    return Check(name, float(np.mean(ratios)), 1.0, 0.01)
 
 
 def _figures(

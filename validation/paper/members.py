@@ -15,7 +15,8 @@ scenes with fewer realisations and harmonics: it shows that everything runs, and
 from dataclasses import dataclass
 
 from bem.geometry.profile import Profile
-from validation.harness.ensemble import Member
+from validation.paper.ensemble import Member
+from validation.paper.paper_sketch import sketch_scene
 from validation.references.paper_problem import (
     HURST,
     MODULUS,
@@ -27,7 +28,6 @@ from validation.references.paper_problem import (
     self_affine,
     up_to,
 )
-from validation.replicate.paper_sketch import sketch_scene
 
 LOADS = (0.001, 0.0025, 0.005, 0.0075, 0.01, 0.0125, 0.015, 0.0175, 0.02, 0.0225, 0.025)  # of E*
 SPECTRA_AT = (0.005, 0.02)  # of E*

@@ -12,14 +12,11 @@ from operator import attrgetter
 
 import numpy as np
 
-from validation.harness.case import Outcome
 from validation.harness.compare import fitted_order
 from validation.harness.figure_data import drawn, loglog, trace
-from validation.harness.rows import Against
-from validation.harness.schema import Table
-from validation.replicate.evidence import Evidence, estimate, jackknife, mean_and_error, scattered
-from validation.replicate.members import FAINT_AT, FAINT_WORKS
-from validation.replicate.statements import Alternative, unless_short
+from validation.paper.evidence import Evidence, estimate, jackknife, scattered
+from validation.paper.members import FAINT_AT, FAINT_WORKS
+from validation.paper.statements import Check, Topic
 
 WORKS = np.array(FAINT_WORKS[1:])  # J/m^2
 FITTED = WORKS < 1e-3
@@ -27,32 +24,25 @@ JUDGED = 1e-6  # J/m^2
 AREA = attrgetter("contact_fraction")
 
 
-def compute(evidence: Evidence) -> Outcome:
-    """Rows, figure and table."""
+def compute(evidence: Evidence) -> Topic:
+    """Return statement, check and figure."""
+    question = "Does loading with vanishing adhesion tend to loading without?"
     if len(evidence.faint) < 2:
-        return Outcome(skipped=f"{len(evidence.faint)} profiles with every work of adhesion; 2 at least are needed")
+        return Topic(question, message=f"{len(evidence.faint)} profiles with every work of adhesion; 2 are needed")
     areas = np.array(
         [[[one.value_at(load, AREA) for load in FAINT_AT] for one in group] for group in evidence.faint]
     )  # (n_seeds, n_works + 1, n_loads)
     gains = np.mean(areas[:, 1:] / areas[:, :1] - 1, axis=2)
-    mean, error = mean_and_error(gains)
+    mean = gains.mean(axis=0)
     fitted = WORKS[FITTED].tolist()
     power, power_error = jackknife(lambda gain: fitted_order(fitted, gain[FITTED].tolist()), gains)
     place, full = FAINT_WORKS.index(JUDGED) - 1, float(mean[-1])
-    power_row = Against("exact", "edges move by a length ~ sqrt(gamma)").row(
-        f"exponent of the gain of area, {fitted[0]:g} to {fitted[-1]:g} J/m^2", "", 0.5, power,
-        (0.012, 0.0041), "absolute", uncertainty=power_error)  # fmt: skip
-    rows = (
-        evidence.paper("text: with vanishing adhesion, loading tends to that without adhesion").states(
-            f"gain of contact area by {JUDGED:g} J/m^2 over that without adhesion, mean of 0.005 to 0.02 E*",
-            *estimate(gains[:, place]), 0.0, 0.01, Alternative(full, f"that of {WORKS[-1]:g} J/m^2"), measured=0.0028),
-        unless_short(power_row, evidence.shortfall),
-    )  # fmt: skip
-    table = Table(
-        caption="Gain of contact area by adhesion at the same load, mean of 0.005 to 0.02 E*.",
-        columns=["gamma / J/m^2", "gain", "standard error", "gain over sqrt(gamma)"],
-        rows=np.stack([WORKS, mean, error, mean / np.sqrt(WORKS)], axis=1).tolist(),
-    )
+    statement = evidence.statement(
+        "text: with vanishing adhesion, loading tends to that without adhesion",
+        f"gain of contact area by {JUDGED:g} J/m^2 over that without adhesion, mean of 0.005 to 0.02 E*",
+        estimate(gains[:, place]), 0.0, 0.01, full, f"excluded: the gain of {WORKS[-1]:g} J/m^2")  # fmt: skip
+    check = Check(f"exponent of the gain of area, {fitted[0]:g} to {fitted[-1]:g} J/m^2: edges move by ~ sqrt(gamma)",
+                  power, 0.5, max(0.012, 2 * power_error))  # fmt: skip
     through = float(mean[place]) * np.sqrt(WORKS / JUDGED)
     figure = drawn(
         "vanishing-adhesion",
@@ -62,4 +52,4 @@ def compute(evidence: Evidence) -> Outcome:
                *scattered([(WORKS.tolist(), one.tolist()) for one in gains], WORKS.tolist(), gains, "profiles"),
                trace(r"$\sqrt{\gamma}$", WORKS, through, "dashed", hue=1)),
     )  # fmt: skip
-    return Outcome(rows=rows, figures=(figure,), tables=(table,))
+    return Topic(question, (statement,), () if evidence.shortfall else (check,), (figure,))
