@@ -214,8 +214,8 @@ def _unverified(
 def settle(system: System, start: Start, on: Condition, accuracy: Accuracy) -> tuple[Balance, float] | Refused:
     """The state next to edges that meets a condition, evaluated in itself, and its value of the control.
 
-    It is no farther than LONGEST_MOTION away, and at the end of a Newton step: what that leaves is below the residual or
-    rounding that no step makes smaller.
+    It is no farther than LONGEST_MOTION away, and at the end of a Newton step: what that leaves is below the residual,
+    or rounding that no step makes smaller.
     Short steps keep the resolution: where adhesion is weak K of one number of modes and K of the next differ by more
     than the residual allows.
     """

@@ -180,7 +180,8 @@ class WindowedPath:
         """Return whether windows go on from a point: many patches, and more than a step before contact is complete."""
         if not isinstance(point, Equilibrium | Spread) or point.value == goal:
             return False
-        closes = goal >= self.whole.bare.closing_value and point.value >= goal_near(self)
+        closing = self.whole.bare.closing_value
+        closes = goal >= closing and point.value >= closing - 2 * WINDOW_STEP
         enough = MANY_PATCHES * (FEWER if isinstance(point, Spread) else 1.0)
         return point.patches.count >= enough and not closes
 
