@@ -51,7 +51,7 @@ SHALLOW = np.geomspace(1e-8, 0.01, 7)  # the same where all of these open: conta
 
 @dataclass(frozen=True)
 class Control:
-    """What is prescribed: its kind (a separation stands here as a penetration) and its dimensionless value."""
+    """Prescribed quantity: its kind (a separation is kept as a penetration) and its dimensionless value."""
 
     kind: PrescribedKind
     value: float
@@ -72,7 +72,7 @@ class Control:
 
 @dataclass(frozen=True)
 class Evaluation:
-    """One solved mesh at its controlled load."""
+    """Solution on a mesh at its controlled load."""
 
     states: UnitStates
     edge_states: EdgeStates | None
@@ -197,7 +197,7 @@ def start_edges(
 
 
 def _stable(tried: list[tuple[float, float]], mean: Callable[[float], float]) -> float | None:
-    """The depth beyond the least mean residual at which it rises through zero; None where the least is not negative.
+    """Return the depth beyond the least mean residual where it rises through zero; None if the least is not negative.
 
     The least lies between the neighbours of the best of those tried (depth, mean residual).
     """
@@ -237,7 +237,7 @@ def difference_jacobian(
 
 
 def _limited(edges: FloatArray, step: FloatArray) -> FloatArray:
-    """The step shortened so that no patch or gap changes by more than `LARGEST_CHANGE` of itself."""
+    """Return the step, shortened so that no patch or gap changes by more than `LARGEST_CHANGE` of itself."""
     lengths = intervals(edges)
     change = np.diff(np.append(step, step[0]))
     largest = float(np.max(np.abs(change) / lengths))
@@ -309,21 +309,27 @@ def close(
 
 
 def _agrees(now: FloatArray, step: FloatArray) -> bool:
-    """Whether every edge far from closure moves so as to lower the energy: out when it closes, in when it opens."""
+    """Return True if every edge far from closure moves so as to lower the energy.
+
+    An edge that closes moves out, an edge that opens moves in.
+    """
     outward_step = step * np.tile([-1.0, 1.0], len(step) // 2)
     far = np.abs(now) > 0.3 * np.max(np.abs(now))
     return bool(np.all(outward_step[far] * now[far] < 0.0))
 
 
 def _downhill(edges: FloatArray, now: FloatArray) -> FloatArray:
-    """A step that lowers the energy at every edge: a share of the patch or gap beside it, less when nearly closed."""
+    """Return a step that lowers the energy at every edge.
+
+    It is a share of the patch or gap beside the edge, smaller near closure.
+    """
     lengths = intervals(edges)
     beside = np.minimum(lengths, np.roll(lengths, 1))
     return np.asarray(-0.3 * now / (np.abs(now) + 0.5) * beside * np.tile([-1.0, 1.0], len(edges)))
 
 
 def _vanished(edges: FloatArray, start: FloatArray) -> str:
-    """What became of a patch or gap that is no more than a trace of its start, or an empty string."""
+    """Name the event where a patch or gap has shrunk to a trace of its start, else return an empty string."""
     lengths = intervals(edges)
     small = lengths < np.maximum(VANISHED * start, 10.0 * NARROWEST)
     if np.any(small[::2]):
@@ -332,7 +338,7 @@ def _vanished(edges: FloatArray, start: FloatArray) -> str:
 
 
 def _followed(mesh: LayerMesh, edges: FloatArray, resolution: Resolution, problem: Problem) -> LayerMesh:
-    """The same mesh moved to the edges, or a new one when they went far."""
+    """Return the mesh moved to the edges, or a new mesh where the edges went far."""
     start = mesh.reference_edges
     change = intervals(edges) / intervals(_unrolled(start))
     if np.max(np.abs(change - 1.0)) > REMESH:
@@ -376,7 +382,7 @@ def close_on_ladder(
 
 
 def scouting(resolution: Resolution) -> Resolution:
-    """The coarse P2/P1 mesh on which edges are found and the Jacobian is made."""
+    """Return the coarse P2/P1 resolution on which edges are found and the Jacobian is made."""
     return Resolution(2, 8, 7) if resolution.order == 4 else Resolution(2, 6, 6)
 
 

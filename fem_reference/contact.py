@@ -86,7 +86,7 @@ class UnitStates:
 
 @dataclass(frozen=True)
 class ContactIndicator:
-    """Whether local coordinates lie on a patch; edges (n_patches, 2) local, none: everything is in contact."""
+    """Indicator of contact at local coordinates; edges are (n_patches, 2), empty where all is in contact."""
 
     edges: FloatArray
 
@@ -114,7 +114,7 @@ class KeptFactors:
     factors: Any = None
 
     def near(self, mesh: LayerMesh) -> Any:
-        """The factors where no patch or gap differs by more than `NEARLY` of itself; else None."""
+        """Return the factors where no patch or gap differs by more than `NEARLY` of itself; else None."""
         if self.mesh is None or self.mesh.reference is not mesh.reference or mesh.edges.size == 0:
             return None
         old, new = (np.diff(np.append(m.edges.ravel(), m.edges[0, 0] + 1.0)) for m in (self.mesh, mesh))

@@ -73,7 +73,7 @@ class Stiffness:
     size: int
 
     def times(self, fields: FloatArray) -> FloatArray:
-        """The matrix times fields (n_fields, 2 n + m), of the same shape."""
+        """Multiply fields (n_fields, 2 n + m) by the matrix; return an array of their shape."""
         force = (self.elements @ fields.T[self.dofs]).reshape(-1, len(fields))
         return np.array([np.bincount(self.dofs.ravel(), column, self.size) for column in force.T])
 
@@ -126,7 +126,7 @@ def assemble(spaces: Spaces, shear_modulus: float, inverse_bulk_modulus: float) 
 def moved_elements(
     spaces: Spaces, shear_modulus: float, inverse_bulk_modulus: float, chosen: IntArray, motion: FloatArray
 ) -> FloatArray:
-    """Derivatives of the matrices of some elements under a motion of the vertices in x, (n_chosen, k, k).
+    """Differentiate the matrices of some elements with respect to a motion of the vertices in x, (n_chosen, k, k).
 
     With X_x and X_y the derivatives of reference coordinates, they are dX_x = -X_x theta_x and dX_y = -X_x theta_y,
     and the area grows by theta_x.
@@ -196,7 +196,7 @@ def _combined(order: int, shear_modulus: float, inverse_bulk_modulus: float, giv
 
 @lru_cache(maxsize=4)
 def _parts(order: int, shear_modulus: float, inverse_bulk_modulus: float) -> FloatArray:
-    """What every coefficient of an element is multiplied by, in the order of `Coefficients`, (17, k, k)."""
+    """Return the factor of every coefficient of an element, in the order of `Coefficients`, (17, k, k)."""
     products, divergence, masses = _reference_integrals(order)
     v, two_mu = products.shape[2], 2.0 * shear_modulus
     k = 2 * v + len(masses)

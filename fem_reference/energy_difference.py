@@ -55,7 +55,7 @@ def energy_difference(state: Result) -> tuple[FloatArray, FloatArray]:
 
 
 def _step(finest: Evaluation, place: tuple[int, ...]) -> float:
-    """How far an edge is moved, periods."""
+    """Return the distance by which an edge is moved, in periods."""
     lengths = intervals(finest.edges)
     edge = 2 * place[0] + place[1]
     return float(STEP * min(lengths[edge], lengths[edge - 1]))

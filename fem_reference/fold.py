@@ -1,4 +1,4 @@
-"""Where a branch of equilibria turns: the least penetration, displacement or load that a contact can carry.
+"""Locate where a branch of equilibria turns: the least penetration, displacement or load that a contact can carry.
 
 The patch that shrinks fastest towards the fold leads: its width w is prescribed (`closure`), which stays regular where
 the control turns. On the coarse mesh w is lowered in small steps until the controlled quantity q rises again; then, on
@@ -61,7 +61,7 @@ class Fold:
 
 
 def fold(state: Result, turning: Turning) -> Fold:
-    """The fold that a state meets when its contact fraction falls, on the meshes of the state.
+    """Locate the fold that a state meets when its contact fraction falls, on the meshes of the state.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def fold(state: Result, turning: Turning) -> Fold:
 
 
 def _leader(problem: Problem, state: Evaluation, turning: Turning, resolution: Resolution) -> int:
-    """The patch whose width changes most, over itself, as the controlled quantity falls."""
+    """Return the patch whose width changes most, relative to itself, as the controlled quantity falls."""
     unit = problem.unit_stress if turning == "mean_pressure" else problem.unit_height
     at = float(quantities(state)[turning]) / unit
     here = close(problem, state.edges, resolution, Control(turning, at))
@@ -120,7 +120,7 @@ def _leader(problem: Problem, state: Evaluation, turning: Turning, resolution: R
 
 
 def _scouted(problem: Problem, edges: FloatArray, leader: int, turning: Turning, resolution: Resolution) -> Closure:
-    """The closure at the least q on a coarse mesh, from edges (n_patches, 2) in periods on."""
+    """Return the closure at the least q on a coarse mesh, starting from edges (n_patches, 2) in periods on."""
     walked: list[tuple[float, float, FloatArray]] = []  # width of the leader, q, edges
     for _ in range(STEPS):
         width = float(np.diff(edges)[leader, 0])
@@ -159,7 +159,7 @@ def _with_width(edges: FloatArray, leader: int, width: float) -> FloatArray:
 
 
 def _closed(problem: Problem, scout: Closure, leader: int, width: float, resolution: Resolution) -> Closure:
-    """The closure at a width near the scout's, on one mesh."""
+    """Return the closure at a width near the scout's, on one mesh."""
     start = _with_width(scout.evaluation.edges, leader, width)
     found = close(problem, start, resolution, Control("width", width, leader), scout.jacobian)
     if found.outcome != "converged":

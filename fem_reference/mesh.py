@@ -31,7 +31,7 @@ NARROWEST = 1e-6  # of the period; below it the coordinates of the smallest tria
 
 @dataclass(frozen=True)
 class Resolution:
-    """How finely to discretise.
+    """Fineness of a mesh.
 
     Parameters
     ----------
@@ -70,13 +70,13 @@ class Resolution:
         return round(2 * self.order * float(np.log2(self.cells / self._cells_of_coarser)))
 
     def coarser(self) -> "Resolution":
-        """The next coarser member: 3/4 of the cells, rounded up, and as many tip levels fewer as keep pace."""
+        """Return the next coarser resolution: 3/4 of the cells, rounded up, and fewer tip levels at the same pace."""
         return replace(self, cells=self._cells_of_coarser, tip_levels=self.tip_levels - self.levels_fewer)
 
 
 @dataclass(frozen=True)
 class LayerMesh:
-    """One period of the layer, 0 <= X <= 1, 0 <= y <= depth.
+    """Mesh of a period of the layer, 0 <= X <= 1, 0 <= y <= depth.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ def _base(depth: float, resolution: Resolution, highest_order: int) -> Any:
 
 
 def _refined_where_large(mesh: Any, tips: FloatArray, floor: FloatArray, slope: float) -> tuple[Any, bool]:
-    """One sweep of refinement of the triangles too large for their distance from the tips (n_tips,)."""
+    """Refine once the triangles that are too large for their distance from the tips (n_tips,)."""
     corners = mesh.p[:, mesh.t]
     sides = np.stack([corners[:, i] - corners[:, (i + 1) % 3] for i in range(3)])
     size = np.sqrt(np.max(np.sum(sides**2, axis=1), axis=0))

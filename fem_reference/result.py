@@ -1,4 +1,4 @@
-"""What a solution hands out: SI values, each with its uncertainty, and how they follow from two meshes.
+"""Result of a solution: SI values, each with its uncertainty, and the rule that gives it from several meshes.
 
 Energies and loads are per period of the profile and unit length in the third direction. u_tot is the displacement of
 the plate from first touch of the undeformed layer; Delta = u_tot - mean(u_y over the face) is the penetration, its
@@ -153,7 +153,7 @@ class Result:
 
     @cached_property
     def stable(self) -> bool | None:
-        """Whether the equilibrium is a minimum of the energy at the given control; None when not asked."""
+        """True if the equilibrium is a minimum of the energy at the given control; None when not asked."""
         return None if self.min_eigenvalue is None else self.min_eigenvalue > 0.0
 
     def displacement(self, x: ArrayLike) -> FloatArray:
@@ -291,7 +291,7 @@ def interface_fields(evaluation: Evaluation) -> Interface:
 
 
 def resolutions_of(evaluations: Sequence[Evaluation]) -> list[Resolution]:
-    """How finely each was discretised."""
+    """Return the resolution of each evaluation."""
     return [evaluation.resolution for evaluation in evaluations]
 
 
@@ -302,7 +302,7 @@ def spread(values: Sequence[FloatArray], resolutions: Sequence[Resolution]) -> F
 
 
 def _expanded(values: Sequence[FloatArray], factor: FloatArray | float) -> FloatArray:
-    """The same, the difference before the last taken times a factor."""
+    """Return the uncertainty of the last value, with the difference before the last multiplied by a factor."""
     steps = [np.abs(b - a) for a, b in pairwise(values)]
     largest = np.maximum(steps[-1], factor * steps[-2]) if len(steps) > 1 else steps[-1]
     return np.asarray(SAFETY * largest + ROUNDING * np.abs(values[-1]))

@@ -95,7 +95,7 @@ class Verdict:
     reasons: list[str] = field(default_factory=list)
 
     def judge(self, name: str, values: FloatArray | float, limit: FloatArray | float, place: str) -> float:
-        """The figure farthest beyond its limit, a reason where it exceeds it."""
+        """Return the figure farthest beyond its limit; note a reason where it exceeds the limit."""
         array = np.atleast_1d(values)
         limits = np.broadcast_to(limit, array.shape)
         worst = int(np.argmax(np.where(np.isnan(array), np.inf, array / limits)))
@@ -107,7 +107,7 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Demands:
-    """What a state must reach to be ok.
+    """Limits that a state must meet to be ok.
 
     Derived from the default tolerance of a state, 1e-6: figures of the solved system have two digits to spare, and K by
     the displacement has none (of 200 random scenes 0.007 of its limit at most).
@@ -131,7 +131,7 @@ class Demands:
 
 @dataclass(frozen=True, eq=False)
 class AdhesiveEdges:
-    """What the solver hands in of a state with adhesion."""
+    """Work of adhesion and stability of a state with adhesion, as the solver found them."""
 
     work: FloatArray  # w at all left edges, then all right ones, (2 L,)
     # of the Hessian of the potential under control, scaled; a state without it is not ok
@@ -223,7 +223,7 @@ def certify(
 
 @dataclass(frozen=True, eq=False)
 class _Misfit:
-    """What the displacement exceeds h - h_max + Delta by, at the extrema between the nodes and the edges of patches.
+    """Displacement less h - h_max + Delta, at the extrema between the nodes and at the edges of patches.
 
     Patch after patch, `first` being where each begins, (L,).
     """
@@ -252,7 +252,7 @@ class _Misfit:
         return cls(excess, first, sizes, largest, np.maximum(variation, SMALLEST_VARIATION), rounded)
 
     def lacking(self, field: DisplacementField) -> FloatArray:
-        """What q lacks at the edges, (2 L,), for the displacement to be that of the contact.
+        """Return the change of q at the edges, (2 L,), with which the displacement would meet the contact.
 
         By the logarithm of the patch itself: q = k cos(k theta) moves it by cos(k theta).  What other patches and a
         layer add is smooth, and leaves out some percent of this small change; a mean excess is an error of Delta, which
@@ -287,7 +287,7 @@ def _closures(
 
 
 def _attainable(pressure: PatchPressure, rounding: FloatArray | None, work: FloatArray | None) -> FloatArray:
-    """The closure that three times what rounding leaves of K allows, with adhesion or (None) without, (2 L,)."""
+    """Return the closure that three roundings of K allow, with adhesion or (work None) without, (2 L,)."""
     if rounding is None:
         return np.zeros(2 * pressure.left.size)
     if work is not None:

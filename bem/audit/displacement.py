@@ -93,7 +93,7 @@ class Boxes:
         return Pairs(point, self.patch[image], x[point] - self.center[image])
 
     def rest(self, x: FloatArray, box: IntArray) -> FloatArray:
-        """The smooth rest at points of boxes, by Clenshaw's rule, (n,)."""
+        """Evaluate the smooth rest at points of boxes by Clenshaw's rule, (n,)."""
         t = x / self.half - (2 * box + 1)
         now, before = np.zeros((2, x.size))
         for terms in self.series[:0:-1]:
@@ -205,14 +205,14 @@ class DisplacementField:
         return np.asarray(np.pi * (result + self._terms[patch, 0] * (np.log(self.radius[patch] / (2 * UNIT)) + decay)))
 
     def _in_boxes(self) -> Boxes:
-        """The circle in boxes, cut in halves until they are as many as the patches."""
+        """Divide the circle into boxes, halved until they are as many as the patches."""
         boxes = self._whole_circle()
         while boxes.count < self.count:  # twice or half as many take as long (measured)
             boxes = self._halved(boxes)
         return boxes
 
     def _whole_circle(self) -> Boxes:
-        """One box, the three images of every patch within a turn near it; singularities of the rest are 4 pi away."""
+        """Return one box for the circle, with three images of every patch; singularities of the rest are 4 pi away."""
         center = self.center - 2 * np.pi * np.floor(self.center / (2 * np.pi))
         modes, terms = _decaying(2 * np.pi / self.radius), int(_decaying(np.array([2.0]))[0])
         sources, charges = self._sources(modes)
@@ -297,7 +297,7 @@ class DisplacementField:
         return np.asarray(modes * (compliance_ratio(m.astype(np.float64)) - 1) / m / np.pi)
 
     def _layer_field(self, x: FloatArray, modes: ComplexArray) -> FloatArray:
-        """What a layer adds at points x, (n,)."""
+        """Return the displacement that a layer adds at points x, (n,)."""
         total = np.zeros(x.size)
         lowest = np.exp(1j * np.multiply.outer(x, np.arange(1, ORDERS + 1)))
         for first in range(0, modes.size, ORDERS):

@@ -188,7 +188,7 @@ class _Pressure:
         return held, left
 
     def lowest_in_contact(self) -> float:
-        """The lowest pressure of all patches, its minima bracketed and followed."""
+        """Return the lowest pressure of all patches, from bracketed minima."""
         gaps, lowest = self.gaps, math.inf
         for i, width in enumerate(gaps.contact_after):
             start = gaps.center[i] + gaps.half_width[i]
@@ -206,9 +206,9 @@ class _Pressure:
             before, here, after = values[:-2], values[1:-1], values[2:]
             low = (here <= before) & (here < after)
             low &= (3 * here <= before + after) | (here == here.min())
-            found = self._followed(np.asarray(theta[1:-1][low]), np.pi / n, pressure)
+            minima = self._followed(np.asarray(theta[1:-1][low]), np.pi / n, pressure)
             ends = pressure(np.asarray(theta[[0, -1]]))
-            lowest = min(lowest, float(ends.min()), float(found.min(initial=math.inf)))
+            lowest = min(lowest, float(ends.min()), float(minima.min(initial=math.inf)))
         return lowest
 
     def _followed(self, at: FloatArray, reach: float, function: Callable[[FloatArray], FloatArray]) -> FloatArray:
@@ -217,9 +217,9 @@ class _Pressure:
         values = np.full(at.size, np.inf)
         for _ in range(ZOOMS if at.size else 0):
             points = at[:, None] + reach * steps
-            found = function(points.ravel()).reshape(points.shape)
-            best = np.argmin(found, axis=1)
-            at, values = points[np.arange(at.size), best], found.min(axis=1)
+            samples = function(points.ravel()).reshape(points.shape)
+            best = np.argmin(samples, axis=1)
+            at, values = points[np.arange(at.size), best], samples.min(axis=1)
             reach = reach / 4
         return values
 
@@ -254,7 +254,7 @@ class _Pressure:
         return total
 
     def _others(self, x: FloatArray, inside: FloatArray, own: int) -> FloatArray:
-        """What other gaps and the images of its own do at points of a gap, (n,)."""
+        """Return the pressure that other gaps and the images of a gap cause at points of it, (n,)."""
         total = np.zeros(x.size)
         for i, series in enumerate(self.gaps.opening):
             distance = inside if i == own else x - self.gaps.center[i]
@@ -291,13 +291,13 @@ class _Pressure:
         return np.asarray(modes * (1 / compliance_ratio(m.astype(np.float64)) - 1) * m / np.pi)
 
     def _of_layer(self, x: FloatArray) -> FloatArray:
-        """What a layer adds at points x, (n,)."""
+        """Return the pressure that a layer adds at points x, (n,)."""
         m = np.arange(1, self.layer.size + 1)
         return np.asarray((np.exp(1j * np.multiply.outer(x, m)) @ self.layer).real)
 
 
 def _line(series: FloatArray, side: FloatArray, beyond: FloatArray) -> FloatArray:
-    """a sigma of the dislocations of a gap on a line, outside it: -sum (n+1) g_n zeta^(n+1) / (side sqrt(z^2 - 1))."""
+    """Return a sigma outside a gap on a line, by its dislocations: -sum (n+1) g_n zeta^(n+1) / (side sqrt(z^2 - 1))."""
     root = np.sqrt(beyond * (2 + beyond))
     zeta = side / (1 + beyond + root)
     terms = np.concatenate([[0.0], series * np.arange(1, series.size + 1)])

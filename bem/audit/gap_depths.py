@@ -1,4 +1,4 @@
-"""How far surfaces overlap in the gaps of a state, and the mean gap: u - (h - h_max + Delta) between the patches.
+"""Measure overlap in the gaps of a state, and the mean gap: u - (h - h_max + Delta) between the patches.
 
 The displacement is that of displacement.py, sampled until its series in every gap has decayed; minima between
 samples are bracketed and followed.  Integrals of u and of h term by term.  Dimensionless
@@ -115,7 +115,7 @@ def _rounded(number: FloatArray) -> IntArray:
 
 
 def _clustered(width: FloatArray, gaps: IntArray, number: int) -> GapPoints:
-    """The points phi = (k + 1/2) pi / n of `_at_angles` for some gaps, one after the other."""
+    """Return the points phi = (k + 1/2) pi / n of `_at_angles` for some gaps, joined."""
     whole = _over_a_gap(number)
     left, right = (np.outer(width[gaps], part).ravel() for part in (whole.from_left, whole.from_right))
     return GapPoints(np.repeat(gaps, number), left, right)
@@ -123,7 +123,7 @@ def _clustered(width: FloatArray, gaps: IntArray, number: int) -> GapPoints:
 
 @lru_cache(maxsize=256)
 def _over_a_gap(number: int) -> GapPoints:
-    """The same for a gap of width 1."""
+    """Return the points phi = (k + 1/2) pi / n of a gap of width 1."""
     angle = np.asarray((np.arange(number) + 0.5) * (np.pi / number), dtype=np.float64)
     return _at_angles(np.array([1.0]), np.zeros(number, dtype=np.int64), angle)
 

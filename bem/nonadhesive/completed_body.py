@@ -1,4 +1,4 @@
-"""What holds gaps open next to complete contact: the pressure of complete contact, to its last digits, and stiffness.
+"""Pressure of complete contact, to its last digits, and stiffness against opening: they hold the last gaps open.
 
 Complete contact has the pressure p_0 + q(x), q = sum m h_m / ratio_m cos(m x + phi_m).  Next to it the tension that
 opens a gap is a small difference of p_0 and q: q is summed at single points without rounding of m x, and its changes
@@ -25,7 +25,7 @@ ROUNDING = 4e-16  # derived: of q at a point, over its lowest value and the root
 
 @dataclass(frozen=True, eq=False)
 class CompletedBody:
-    """What holds gaps open: the pressure of complete contact, and the stiffness against opening.
+    """Pressure of complete contact and stiffness against opening.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ class CompletedBody:
 
     @cached_property
     def minima(self) -> tuple[FloatArray, FloatArray]:
-        """Where q has its local minima, ascending, and what it is there, (n,) each; the lowest to their last digits."""
+        """Positions of the local minima of q, ascending, and its values, (n,) each; the lowest to their last digits."""
         q = self.pressure
         x, values = q.valleys[0], q.valleys[1].copy()
         lowest = values <= LOWEST * values.min()
@@ -66,7 +66,7 @@ class CompletedBody:
 
     @cached_property
     def stiffening(self) -> FloatArray:
-        """What a layer adds to the stiffness of the modes m = 1.., (n,); none for a half-space."""
+        """Stiffness that a layer adds to the modes m = 1.., (n,); empty for a half-space."""
         if self.compliance_ratio is None:
             return np.empty(0)
         size = 16

@@ -79,7 +79,7 @@ def _moved(control: Control, state: Evaluation, outward: FloatArray, value: floa
 
 
 def _without_noise(fine: Evaluation, known: IntArray) -> tuple[Evaluation, FloatArray]:
-    """The same with K and the slope of the pressure at the edges by its coefficients that are above rounding.
+    """Return the state with K and the slope of the pressure at the edges from coefficients above rounding.
 
     `known` is the number of coefficients of R, (L,), beyond which there is nothing but rounding.  And what that leaves
     of K, one standard deviation, (2 L,).

@@ -96,13 +96,13 @@ class ConvexPath:
         yield replace(ahead, events=self._events(point, ahead))
 
     def refine(self, point: ConvexPoint, direction: float) -> ConvexPoint:
-        """The point itself: every one is solved to the accuracy of a target."""
+        """Return the point: every point is solved to the accuracy of a target."""
         return replace(point, events=())
 
     def restart(
         self, patches: Patches, penetration: float, value: float, separation: float | None = None
     ) -> ConvexPoint:
-        """The point at a value of the control, whatever was stored; what it takes was counted with the stored state."""
+        """Solve for the point at a value of the control again; its evaluations were counted with the stored state."""
         return replace(self, effort=Effort()).at(value, separation)
 
     def _events(self, before: ConvexPoint, after: ConvexPoint) -> tuple[PathEvent, ...]:
@@ -119,7 +119,7 @@ class ConvexPath:
 
     @cached_property
     def _joined(self) -> EventNumbers:
-        """Where the last gap closes: where the pressure of complete contact is lowest, which vanishes there."""
+        """Position where the last gap closes: there the pressure of complete contact is lowest and vanishes."""
         highest, load = self.body.max_height, self.body.complete.least_load
         value = self.control.value(highest, load)
         return EventNumbers(
@@ -127,7 +127,7 @@ class ConvexPath:
         )
 
     def at(self, value: float, separation: float | None = None) -> ConvexPoint:
-        """The point at a value of the control, at this separation where that is what is controlled."""
+        """Solve for the point at a value of the control, at the given separation if the separation is controlled."""
         return replace(self._solved(self.control, value, separation), separation=separation)
 
     def load_of(self, point: ConvexPoint) -> float | None:
@@ -140,26 +140,26 @@ class ConvexPath:
         return 0.0 if isinstance(point, Separated) else None
 
     def may_meet(self, before: ConvexPoint, after: ConvexPoint, load: float) -> bool:
-        """Whether a load lies between those of two points: the load grows with the penetration."""
+        """Return True if a load lies between the loads of two points: the load grows with the penetration."""
         if load == self.stop and self._stopped is not None and after.value == self._stopped.value:
             return True  # to the last digit
         start, end = self.load_of(before), self.load_of(after)
         return start is not None and end is not None and min(start, end) < load <= max(start, end)
 
     def at_load(self, before: ConvexPoint, after: ConvexPoint, load: float) -> ConvexPoint:
-        """The point at a load, whatever the control: where the path crosses it."""
+        """Solve for the point at a load, whatever the control."""
         return self._stopped if self._stopped is not None and load == self.stop else self._at_load(load)
 
     @cached_property
     def _stopped(self) -> ContactPoint | None:
         """The point with edges at the load behind which nothing is asked for."""
-        found = None if self.stop is None else self._at_load(self.stop)
-        return found if isinstance(found, ContactPoint) else None
+        point = None if self.stop is None else self._at_load(self.stop)
+        return point if isinstance(point, ContactPoint) else None
 
     def _at_load(self, load: float) -> ConvexPoint:
-        found = self._solved(LOAD_CONTROL, load)
-        penetration = self.elastic.profile.max_height if found.state is None else found.state.penetration
-        return replace(found, value=self.control.value(penetration, load))
+        point = self._solved(LOAD_CONTROL, load)
+        penetration = self.elastic.profile.max_height if point.state is None else point.state.penetration
+        return replace(point, value=self.control.value(penetration, load))
 
     def assess(self, point: ContactPoint) -> Assessment:
         """Stiffness and estimated errors, from a finer evaluation."""
@@ -170,7 +170,7 @@ class ConvexPath:
         return assess_contact(self.elastic, self.control, point.state, point.value, tolerance)
 
     def _solved(self, control: Control, value: float, separation: float | None = None) -> ConvexPoint:
-        """The state at a value of a control: by its patches, or by its gaps where these are narrow."""
+        """Solve for the state at a value of a control: by its patches, or by its gaps where these are narrow."""
         if value <= ROUNDED * control.penetration_weight * self.body.max_height:
             return Separated(value)
         joined = control.value(self.body.max_height, self.body.complete.least_load)
@@ -186,13 +186,13 @@ class ConvexPath:
         if solved.state is not None and solved.status == "converged":
             return self._touching(value, solved.state)
         known = gaps if solved.patches is None else gaps_of(solved.patches)
-        found = self._by_gaps(condition, value, known, deficit)  # there is contact, and a gap, at any value between
-        if solved.state is None or isinstance(found, ContactPoint):
-            return found
+        point = self._by_gaps(condition, value, known, deficit)  # there is contact, and a gap, at any value between
+        if solved.state is None or isinstance(point, ContactPoint):
+            return point
         return self._touching(value, solved.state)  # that gap is too much for unknowns in gaps, and taken for contact
 
     def _by_gaps(self, condition: Condition, value: float, gaps: Gaps, deficit: float) -> ConvexPoint:
-        """The state found from these gaps."""
+        """Solve for the state from the given gaps."""
         solved = solve_gaps(self.body, condition, gaps, deficit)
         self.effort.evaluations += solved.evaluations
         if solved.status == "closed":
@@ -202,12 +202,12 @@ class ConvexPath:
         return self._touching(value, solved.state)
 
     def _touching(self, value: float, state: Evaluation | GapEvaluation) -> ContactPoint:
-        """A point with edges; its unknowns are counted."""
+        """Return a point with edges, and count its unknowns."""
         self.effort.unknowns = max(self.effort.unknowns, state.unknowns)
         return ContactPoint(value, state)
 
     def _are_narrow(self, gaps: Gaps) -> bool:
-        """Whether gaps are so narrow, one of them at least, that isolated cracks are a start and patches none.
+        """Return True if a gap is so narrow that isolated cracks are a good start and patches are not.
 
         The waves of the profile must be longer, and those that feel the thickness of a layer.
         """

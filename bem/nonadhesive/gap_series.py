@@ -124,7 +124,7 @@ class GapEvaluation:
         return np.array(slopes)
 
     def shifted(self, amount: float) -> GapEvaluation:
-        """The state at a deficit larger by an amount, the same gaps."""
+        """Return the state of the same gaps at a deficit larger by an amount."""
         work = self.work + amount * (4 * np.pi * self.separation + TWO_PI * amount * self.separation_rate)
         return replace(
             self,
@@ -176,7 +176,7 @@ class GapEvaluation:
         return modes / np.pi
 
     def pressure(self) -> PatchPressure:
-        """The pressure as Chebyshev series on the patches, to rounding of its largest coefficient."""
+        """Return the pressure as Chebyshev series on the patches, to rounding of its largest coefficient."""
         gaps, charges = self.gaps, []
         start = gaps.center + gaps.half_width
         middle, r = start + gaps.patch_after / 2, gaps.patch_after / 2
@@ -242,9 +242,9 @@ def evaluate_gaps(body: CompletedBody, gaps: Gaps, deficit: float, extra: float 
     charge, _ = lapack.dpotrs(factor, drive, lower=1)
     series, rates = [], []
     for i, (first, last) in enumerate(pairwise(starts.tolist())):
-        found = _second_kind_table(int(sizes[i])).T @ charge[first:last] * (2 / np.pi)
-        series.append(found[:, 0])
-        rates.append(found[:, 1])
+        coefficients = _second_kind_table(int(sizes[i])).T @ charge[first:last] * (2 / np.pi)
+        series.append(coefficients[:, 0])
+        rates.append(coefficients[:, 1])
     volume = np.sum(a[:, None] * charge, axis=0)
     return GapEvaluation(
         body=body,
@@ -324,7 +324,10 @@ def end_values(series: tuple[FloatArray, ...]) -> FloatArray:
 
 
 def _line_pressure(series: FloatArray, excess: FloatArray, side: FloatArray) -> FloatArray:
-    """a Lambda g of a gap alone on a line, at distances from its end over its half width, side 1 or -1, (n,)."""
+    """Return a Lambda g outside a gap alone on a line, (n,).
+
+    `excess` is the distance from its end over its half width; `side` is 1 or -1.
+    """
     root = np.sqrt(excess * (2 + excess))
     power = side / (1 + excess + root)
     total = np.zeros(excess.size)

@@ -60,17 +60,17 @@ class Gaps:
         return Gaps(self.anchor, self.shift + (right - left) / 2, self.half_width + (right + left) / 2)
 
     def kept(self, which: NDArray[np.bool_]) -> Gaps:
-        """Some of them."""
+        """Return the gaps for which `which` is True."""
         return Gaps(self.anchor[which], self.shift[which], self.half_width[which])
 
     def joined(self, others: Gaps) -> Gaps:
-        """These and others in order; those that touch become one."""
+        """Return these gaps and others in order; gaps that touch become one gap."""
         parts = [np.concatenate(pair) for pair in zip(self._arrays, others._arrays, strict=True)]
         order = np.argsort(parts[0] + parts[1])
         return _united(Gaps(*(part[order] for part in parts)))
 
     def patches(self) -> Patches:
-        """The contact between the gaps."""
+        """Return the patches between the gaps."""
         right = np.append(self.center[1:], self.center[:1] + TWO_PI) - np.roll(self.half_width, -1)
         return ordered(self.center + self.half_width, right)
 
@@ -80,7 +80,7 @@ class Gaps:
 
 
 def gaps_of(patches: Patches) -> Gaps:
-    """The gaps between patches, anchored in their middles."""
+    """Return the gaps between patches, anchored in their middles."""
     middle = patches.right + patches.gap_after / 2
     turned = middle % TWO_PI
     order = np.argsort(turned)

@@ -1,4 +1,4 @@
-"""Where contact is, roughly: the problem without adhesion on a grid, from where the Newton iteration starts.
+"""Solve the contact problem without adhesion on a grid, roughly: the Newton iteration starts from its patches.
 
 With S the spectral compliance, the pressure p >= 0 at equidistant points minimises p S p / 2 - p (h - h_max + Delta),
 and the gap g >= 0 minimises g S^-1 g / 2 + g p_c, where p_c is the pressure of complete contact: the same problem
@@ -102,7 +102,7 @@ class GridProblem:
 
 
 def grid_problem(elastic: Elastic) -> GridProblem:
-    """The contact problem of an elastic body on the grid of its profile."""
+    """Return the contact problem of an elastic body on the grid of its profile."""
     step = 2 if elastic.profile.grid[0].size > FINE else 1
     x, height = (values[::step] for values in elastic.profile.grid)
     modes = 0.0 if elastic.kernel is None else float(elastic.kernel.modes_of_kernel(np.array([TWO_PI]), LAYER)[0])
@@ -141,14 +141,14 @@ def _minimiser(operator: FloatArray, drive: FloatArray, mean: float | None) -> F
 
 
 def _highest(drive: FloatArray, mean: float | None) -> FloatArray:
-    """One where the unknown may be expected to be positive, else zero, (n,)."""
+    """Return 1 where the unknown is expected to be positive, else 0, (n,)."""
     z = np.where(drive > (0.0 if mean is None else np.quantile(drive, 0.9)), 1.0, 0.0)
     z[np.argmax(drive)] = 1.0
     return z
 
 
 def _descent(operator: FloatArray, drive: FloatArray, mean: float | None, z: FloatArray) -> FloatArray:
-    """The minimiser by preconditioned conjugate gradients, from a multiple of z >= 0, (n,)."""
+    """Return the minimiser by preconditioned conjugate gradients, starting from a multiple of z >= 0, (n,)."""
     z = z * (max(float(z @ drive), 0.0) / float(z @ _filtered(z, operator)) if mean is None else mean / z.mean())
     inverse = 1 / np.where(operator > 0, operator, operator[1])
     direction, force, last = np.zeros(z.size), np.zeros(z.size), np.inf

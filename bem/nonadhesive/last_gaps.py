@@ -63,14 +63,14 @@ class Condition:
     rounding: float = 0.0
 
     def reach(self, state: GapEvaluation) -> GapEvaluation:
-        """The state carried to the condition at fixed ends."""
+        """Return the state that meets the condition with the same ends."""
         alpha, beta = self.separation_weight, TWO_PI * self.load_weight
         miss = self.rest - alpha * state.separation - beta * state.deficit
         return state.shifted(miss / (alpha * state.separation_rate + beta))
 
 
 def condition_of(body: CompletedBody, control: Control, value: float, separation: float | None = None) -> Condition:
-    """The condition of a control at a value, or that of a separation given to full precision."""
+    """Return the condition of a control at a value, or of a separation given to full precision."""
     if separation is not None:
         return Condition(1.0, 0.0, separation)
     alpha, beta = control.penetration_weight, control.load_weight
@@ -96,7 +96,7 @@ def isolated_cracks(body: CompletedBody, condition: Condition) -> tuple[Gaps, fl
     alpha, beta = condition.separation_weight, TWO_PI * condition.load_weight
 
     def excess(deficit: float) -> float:
-        """How much too large a deficit is, by Newton's method."""
+        """Return the Newton step by which a deficit is too large."""
         tension = np.maximum(deficit - shallower, 0.0)
         miss = alpha * float(np.sum(tension**2 / (2 * curvature))) + beta * deficit - condition.rest
         return miss / (alpha * float(np.sum(tension / curvature)) + beta)
@@ -176,8 +176,8 @@ def assess_gaps(state: GapEvaluation, condition: Condition) -> Assessment:
     outward = growth * np.tile(state.gaps.half_width, 2) * (2 / 3) * rounded
     disturbed = state.body, state.gaps.moved(np.minimum(outward, np.tile(state.gaps.half_width, 2)))
     moved = evaluate_gaps(*disturbed, state.deficit + rounded)
-    here = _quantities(state)
-    parts = [_quantities(other).minus(here) for other in (exact, moved)]
+    quantities = _quantities(state)
+    parts = [_quantities(other).minus(quantities) for other in (exact, moved)]
     correction = Quantities(*(sum(abs(getattr(part, f.name)) for part in parts) for f in fields(Quantities)))
     return Assessment(
         work=None,
@@ -191,7 +191,7 @@ def assess_gaps(state: GapEvaluation, condition: Condition) -> Assessment:
 
 
 def _quantities(state: GapEvaluation) -> Quantities:
-    """What is reported; contact and penetration by the gaps, whose changes are not lost beside them."""
+    """Return the reported quantities, with contact and penetration of the gaps, whose changes keep their digits."""
     return Quantities(
         penetration=-state.separation,
         load=-TWO_PI * state.deficit,
@@ -264,7 +264,7 @@ def _with_gaps_under_tension(state: GapEvaluation) -> Gaps | None:
     Minima between the points are followed by parabolas on ever shorter bases: dips are as shallow as the gaps narrow.
     """
     gaps, body = state.gaps, state.body
-    found: list[tuple[float, float]] = []
+    new_gaps: list[tuple[float, float]] = []
     for i, (width, start) in enumerate(zip(gaps.patch_after, gaps.center + gaps.half_width, strict=True)):
         n = LEAST_POINTS + int(POINTS_PER_WAVE * np.pi / 2 * width * body.pressure.max_order / TWO_PI)
         angle = (np.arange(n) + 0.5) * (np.pi / n)
@@ -286,15 +286,15 @@ def _with_gaps_under_tension(state: GapEvaluation) -> Gaps | None:
         lowest = body.at_anchor((start + at) % TWO_PI) + body.lowest - state.deficit + _opened(state, i, at)
         for k in np.flatnonzero(lowest < -BEYOND_ROUNDING * body.rounding):
             room = NEW_GAP * min(at[k], width - at[k])
-            found.append((start + at[k], min(2 * float(np.sqrt(-lowest[k] / bend[k])), room)))
-    if not found:
+            new_gaps.append((start + at[k], min(2 * float(np.sqrt(-lowest[k] / bend[k])), room)))
+    if not new_gaps:
         return None
-    x, half = np.array(found).T
+    x, half = np.array(new_gaps).T
     return gaps.joined(Gaps(x % TWO_PI, np.zeros(x.size), half))
 
 
 def _opened(state: GapEvaluation, gap: int, place: FloatArray) -> FloatArray:
-    """What the openings add to the pressure at distances from the end of a gap, in the contact behind it, (n,)."""
+    """Return the pressure that the openings add in the contact behind a gap, at distances from its end, (n,)."""
     gaps = state.gaps
     x, ahead = gaps.center[gap] + gaps.half_width[gap] + place, gaps.patch_after[gap] - place
     beside = np.where(place < ahead, gap, (gap + 1) % gaps.count)

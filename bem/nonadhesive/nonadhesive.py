@@ -74,7 +74,7 @@ def _mean_intensity(state: Evaluation) -> FloatArray:
 
 
 def _closed(state: Evaluation, control: Control, limit: float) -> bool:
-    """Whether |K| and the Newton steps still to be made, as contact fraction, are below the limit or rounding.
+    """Return True if |K| and the remaining Newton steps, as contact fraction, are below the limit or rounding.
 
     The steps count because a gap that closes has hardly any K left.
     """
@@ -83,7 +83,7 @@ def _closed(state: Evaluation, control: Control, limit: float) -> bool:
 
 
 def _is_small(state: Evaluation, control: Control, limit: float) -> bool:
-    """Whether |K| relative to the load of its patch is below the limit, or rounding."""
+    """Return True if |K| relative to the load of its patch is below the limit or rounding."""
     rounding = ROUNDINGS * state.rounding(control.penetration_rate(state))
     return bool(np.all(np.abs(state.stress_intensity) <= np.maximum(limit * _mean_intensity(state), rounding)))
 
@@ -156,7 +156,7 @@ def solve_contact(
 
 @dataclass(eq=False)
 class _Search:
-    """Where one solution stands: patches, coarseness of the evaluation, damping of the edges, gaps opened so far."""
+    """Progress of a solution: patches, coarseness of the evaluation, damping of the edges, gaps opened so far."""
 
     elastic: Elastic
     control: Control
@@ -183,17 +183,17 @@ class _Search:
         return max(self.accuracy.tolerance, self.coarseness)
 
     def evaluated(self) -> Evaluation:
-        """The state of the patches at the target."""
+        """Evaluate the patches at the target."""
         at = self.control.guess(self.penetration, self.target)
-        found = evaluate(
+        evaluation = evaluate(
             self.elastic, self.patches, at, self.tolerance, with_compliance=self.elastic.kernel is not None
         )
-        state = self.control.reach(found, self.target)
+        state = self.control.reach(evaluation, self.target)
         self.penetration, self.measure = state.penetration, edge_residual(state)
         return state
 
     def is_closed(self, state: Evaluation) -> bool:
-        """Whether K vanishes, in an evaluation as fine as wanted."""
+        """Return True if K vanishes in an evaluation as fine as wanted."""
         return self.coarseness <= self.accuracy.tolerance and _closed(state, self.control, self.accuracy.residual)
 
     def mended(self, state: Evaluation, pressure: PatchPressure) -> tuple[Patches | None, bool]:
@@ -207,7 +207,7 @@ class _Search:
         return _between(left, right), doubtful
 
     def is_at_rest(self, state: Evaluation) -> bool:
-        """Whether the steps still to be made are negligible, or shrink no more."""
+        """Return True if the remaining steps are negligible, or shrink no more."""
         before, self.remaining = self.remaining, _remaining(state)
         negligible = LEFT_OVER * self.accuracy.residual * np.sum(self.patches.width)
         return bool(self.remaining <= negligible or self.remaining > 0.5 * before)
@@ -280,7 +280,7 @@ def _gaps_under_tension(elastic: Elastic, pressure: PatchPressure, tolerance: fl
 
     A gap 2g wide that is taken for contact leaves a parabola of tension sqrt 2 g wide (Galin, chapter 2).
     """
-    found: list[tuple[float, float]] = []
+    opened: list[tuple[float, float]] = []
     doubtful = False
     for i, between in dips(pressure).items():
         first, last, charge = pressure.left[i], pressure.right[i], pressure.charges[i]
@@ -289,13 +289,13 @@ def _gaps_under_tension(elastic: Elastic, pressure: PatchPressure, tolerance: fl
                 break
             middle = (first + last) / 2 + (last - first) / 2 * at
             half = (last - first) / 2 * float(np.sqrt(max(-4 * value / bend, 0.0)))
-            room = min([middle - first, last - middle, *(max(a - middle, middle - b) for a, b in found)])
+            room = min([middle - first, last - middle, *(max(a - middle, middle - b) for a, b in opened)])
             least = _least_gap(elastic, middle - first, last - middle, CLOSED_GAP, tolerance)
             if 2 * half > OPENING_GAP * least and half < 0.5 * room:
-                found.append((middle - half, middle + half))
+                opened.append((middle - half, middle + half))
             else:
                 doubtful = True
-    return np.array(found).reshape(-1, 2), doubtful
+    return np.array(opened).reshape(-1, 2), doubtful
 
 
 def _between(left: FloatArray, right: FloatArray) -> Patches:
@@ -307,7 +307,7 @@ def _between(left: FloatArray, right: FloatArray) -> Patches:
 def _split(
     patches: Patches, moved: Patches, pressure: PatchPressure, tensile: dict[int, list[tuple[int, int]]]
 ) -> Patches:
-    """Moved patches; those under tension less what is tensile inside them, their ends moved outward or not at all."""
+    """Return moved patches, with their tensile parts cut out; the ends of patches under tension only move outward."""
     if not tensile:
         return moved
     kept = np.array([i not in tensile for i in range(patches.count)])

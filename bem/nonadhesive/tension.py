@@ -20,14 +20,14 @@ TENSILE = 1e-6  # of the largest pressure of a patch: less tension is rounding
 
 def dips(pressure: PatchPressure) -> dict[int, list[tuple[float, float, float]]]:
     """Patches inside which the pressure may fall below zero between its nodes: where, and the nodes on either side."""
-    found: dict[int, list[tuple[float, float, float]]] = {}
+    minima: dict[int, list[tuple[float, float, float]]] = {}
     for who, values in _at_nodes(pressure.charges):
         before, inner, after = values[:, :-2], values[:, 1:-1], values[:, 2:]
         bend = before - 2 * inner + after  # more than what a minimum between the nodes may lie lower
         at = nodes(pressure.charges[who[0]])
         for row, k in zip(*np.nonzero((inner < before) & (inner <= after) & (inner < bend)), strict=True):
-            found.setdefault(int(who[row]), []).append((float(at[k + 1]), float(at[k]), float(at[k + 2])))
-    return dict(sorted(found.items()))
+            minima.setdefault(int(who[row]), []).append((float(at[k + 1]), float(at[k]), float(at[k + 2])))
+    return dict(sorted(minima.items()))
 
 
 def minimum(charge: FloatArray, at: float, lower: float, upper: float) -> tuple[float, float, float]:
@@ -53,20 +53,20 @@ def _at_nodes(charges: tuple[FloatArray, ...]) -> list[tuple[IntArray, FloatArra
     """Patches with series of equal length, and the values of these at their nodes by rows."""
     sizes = np.array([charge.size for charge in charges])
     joined, starts = np.concatenate(charges), np.cumsum(sizes) - sizes
-    found: list[tuple[IntArray, FloatArray]] = []
+    groups: list[tuple[IntArray, FloatArray]] = []
     for size in np.unique(sizes).tolist():
         who = np.flatnonzero(sizes == size)
         rows = joined[starts[who, None] + np.arange(size)]
         if size <= chebyshev.SMALL_TRANSFORM:
-            found.append((who, rows @ _values(size)))
+            groups.append((who, rows @ _values(size)))
             continue
         from scipy import fft  # loaded where a patch has that many nodes
 
         halved = np.zeros((who.size, 2 * size))
         halved[:, :size] = rows / 2
         halved[:, 0] *= 2
-        found.append((who, np.asarray(fft.dct(halved, type=3, axis=1))[:, ::-1]))
-    return found
+        groups.append((who, np.asarray(fft.dct(halved, type=3, axis=1))[:, ::-1]))
+    return groups
 
 
 @lru_cache(maxsize=64)
@@ -78,7 +78,7 @@ def _values(size: int) -> FloatArray:
 
 def under_tension(pressure: PatchPressure, rounded: float) -> dict[int, list[tuple[int, int]]]:
     """Patches whose pressure is tensile somewhere inside: first and last nodes of the parts of each that are not."""
-    found: dict[int, list[tuple[int, int]]] = {}
+    compressive_parts: dict[int, list[tuple[int, int]]] = {}
     for who, values in _at_nodes(pressure.charges):
         most = values.max(axis=1)
         least = -TENSILE * most - rounded
@@ -88,8 +88,8 @@ def under_tension(pressure: PatchPressure, rounded: float) -> dict[int, list[tup
         for k, row, count in zip(tensile.tolist(), compressive, parts.tolist(), strict=True):
             is_loaded = bool(pressure.charges[who[k]][0] > 0)
             if not (count == 1 and is_loaded and most[k] > 0):  # tension at the ends alone moves these
-                found[int(who[k])] = _compressive(row, is_loaded) if most[k] > 0 else []
-    return found
+                compressive_parts[int(who[k])] = _compressive(row, is_loaded) if most[k] > 0 else []
+    return compressive_parts
 
 
 def _compressive(compressive: NDArray[np.bool_], is_loaded: bool) -> list[tuple[int, int]]:

@@ -1,10 +1,13 @@
-"""The dense reference's state of given patches, its pressure in the record of bem that other modules take."""
+"""States of given patches by the dense reference, whose pressure is a record of bem, for the tests of bem."""
 
 from dataclasses import replace
 from typing import Any
 
 from bem.geometry.patches import PatchPressure
 from validation.references import dense
+from validation.references.dense import SmoothKernel, dense_nodes
+
+__all__ = ["SmoothKernel", "dense_nodes", "evaluate_dense"]
 
 
 def evaluate_dense(*given: Any, **named: Any) -> dense.DenseState:

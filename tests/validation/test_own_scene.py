@@ -1,4 +1,4 @@
-"""The study of one's own scene: its errors against known answers, its advice, and the folder it keeps."""
+"""Study of a scene: its answers against closed forms, what is varied, and the folder that it keeps."""
 
 import json
 import math
@@ -7,374 +7,284 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from browser import BROWSER
-from devtools import found_at
+from rough_scene import ROUGH
 
 from bem.scene.scene import parse_scene
 from validation.command_line.front_door import main
-from validation.harness import store
-from validation.harness.execution import Ended
 from validation.references.closed_forms import Sinusoid
-from validation.references.one_patch import OnePatch
 from validation.report.pages import ReportError
-from validation.report.study_page import render_study
-from validation.studies.own_scene import own_scene
-from validation.studies.own_scene.findings import findings_of, finest_of, node_rate, offs
-from validation.studies.own_scene.own_scene import Options, run
-from validation.studies.own_scene.settings import BASE, FINEST, Setting, settings_of
-from validation.studies.own_scene.solved_setting import Reading, Solved, ToSolve, solved
-from validation.studies.own_scene.words import sentence
+from validation.studies.own_scene import Answer, Options, Solved, moves_of, run
+from validation.studies.scene_settings import BASE, SEED, TOLERANCE, Setting, settings_of
 
 SOLID = {"youngs_modulus": 1e6, "poisson_ratio": 0.5}
 MODULUS = 1e6 / 0.75
-ROUGH = {
+QUICK = Options(seeds=2, quick=True)
+RANDOM = {"kind": "self_affine", "period": 0.01, "hurst": 0.7, "rms_height": 5e-5, "harmonics": 8, "seed": 1}
+SCENE = {
     "title": "rubber on <glass>",
     "solid": SOLID,
-    "profile": {"kind": "self_affine", "period": 0.01, "hurst": 0.7, "rms_height": 5e-5, "harmonics": 8, "seed": 1},
+    "profile": RANDOM,
     "adhesion": {"work_of_adhesion": 0.03},
     "loading": {"control": "separation", "targets": [6e-5, 4e-5]},
 }
-ROUNDING = 3e-13  # of closed forms and of the loads asked for
-QUICK = Options(seeds=2, budget=600.0, quick=True)
 
 
-def wave(work):
-    return Sinusoid(1e-4, 0.01, 1e6, 0.5, math.sqrt(2 * MODULUS * work / 0.01) / (math.pi * MODULUS * 1e-2))
+def scene_file(folder, scene, name="scene.toml", encoding="utf-8"):
+    lines = [f"title = {json.dumps(scene.get('title', ''))}"]
+    for table, keys in scene.items():
+        if table != "title":
+            lines += [f"[{table}]", *(f"{key} = {json.dumps(value)}" for key, value in keys.items())]
+    (folder / name).write_text("\n".join(lines) + "\n", encoding)
+    return folder / name
 
 
-def wave_scene(work, fractions):
-    """One cosine pressed to these contact fractions, and its mean pressures in closed form."""
+def quiet(text):
+    """Listen to nothing."""
+
+
+def studied(folder, scene, options=QUICK):
+    assert run(scene_file(folder, scene), folder / "out", options, quiet) == 0
+    return json.loads((folder / "out" / "study.json").read_text())
+
+
+def test_answers_and_their_numerical_uncertainty_are_those_of_johnson(tmp_path):
+    work, fractions = 0.03, (0.3, 0.8)
+    alpha = math.sqrt(2 * MODULUS * work / 0.01) / (math.pi * MODULUS * 1e-2)
+    wave = Sinusoid(1e-4, 0.01, 1e6, 0.5, alpha)
     angles = np.pi / 2 * np.array(fractions)
-    tables = {
+    scene = {
+        "title": "one wave",
         "solid": SOLID,
         "profile": {"kind": "harmonics", "period": 0.01, "orders": [1], "amplitudes": [1e-4], "phases": [0.0]},
-        "loading": {"control": "penetration", "targets": wave(work).penetration(angles).tolist()},
+        "adhesion": {"work_of_adhesion": work},
+        "loading": {"control": "penetration", "targets": wave.penetration(angles).tolist()},
     }
-    if work:
-        tables["adhesion"] = {"work_of_adhesion": work}
-    return tables, dict(zip(fractions, wave(work).mean_pressure(angles).tolist(), strict=True))
+    rows = studied(tmp_path, scene)["answers"]
+    pressures = wave.mean_pressure(angles)
+    for target, fraction in enumerate(fractions):
+        exact = {"contact fraction": fraction, "mean pressure": float(pressures[target])}
+        for row in rows:
+            if row["target"] == target and row["quantity"] in exact:
+                off = abs(row["value"] / exact[row["quantity"]] - 1)
+                assert off <= row["moved"]["numerical"] + 3e-13
 
 
-def rippled_scene():
-    """A wave with a ripple of its third order, pressed to two loads; contact fractions and loads in closed form."""
-    patch = OnePatch(0.01, MODULUS, (1e-4, 0.0, 4e-6), 0.03)
-    fractions = (0.3, 0.6)
-    pressures = [float(patch.mean_pressure(math.pi * fraction)) for fraction in fractions]
-    tables = {
-        "solid": SOLID,
-        "profile": {
-            "kind": "harmonics",
-            "period": 0.01,
-            "orders": [1, 3],
-            "amplitudes": [1e-4, 4e-6],
-            "phases": [0.0, 0.0],
-        },
-        "adhesion": {"work_of_adhesion": 0.03},
-        "loading": {"control": "mean_pressure", "targets": pressures},
-        "accuracy": {"max_increment": 1.0},
-    }
-    return tables, dict(zip(fractions, pressures, strict=True))
+def outcome(fraction, pressure, error=1e-9, status="converged"):
+    answers = [
+        Answer(0, "loading", "contact fraction", fraction, error),
+        Answer(0, "loading", "mean pressure", pressure, error),
+    ]
+    return Solved("", status, "", 1.0, answers)
 
 
-KNOWN = {
-    "Westergaard": lambda: wave_scene(0.0, (0.2, 0.8)),
-    "Johnson": lambda: wave_scene(0.03, (0.3, 0.8)),
-    "rippled wave": rippled_scene,
+MADE_UP = {
+    Setting(BASE, BASE).title: outcome(0.5, 2.0),
+    Setting(TOLERANCE, "1e-9").title: outcome(0.5 * (1 + 1e-6), 2.0),
+    Setting("cut", "4 harmonics").title: outcome(0.5, 2.1),
+    Setting("cut", "16 harmonics").title: outcome(0.52, 1.96),
+    Setting(SEED, "1").title: outcome(0.5, 2.2),
+    Setting(SEED, "2").title: outcome(0.5, 1.8),
+    Setting("length", "true").title: outcome(0.9, 9.0, status="not_converged"),
 }
+SETTINGS = [
+    Setting(BASE, BASE),
+    Setting(TOLERANCE, "1e-9"),
+    Setting("cut", "4 harmonics"),
+    Setting("cut", "16 harmonics"),
+    Setting(SEED, "1"),
+    Setting(SEED, "2"),
+    Setting("length", "true"),
+]
 
 
-@pytest.fixture(scope="module", params=KNOWN)
-def known(request, tmp_path_factory):
-    """The numerical settings of a scene with a known answer, solved; contact fractions and pressures by closed form."""
-    tables, exact = KNOWN[request.param]()
-    places = (Path(), tmp_path_factory.mktemp("parts"))
-    settings = settings_of(parse_scene(tables), tables, places, 0, quick=True)
-    chosen = [one for one in settings if one.kind in ("base", "numerical") and one.tables]
-    return [(one, solved(ToSolve(one.name, one.tables, ".", 60.0, one.kind == "base"))) for one in chosen], exact
+def test_each_answer_has_its_own_moves_and_uncertainty():
+    (fraction, pressure), (tolerance,) = moves_of(SETTINGS, MADE_UP)
+    assert fraction["moved"] == pytest.approx({"numerical": 1e-6, "cut": 0.04, "seed": 0.0}, rel=1e-9)
+    assert pressure["moved"] == pytest.approx({"numerical": 5e-10, "cut": 0.05, "seed": 0.1}, rel=1e-9)
+    assert fraction["uncertainty"] == pytest.approx(0.02, rel=1e-6)
+    assert pressure["uncertainty"] == pytest.approx(2.0 * math.hypot(0.05, 0.1), rel=1e-9)
+    assert tolerance["moved"] == {"contact fraction": 0.0, "mean pressure": 0.0}
 
 
-def true_answer(base, exact):
-    """The readings of a scene with the numbers of the closed form in their place, without errors of their own."""
-    readings = []
-    for reading, (fraction, pressure) in zip(base.readings, exact.items(), strict=True):
-        free = reading.free_value if reading.free == "separation" else pressure
-        readings.append(
-            replace(reading, contact_fraction=fraction, fraction_error=0.0, free_value=free, free_error=0.0)
-        )
-    return replace(base, readings=tuple(readings))
+def test_an_answer_that_vanishes_is_measured_by_the_largest_on_the_path():
+    base = replace(
+        outcome(0.5, 2.0), answers=[Answer(k, "loading", "mean pressure", p, None) for k, p in ((0, 2.0), (1, 0.0))]
+    )
+    other = replace(base, answers=[Answer(k, "loading", "mean pressure", p, None) for k, p in ((0, 2.0), (1, 0.01))])
+    rows, _ = moves_of([Setting(BASE, BASE), Setting("cut", "4")], {BASE: base, "cut: 4": other})
+    assert rows[1]["moved"]["cut"] == pytest.approx(0.01 / 0.2)
 
 
-def distances(answer, other):
-    """Relative distances of the numbers that the closed form knows."""
-    return [off for off in offs(answer, other, other) if off.quantity != "separation"]
+def settings(scene, folder, seeds=2):
+    return settings_of(parse_scene(scene, folder), scene, folder, folder / "parts", seeds)
 
 
-def test_the_error_of_every_setting_is_the_true_one(known):
-    answered, exact = known
-    truth, (_, finest) = true_answer(answered[0][1], exact), finest_of(answered)
-    floor = findings_of(answered).floor
-    for setting, answer in answered:
-        true, claimed = (max(off.distance for off in distances(answer, other)) for other in (truth, finest))
-        assert abs(true - claimed) <= floor + ROUNDING, setting.name
+def named(scene, folder):
+    """Names of the settings that can be solved, and reasons of the others, by source."""
+    names = {}
+    for one in settings(scene, folder):
+        names.setdefault(one.source, []).append(one.reason or one.name)
+    return names
 
 
-def test_estimated_errors_cover_the_true_ones(known):
-    answered, exact = known
-    truth = true_answer(answered[0][1], exact)
-    for setting, answer in answered:
-        for off in distances(answer, truth):
-            assert off.distance <= off.estimate + ROUNDING, setting.name
+def test_settings_of_a_random_profile(tmp_path):
+    names = named(SCENE, tmp_path)
+    assert names[TOLERANCE] == ["0.001", "1e-06", "1e-09"]
+    assert names["cut"] == ["4 harmonics", "16 harmonics"]
+    assert names[SEED] == ["2", "3"]
+    assert names["length"] == ["adhesion on the true length"]
+    assert not {"detrending", "window", "part", "row", "noise"} & set(names)
 
 
-def test_nodes_converge_at_the_rate_that_is_predicted():
-    """K falls like rho^-n, rho of the ellipse through the next edge, the load like rho^-2n (convergence_curves.py)."""
-    tables, _ = wave_scene(0.03, (0.95,))
-    answer = solved(ToSolve("as it is", tables, ".", 60.0, nodes=True))
-    (curve,) = answer.nodes
-    reach = 1 + 2 * 0.05 / 0.95
-    rho = reach + math.sqrt(reach**2 - 1)
-    assert 1 < node_rate(curve.per_patch, curve.intensity_errors) / rho < 1.05  # measured 1.017
-    assert 1 < node_rate(curve.per_patch, curve.load_errors) / rho**2 < 1.2  # measured 1.077: few points above rounding
+def scan(folder, heights, **keys):
+    """Scene of a scan with so many heights in um, 1 um apart."""
+    np.savetxt(folder / "scan.csv", np.column_stack([np.arange(len(heights)), heights]))
+    profile = {"kind": "samples", "file": "scan.csv", "unit_x": "um", "unit_h": "um"} | keys
+    return SCENE | {"profile": profile, "loading": {"control": "mean_pressure", "targets": [1e4]}}
 
 
-def reading(fraction, pressure, value=1.0, error=1e-9):
-    return Reading(("separation", value, 1), "loading", 1, True, fraction, error, "mean_pressure", pressure, error)
+def rough(count, tilt=0.0, seed=0):
+    x, rng = np.arange(count), np.random.default_rng(seed)
+    waves = sum(rng.normal() * np.cos(2 * np.pi * m * x / count + rng.uniform(0, 6)) / m for m in range(1, 20))
+    return waves + tilt * x / count
 
 
-def answer(fraction, pressure, evaluations=100, status="converged", error=1e-9):
-    return Solved(status, "", 1.0, evaluations, 1, 1.0, 0.1, 1.0, (reading(fraction, pressure, error=error),))
+def shortest(setting, folder):
+    profile = parse_scene(setting.tables, folder).profile
+    return profile.period / profile.harmonics
 
 
-def made_up():
-    """Settings with a tenth, a thousandth and 1e-6 of error, a cut that changes 5 %, three realisations."""
-    return [
-        (Setting("base", BASE, BASE), answer(0.5 * (1 + 1e-6), 2.0, 400)),
-        (Setting("numerical", FINEST, "finest"), answer(0.5, 2.0, 9000, error=1e-10)),
-        (Setting("numerical", "tolerance", "0.01"), answer(0.55, 2.0, 50)),
-        (Setting("numerical", "tolerance", "0.0001"), answer(0.5, 2.002, 100)),
-        (Setting("numerical", "tolerance", "1e-12"), Solved("not_converged", "too fine")),
-        (Setting("input", "cut", "4 harmonics"), answer(0.5, 2.1)),
-        (Setting("input", "seed", "1"), answer(0.5, 2.2)),
-        (Setting("input", "seed", "2"), answer(0.5, 1.8)),
-    ]
+def test_settings_of_a_scan_keep_its_shortest_wave(tmp_path):
+    scene = scan(tmp_path, rough(64), harmonics=16, detrend="line", periodic="mirror")
+    names = named(scene, tmp_path)
+    assert names["cut"] == ["8 harmonics", "32 harmonics"]
+    own = shortest(settings(scene, tmp_path)[0], tmp_path)
+    recut = [one for one in settings(scene, tmp_path) if one.source in ("part", "window") and one.tables]
+    assert {one.source for one in recut} == {"part", "window"}
+    for one in recut:
+        assert shortest(one, tmp_path) == pytest.approx(own, rel=0.04)  # a whole number of waves
+    first, second = (parse_scene(one.tables, tmp_path).scan for one in recut if one.source == "part")
+    whole = parse_scene(scene, tmp_path).scan
+    assert np.array_equal(np.concatenate([first.measured[1], second.measured[1]]), whole.measured[1])
 
 
-def test_advice_is_the_cheapest_setting_that_is_accurate_enough():
-    advice = {one.digits: one for one in findings_of(made_up()).advice}
-    assert [advice[digits].setting for digits in (2, 3, 4, 6, 9)] == [
-        "tolerance 0.0001",
-        "tolerance 0.0001",
-        "as it is",
-        "as it is",
-        "finest finest",
-    ]
-    assert [advice[digits].evaluations for digits in (2, 4, 9)] == [100, 400, 9000]
-    assert advice[2].error == pytest.approx(1e-3)
-    assert (advice[2].open_source, advice[2].open_share) == ("seed", pytest.approx(0.1))
+def test_a_mirrored_row_of_256_points_has_all_its_settings(tmp_path):
+    scene = scan(tmp_path, rough(256), harmonics="all", detrend="line", periodic="mirror")
+    for one in settings(scene, tmp_path):
+        assert "allowed" not in one.reason, one
+        if one.tables:
+            parse_scene(one.tables, tmp_path)
 
 
-def test_digits_that_the_finest_setting_does_not_resolve_are_not_promised():
-    coarse = [(one, replace(found, readings=(reading(0.5, 2.0, error=1e-3),))) for one, found in made_up()]
-    assert [one.setting is None for one in findings_of(coarse).advice] == [False, True, True, True, True]
+def test_detrending_that_leaves_a_tilt_and_ends_that_do_not_meet_are_no_alternative(tmp_path):
+    names = named(scan(tmp_path, rough(256, tilt=40.0), harmonics=20, detrend="line", periodic="mirror"), tmp_path)
+    assert [reason.split()[0] for reason in names["detrending"]] == ["leaves", "leaves", "quadratic", "cubic"]
+    tilted = named(scan(tmp_path, rough(256, tilt=40.0), harmonics=20, detrend="mean", periodic="mirror"), tmp_path)
+    assert tilted["window"][0] == "the ends of the scan do not meet"
 
 
-def test_the_sentence_names_the_largest_uncertainty():
-    said = sentence(findings_of(made_up()))
-    assert "largest uncertainty is the realisation of the random phases (input): the mean pressure at a" in said
-    assert "varies by 10 % (standard deviation of 3 realisations; standard error of their mean 5.8 %)" in said
-    assert " The mean of more realisations (profile.seed) lowers it. The numerical error is at most " in said
-    cut = sentence(findings_of(made_up()[:6]))
-    assert "changes by up to 5 % with it (1 alternative). The key profile.harmonics decides it" in cut
+def test_the_cut_that_the_scene_has_is_varied(tmp_path):
+    names = named(scan(tmp_path, rough(256), cutoff_short=2e-5), tmp_path)
+    assert names["cut"] == ["cutoff_short 1e-05 m", "cutoff_short 4e-05 m"]
 
 
-def test_a_pressure_that_vanishes_is_measured_by_the_largest_on_the_path():
-    path = replace(answer(0.5, 2.0), readings=(reading(0.5, 2.0), reading(0.4, 1e-3, value=2.0)))
-    other = replace(path, readings=(reading(0.5, 2.0), reading(0.4, 3e-3, value=2.0)))
-    assert max(off.distance for off in offs(other, path, path)) == pytest.approx(2e-3 / 0.2)
+def test_rows_of_a_map_are_varied(tmp_path):
+    np.savetxt(tmp_path / "map.txt", [rough(64, seed=k) for k in range(3)])
+    profile = {
+        "kind": "samples",
+        "file": "map.txt",
+        "unit_x": "um",
+        "unit_h": "um",
+        "spacing": 1e-6,
+        "row": 2,
+        "harmonics": 10,
+    }
+    scene = SCENE | {"profile": profile, "loading": {"control": "mean_pressure", "targets": [1e4]}}
+    rows = [one for one in settings(scene, tmp_path) if one.source == "row"]
+    assert [(one.name, bool(one.tables)) for one in rows] == [("1", True), ("3", False), ("mean", True)]
 
 
-def test_a_page_is_amber_where_the_input_leaves_more_than_a_tenth_open(studied):
-    content = json.loads((studied[1] / "study.json").read_text())
-    for most, amber in ((0.09, False), (0.11, True)):
-        rows = [row | {"input": most} for row in content["targets"]]
-        assert ('class="verdict doubtful"' in render_study(content | {"targets": rows})) == amber
+def test_noise_of_the_floor_of_the_scan_is_added(tmp_path):
+    noise = np.random.default_rng(1).normal(0.0, 0.05, 1024)
+    scene = scan(tmp_path, rough(1024) + noise, harmonics=30)
+    (setting,) = (one for one in settings(scene, tmp_path) if one.source == "noise")
+    added = parse_scene(setting.tables, tmp_path).scan.measured[1] - parse_scene(scene, tmp_path).scan.measured[1]
+    assert np.std(added) == pytest.approx(5e-8, rel=0.2)
 
 
-@pytest.fixture
-def in_process(monkeypatch):
-    """Settings are solved in this process; the names of those that were."""
-    done = []
-
-    def events(function, items, jobs, **options):
-        for item in items:
-            done.append(item.name)
-            yield Ended(item, function(item))
-
-    monkeypatch.setattr(store, "run_in_processes", events)
-    return done
-
-
-def scene_file(folder, **tables):
-    path = folder / "scene.toml"
-    words = {name: table for name, table in (ROUGH | tables).items() if table is not None}
-    lines = [f"title = {json.dumps(words.pop('title'))}"]
-    for name, table in words.items():
-        lines += [f"[{name}]", *(f"{key} = {json.dumps(value)}" for key, value in table.items())]
-    path.write_text("\n".join(lines) + "\n", "utf-8")
-    return path
-
-
-def solved_here(function, items, jobs, **options):
-    for item in items:
-        yield Ended(item, function(item))
-
-
-@pytest.fixture(scope="module")
-def studied(tmp_path_factory):
-    """A study that is there: its scene file, its folder and the notes."""
-    folder, notes = tmp_path_factory.mktemp("studied"), []
-    path = scene_file(folder)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(store, "run_in_processes", solved_here)
-        assert run(path, folder / "out", QUICK, notes.append) == 0
-    return path, folder / "out", [note.text for note in notes]
-
-
-def test_a_study_says_what_it_will_cost_and_what_it_found(studied, capsys):
-    _, folder, notes = studied
-    assert "settings" in notes[0] and "at most 600 s of one core" in notes[0]
-    assert any("to go by the pace so far" in note for note in notes)
-    content = json.loads((folder / "study.json").read_text())
-    assert content["status"] == "done"
-    assert {row["source"] for row in content["sources"]} == {"numerical", "cut", "seed", "slope term"}
-    assert len(content["targets"]) == 4
-    assert all(row["evaluations"] > 0 for row in content["settings"] if row["status"] == "converged")
-    assert content["sentence"] in (folder / "study.html").read_text().replace("&#39;", "'")
-
-
-def test_the_command_holds_the_options_given(studied):
-    command = json.loads((studied[1] / "study.json").read_text())["command"]
-    assert command == "linecontact study scene scene.toml --out out --quick --seeds 2 --budget 600"
-
-
-def interrupted():
-    raise KeyboardInterrupt
-
-
-def test_a_study_continues_where_it_ended(studied, in_process, monkeypatch):
-    path, folder, _ = studied
-    before = json.loads((folder / "study.json").read_text())
-    kept = sorted((folder / "answers").iterdir())
-    kept[0].unlink()
-    with monkeypatch.context() as patch:  # an interrupt leaves what is there
-        patch.setattr(own_scene, "provenance", interrupted)
-        with pytest.raises(KeyboardInterrupt):
-            run(path, folder, QUICK, lambda note: None)
-    assert json.loads((folder / "study.json").read_text()) == before
-    assert run(path, folder, QUICK, lambda note: None) == 0
-    after = json.loads((folder / "study.json").read_text())
-    assert len(in_process) == 1
-    assert [row["contact_fraction"] for row in after["settings"]] == [
-        row["contact_fraction"] for row in before["settings"]
-    ]
-
-
-def test_the_study_of_another_scene_is_not_overwritten_unless_asked(studied, tmp_path, in_process):
-    _, folder, _ = studied
-    stored = (folder / "study.json").read_text()
-    copy = tmp_path / "out"
-    copy.mkdir()
-    (copy / "study.json").write_text(stored)
-    other = scene_file(tmp_path, title="another", adhesion=None)
-    with pytest.raises(ReportError, match=r"study of another scene .*rubber on <glass>.*--overwrite"):
-        run(other, copy, QUICK, lambda note: None)
-    assert (copy / "study.json").read_text() == stored
-    assert run(other, copy, replace(QUICK, overwrite=True, seeds=0), lambda note: None) == 0
-
-
-def test_a_file_that_is_no_study_is_refused(tmp_path):
-    (tmp_path / "study.json").write_text("{}")
-    with pytest.raises(ReportError, match="not the study of a scene"):
-        run(scene_file(tmp_path), tmp_path, QUICK, lambda note: None)
-
-
-def test_what_goes_beyond_the_budget_is_left_out(tmp_path, in_process):
-    assert run(scene_file(tmp_path), tmp_path / "out", replace(QUICK, budget=1e-6), lambda note: None) == 0
-    content = json.loads((tmp_path / "out" / "study.json").read_text())
-    assert in_process == [BASE]
-    assert {row["status"] for row in content["settings"]} == {"converged", "left out", "does not apply"}
-    assert "beyond the budget of 1e-06 s" in content["settings"][1]["why"]
-
-
-def test_a_setting_that_the_scene_refuses_is_a_row(tmp_path, in_process):
-    accuracy = {"max_increment": 60.0}  # twice that is beyond what a scene takes
-    assert run(scene_file(tmp_path, accuracy=accuracy), tmp_path / "out", QUICK, lambda note: None) == 0
-    rows = json.loads((tmp_path / "out" / "study.json").read_text())["settings"]
-    refused = [row for row in rows if row["status"] == "refused"]
-    assert [row["name"] for row in refused] == ["240"]
-    assert "accuracy.max_increment = 240.0" in refused[0]["why"]
-
-
-def test_a_run_that_takes_far_too_long_is_stopped():
-    stopped = solved(ToSolve("", ROUGH, ".", limit=0.0))
-    assert (stopped.status, stopped.good) == ("stopped", False)
-
-
-def test_a_scene_that_does_not_converge_as_it_is_fails_by_name(tmp_path, in_process):
-    loading = {"control": "mean_pressure", "targets": [-1e9]}
+def test_a_study_continues_and_its_page_is_written(tmp_path):
     notes = []
-    assert run(scene_file(tmp_path, loading=loading), tmp_path / "out", QUICK, notes.append) == 1
-    assert "does not converge as it is: unreachable" in notes[-1].text
-    assert json.loads((tmp_path / "out" / "study.json").read_text())["status"] == "failed"
-    assert in_process == [BASE]
+    path = scene_file(tmp_path, SCENE, encoding="utf-8-sig")  # with a byte order mark
+    assert run(path, tmp_path / "out", QUICK, notes.append) == 0
+    assert len(notes) == 9
+    stored = json.loads((tmp_path / "out" / "study.json").read_text())
+    assert {row["quantity"] for row in stored["answers"]} >= {"contact fraction", "mean open gap", "peak pressure"}
+    assert [row["tolerance"] for row in stored["tolerances"]] == ["0.001", "1e-06", "1e-09"]
+    assert all(row["cpu_seconds"] > 0 for row in stored["tolerances"])
+    page = (tmp_path / "out" / "study.html").read_text()
+    assert "rubber on &lt;glass&gt;" in page
+    del stored["solved"]["cut: 4 harmonics"]
+    (tmp_path / "out" / "study.json").write_text(json.dumps(stored))
+    again = []
+    assert run(path, tmp_path / "out", QUICK, again.append) == 0
+    assert [note.split(":")[0] for note in again] == [BASE, "cut"]
+    after = json.loads((tmp_path / "out" / "study.json").read_text())
+    assert after["answers"] == stored["answers"]
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("change", "words"),
     [
-        pytest.param(("scene",), "a scene file is needed", id="no file"),
-        pytest.param(("scene", "none.toml"), "none.toml cannot be read", id="no such file"),
-        pytest.param(("scene", "bad.toml"), "solid.poisson_ratio = 0.7", id="refused"),
-        pytest.param(("scene", "bad.toml", "--peers"), "--peers: study scene does not take it", id="peers"),
-        pytest.param(("scene", "bad.toml", "--executor", "dask://a:1"), "on this machine only", id="executor"),
-        pytest.param(("convergence", "bad.toml"), "scene: study convergence does not take it", id="another study"),
-        pytest.param(("convergence", "--budget", "5"), "budget: study convergence does not take it", id="budget"),
+        (
+            lambda content: content["solved"][BASE].update(cpu_seconds="long"),
+            r"study\.json: solved\.as it is\.cpu_seconds: ",
+        ),
+        (lambda content: content["solved"][BASE].update(answers=7), r"solved\.as it is\.answers: "),
+        (lambda content: content.pop("scene_sha256"), "scene_sha256: Field required"),
+        (lambda content: content.update(scene_sha256="0"), "scene_sha256: the study of another scene"),
+        (lambda content: content.update(schema="other"), "schema: 'other', not"),
+        (lambda content: content.clear(), "schema: Field required"),
     ],
 )
-def test_bad_input_is_refused_by_name_and_nothing_is_written(words, said, tmp_path, capsys, monkeypatch):
+def test_a_study_that_is_foreign_or_changed_is_refused_by_file_and_key(change, words, tmp_path):
+    (tmp_path / "out").mkdir()
+    content = {"schema": "linecontact-scene-study/2", "scene_sha256": "1", "title": "a", "solved": {BASE: {
+        "sha256": "1", "status": "converged", "reason": "", "cpu_seconds": 1.0, "answers": []}}}  # fmt: skip
+    change(content)
+    (tmp_path / "out" / "study.json").write_text(json.dumps(content))
+    with pytest.raises(ReportError, match=words):
+        run(scene_file(tmp_path, SCENE), tmp_path / "out", QUICK, quiet)
+
+
+def test_a_file_that_is_no_json_is_refused_and_overwritten_where_asked(tmp_path):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "study.json").write_text("{")
+    with pytest.raises(ReportError, match=r"study\.json: the file: .*--overwrite"):
+        run(scene_file(tmp_path, SCENE), tmp_path / "out", QUICK, quiet)
+    options = replace(QUICK, overwrite=True, budget=1e-9)
+    assert run(scene_file(tmp_path, SCENE), tmp_path / "out", options, quiet) == 0
+    rows = json.loads((tmp_path / "out" / "study.json").read_text())["settings"]
+    assert {row["status"] for row in rows} == {"converged", "left out"}
+    assert "beyond the budget" in rows[-1]["reason"]
+
+
+def test_a_scene_that_does_not_converge_as_it_is_fails(tmp_path, capsys):
+    scene = SCENE | {"loading": {"control": "mean_pressure", "targets": [-1e9]}}
+    assert run(scene_file(tmp_path, scene), tmp_path / "out", QUICK, quiet) == 1
+    assert "does not converge as it is" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        pytest.param(("scene",), "a scene file is needed", id="no file"),
+        pytest.param(("scene", "none.toml"), "none.toml", id="no such file"),
+        pytest.param(("scene", "bad.toml"), "solid.poisson_ratio = 0.7", id="refused"),
+    ],
+)
+def test_bad_input_is_refused_by_name_and_nothing_is_written(words, message, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    scene_file(tmp_path, solid=SOLID | {"poisson_ratio": 0.7}).rename(tmp_path / "bad.toml")
+    scene_file(tmp_path, ROUGH | {"solid": SOLID | {"poisson_ratio": 0.7}}, "bad.toml")
     assert main(["study", *words, "--out", "out"]) == 2
-    assert said in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
-
-
-LOOK = """
-const box = document.getElementById("verdict").getBoundingClientRect();
-found.wide = document.documentElement.scrollWidth > innerWidth;
-found.verdict = [box.left, box.top, innerWidth - box.right, innerHeight - box.bottom];
-found.figures = [...document.querySelectorAll("figure svg")].map((svg) => [svg.getAttribute("role"),
-  document.getElementById(svg.getAttribute("aria-labelledby")).textContent.length > 20]);
-const targets = [...document.querySelectorAll("a[href]")].map((link) => link.getAttribute("href"));
-found.lost = targets.filter((target) => !document.getElementById(target.slice(1)));
-found.resources = performance.getEntriesByType("resource").map((entry) => entry.name);
-"""
-
-
-@pytest.mark.skipif(BROWSER is None, reason="no Chromium here (Debian: apt-get install chromium)")
-@pytest.mark.parametrize("width", [1280, 390])
-def test_the_page_in_a_browser(studied, tmp_path, width):
-    _, folder, _ = studied
-    page = render_study(json.loads((folder / "study.json").read_text()))
-    assert "rubber on &lt;glass&gt;" in page
-    found, console = found_at(tmp_path, page, LOOK, width)
-    assert (console, found["wide"], found["lost"], found["resources"]) == ([], False, [], [])
-    assert min(found["verdict"]) >= 0  # on the first screen, all of it
-    assert found["figures"] == [["img", True]]
-
-
-def test_a_scene_without_contact_ends_in_a_page_that_says_so(tmp_path, in_process):
-    loading = {"control": "separation", "targets": [3e-4]}
-    path = scene_file(tmp_path, loading=loading, output=None)
-    assert run(path, tmp_path / "out", QUICK, lambda note: None) == 0
-    assert "There is no contact at any target. " in (tmp_path / "out" / "study.html").read_text("utf-8")
+    assert message in capsys.readouterr().err
+    assert not Path("out").exists()

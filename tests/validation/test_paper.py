@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,16 +13,17 @@ import bem
 from persson import double_gaussian
 from validation import __main__ as command_line
 from validation.harness.schema import Figure, Panel, Series
-from validation.paper import layer_problem, members, replicate, vanishing_adhesion
+from validation.paper import layer_problem, members, replicate, spectra, vanishing_adhesion
 from validation.paper.area import curvature, departures, line_through
 from validation.paper.double_gaussian_fit import Sample
-from validation.paper.ensemble import read_member
+from validation.paper.ensemble import Member, read_member, solve_members
 from validation.paper.evidence import Evidence, Realisation, jackknife, joined, mean_and_error
 from validation.paper.members import LOADS, PAPER, Size
 from validation.paper.paper_sketch import sketch_scene
 from validation.paper.pressure import decay_power, density
 from validation.paper.spectra import banded, exponent, exponent_of, exponent_of_mean
 from validation.paper.statements import Check, Statement, headline
+from validation.references import paper_problem
 from validation.references.paper_problem import MODULUS
 from validation.report.figures import table_of, write_figure
 
@@ -87,6 +89,34 @@ def test_exponent_of_noisy_lines_is_within_its_error():
     assert 0.01 < found.error < 0.2
 
 
+EMPTY = Evidence(PAPER, (None,) * 11, (), None, None, {}, (), None, {})
+ORDERS = np.arange(1.0, 1001.0)
+
+
+@pytest.mark.parametrize(
+    ("factor", "scatter", "verdict"),
+    [(1.5, 0.01, "reproduced"), (1.0, 0.01, "not reproduced"), (1.4, 0.6, "not established")],
+)
+def test_a_shift_of_a_spectrum_is_judged_whatever_its_exponent(factor, scatter, verdict):
+    power = np.outer([1 - scatter, 1.0, 1 + scatter], factor * ORDERS**-2.7)
+    (shift,) = spectra._shift(0.02, power, ORDERS**-2.7, EMPTY)
+    assert shift.verdict == verdict
+    assert shift.ours == pytest.approx(factor, rel=1e-9)
+
+
+def test_exponents_of_the_middle_and_of_the_high_end_are_judged():
+    bent = np.where(ORDERS < 150, ORDERS**-2.7, 150**-0.3 * ORDERS**-2.4)
+    power = np.array([bent, 1.1 * bent, 0.9 * bent])
+    middle, theory, pressure = spectra._middle(0.02, power, bent, EMPTY)
+    assert (middle.verdict, theory.verdict, pressure.verdict) == ("reproduced",) * 3
+    assert middle.ours == pytest.approx(-2.7, abs=1e-9)
+    high, rise = spectra._high(0.02, power, bent, EMPTY)
+    assert (high.verdict, rise.verdict) == ("reproduced",) * 2
+    assert (high.ours, rise.ours) == pytest.approx((-0.4, 0.3), abs=1e-9)
+    straight = np.array([ORDERS**-2.7] * 3)
+    assert [one.verdict for one in spectra._high(0.02, straight, bent, EMPTY)] == ["not reproduced"] * 2
+
+
 def test_windows_of_a_curved_spectrum_are_told():
     curved = np.exp(-0.1 * np.log(np.arange(1.0, 200.0)) ** 2)
     found = exponent_of(np.array([curved, curved]), [(3, 30), (10, 100)])
@@ -141,7 +171,7 @@ def sample_of(end, factor=1.0, added=0.0):
 
 
 def judged(sample):
-    return [one.verdict for one in sample.statements(Evidence(PAPER, (None,) * 11, (), None, None, {}, (), None, {}))]
+    return [one.verdict for one in sample.statements(EMPTY)]
 
 
 @pytest.mark.parametrize("free", [False, True])
@@ -235,6 +265,23 @@ def test_figure_files_are_vectors_and_repeat(tmp_path):
 def test_unknown_executor_is_bad_input(executor, tmp_path, capsys):
     assert command_line.main(["replicate", "--executor", executor, "--out", str(tmp_path)]) == 2
     assert "must be local or dask://host:port" in capsys.readouterr().err
+
+
+def test_members_are_stored_used_again_and_solved_again_where_damaged(tmp_path):
+    wave = paper_problem.lines([1], [1e-4], [0.0])
+    targets = {"control": "mean_pressure", "targets": [1e4]}
+    planned = [Member(name, paper_problem.scene(name, wave, targets)) for name in ("a", "b")]
+    refused = Member("c", paper_problem.scene("c", wave, {"control": "mean_pressure", "targets": []}))
+    notes = []
+    with ThreadPoolExecutor(1) as pool:
+        assert solve_members(planned, tmp_path, pool, notes.append) == {}
+        (tmp_path / "b" / "result.json").write_text("{}")
+        notes.clear()
+        assert solve_members(planned, tmp_path, pool, notes.append) == {}
+        assert notes == ["1 of 2 members are stored already", "[1/1] b: converged"]
+        (failure,) = solve_members([refused], tmp_path, pool, notes.append).values()
+    assert failure.startswith("SceneError: ") and "loading.targets" in failure
+    assert all(read_member(member, tmp_path).status == "converged" for member in planned)
 
 
 @pytest.fixture(scope="module")

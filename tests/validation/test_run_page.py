@@ -130,9 +130,8 @@ def test_a_run_that_failed_says_so_first_and_by_its_exit_code(result, tmp_path, 
 
 def test_report_of_a_run_is_written_beside_it(result, tmp_path, capsys):
     write_result(result, tmp_path)
-    assert main(["report", str(tmp_path), "--json"]) == 0
-    facts = json.loads(capsys.readouterr().out)
-    assert facts == {"status": "converged", "outcome": outcome(result), "report": str(tmp_path / "report.html")}
+    assert main(["report", str(tmp_path)]) == 0
+    assert capsys.readouterr().out == f"{outcome(result)} report: {tmp_path / 'report.html'}\n"
     assert (tmp_path / "report.html").read_text() == render_run(bem.read_result(tmp_path))
 
 
@@ -173,11 +172,17 @@ def study_beside(result, folder, shares, **changes):
     write_result(result, folder)
     met = [state for state in result.targets if state.found]
     rows = [
-        {"quantity": name.replace("_", " "), "value": getattr(state, name), "input": share}
+        {
+            "target": state.index,
+            "quantity": name.replace("_", " "),
+            "value": getattr(state, name),
+            "moved": {"numerical": 0.9, "cut": 0.6 * share, "seed": 0.8 * share},  # together: share
+        }
         for state, share in zip(met, shares, strict=True)
         for name in ("contact_fraction", "mean_pressure")
     ]
-    study = {"status": "done", "scene_sha256": result.provenance["scene_sha256"], "targets": rows} | changes
+    study = {"scene_sha256": result.provenance["scene_sha256"], "answers": rows} | changes
+    study = {key: value for key, value in study.items() if value is not None}
     (folder / "study.json").write_text(json.dumps(study))
 
 
@@ -193,9 +198,7 @@ def test_the_answer_comes_first_with_the_uncertainty_of_the_input_of_a_study_bes
     assert len(table) == 1 + len(result.targets)
 
 
-@pytest.mark.parametrize(
-    "changes", [{"status": "interrupted"}, {"scene_sha256": "0"}], ids=["not done", "of another scene"]
-)
+@pytest.mark.parametrize("changes", [{"answers": None}, {"scene_sha256": "0"}], ids=["not done", "of another scene"])
 def test_a_study_that_does_not_belong_to_the_run_is_not_used(changes, result, tmp_path):
     study_beside(result, tmp_path, [0.34] * 4, **changes)
     assert run_page.inputs_of(result, tmp_path) == {}

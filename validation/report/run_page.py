@@ -15,17 +15,22 @@ from bem.command_line.answer_table import Cell, Inputs, answer, csv_text, pull_o
 from bem.command_line.console import scene_text
 from bem.scene.atomic_file import write_atomically
 from bem.scene.plausibility import MEANINGS
-from bem.scene.result import FINAL_STATUSES, Result, State
+from bem.scene.result import Result, State
 from bem.scene.result_file import read_result
 from validation.report.figures import svg_of
 from validation.report.pages import PAGE, ReportError, filled, judgement, number
 from validation.report.run_figures import MOST_SHAPES, figures_of, shape_states
 from validation.report.run_words import outcome, scene_in_words, succeeded
-from validation.report.study_page import DOUBTFUL
-from validation.report.study_page import FILE as STUDY
 
 TABLE = "answer.csv"
-FRACTION = "contact_fraction"
+STUDY = "study.json"
+STUDIED = {  # answers of a study, as quantities of the answer
+    "contact fraction": "contact_fraction",
+    "mean pressure": "mean_pressure",
+    "mean open gap": "open_gap_mean",
+    "peak pressure": "peak_pressure",
+}
+DOUBTFUL = 0.1  # relative uncertainty of the input beyond which an answer is no more than a hint
 FEW_EVENTS = 20  # more are folded
 SAME = 1e-6  # relative distance of the numbers of a run and of its study
 MOST_ROWS = 500  # of a table; all are in result.json
@@ -45,27 +50,31 @@ def write_run_page(folder: Path) -> Result:
 
 
 def inputs_of(result: Result, folder: Path) -> dict[int, dict[str, float]]:
-    """Return the relative uncertainty of the input by target and quantity, from the study of a scene in its folder.
+    """Return the relative uncertainty of the input by target and quantity, from the study of the scene in the folder.
 
-    Nothing where there is none, or where it is of another scene or another path.
+    Nothing where there is no study, or where it is unfinished, of another scene or of another path.
     """
     try:
         study = json.loads((folder / STUDY).read_text("utf-8"))
-        if study["status"] != "done" or study["scene_sha256"] != result.provenance["scene_sha256"]:
+        if study["scene_sha256"] != result.provenance["scene_sha256"] or "answers" not in study:
             return {}
-        met = [k for k, state in enumerate(result.targets) if state.status in FINAL_STATUSES]
-        found: dict[int, dict[str, float]] = {}
-        for row in study["targets"]:
-            name = str(row["quantity"]).replace(" ", "_")
-            place = len(found) - (name != FRACTION)
-            if abs(row["value"] - getattr(result.targets[met[place]], name)) > SAME * abs(row["value"]):
+        places = {state.index: k for k, state in enumerate(result.targets)}
+        inputs: dict[int, dict[str, float]] = {}
+        for row in study["answers"]:
+            if row["quantity"] not in STUDIED:
+                continue
+            place, name = places[row["target"]], STUDIED[row["quantity"]]
+            state = result.targets[place]
+            if name != "open_gap_mean" and abs(row["value"] - getattr(state, name)) > SAME * abs(row["value"]):
                 return {}
-            found.setdefault(met[place], {})[name] = math.nan if row["input"] is None else row["input"]
+            moves = [move for source, move in row["moved"].items() if source != "numerical"]
+            if moves:
+                inputs.setdefault(place, {})[name] = math.sqrt(sum(move**2 for move in moves))
     except FileNotFoundError:
         return {}
     except (ValueError, KeyError, TypeError, IndexError, AttributeError, RecursionError) as error:
-        raise ReportError(f"{folder / STUDY}: not the study of a scene ({error})") from error
-    return found
+        raise ReportError(f"{folder / STUDY}: not the study of a scene ({type(error).__name__}: {error})") from error
+    return inputs
 
 
 def render_run(result: Result, inputs: Inputs | None = None) -> str:

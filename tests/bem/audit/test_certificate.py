@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from dense_states import evaluate_dense
+from dense_states import SmoothKernel, dense_nodes, evaluate_dense
 from rough_surfaces import cut_edges
 from scene_tables import tables, waves
 
@@ -20,7 +20,6 @@ from bem.geometry.profile import Profile
 from bem.loading.control import LoadControl
 from bem.problem import pose
 from bem.scene.scene import parse_scene
-from validation.references.dense import SmoothKernel, dense_nodes
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dense_states import evaluate_dense
+from dense_states import SmoothKernel, evaluate_dense
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from rough_surfaces import cut, short_waved
@@ -16,7 +16,6 @@ from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.elastic.skeleton import Coupling, Waves
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
-from validation.references.dense import SmoothKernel
 
 WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])
 ROUGH = Profile.self_affine(2 * np.pi, 0.7, 1.0, 40, 0).scaled()

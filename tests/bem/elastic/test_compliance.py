@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from dense_states import evaluate_dense
+from dense_states import SmoothKernel, dense_nodes, evaluate_dense
 
 from bem.elastic.collocation import Elastic, evaluate
 from bem.elastic.compliance import EffectSum, compliance_of
@@ -15,7 +15,6 @@ from bem.geometry.chebyshev import nodes_of
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid
-from validation.references.dense import SmoothKernel, dense_nodes
 
 
 @dataclass(frozen=True)

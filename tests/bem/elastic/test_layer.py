@@ -4,7 +4,7 @@ from decimal import Decimal, localcontext
 
 import numpy as np
 import pytest
-from dense_states import evaluate_dense
+from dense_states import SmoothKernel, dense_nodes, evaluate_dense
 
 from bem.elastic.collocation import Elastic, evaluate
 from bem.elastic.compliance import Compliance
@@ -13,7 +13,6 @@ from bem.elastic.layer import Layer, LayerEffect, compliance_deficit, compliance
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.geometry.scaling import Solid
-from validation.references.dense import SmoothKernel, dense_nodes
 
 POISSON = [-0.9, 0.0, 0.3, 0.499999, 0.5]
 by_poisson = pytest.mark.parametrize("nu", POISSON, ids=lambda nu: f"nu={nu}")

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from dense_states import evaluate_dense
+from dense_states import dense_nodes, evaluate_dense
 
 import bem
 from bem.elastic.layer import Layer
@@ -13,7 +13,6 @@ from bem.observables.observables import complete_contact_fields, contact_fields
 from bem.observables.shapes import OUTSIDE, complete_contact_shape, separated_shape, shape
 from bem.problem import Problem, pose
 from bem.scene.scene_tables import OUTPUTS
-from validation.references.dense import dense_nodes
 
 ALL = OUTPUTS
 NOTHING = PatchPressure(np.empty(0), np.empty(0), ())

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from dense_states import evaluate_dense
+from dense_states import dense_nodes, evaluate_dense
 
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
@@ -13,7 +13,6 @@ from bem.observables.pressure_distribution import (
     profile_branches,
     share_below,
 )
-from validation.references.dense import dense_nodes
 
 NOTHING = PatchPressure(np.empty(0), np.empty(0), ())
 HALF = np.array([1.0])

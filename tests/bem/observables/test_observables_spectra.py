@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from dense_states import evaluate_dense
+from dense_states import SmoothKernel, dense_nodes, evaluate_dense
 from scipy.integrate import quad
 from scipy.special import jv
 
@@ -12,7 +12,6 @@ from bem.elastic.layer import LayerEffect
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 from bem.observables.spectra import complete_contact_spectra, pressure_modes, spectra, spectral_orders
-from validation.references.dense import SmoothKernel, dense_nodes
 
 WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])
 

@@ -1,0 +1,326 @@
+"""`linecontact study scene SCENE --out DIR`: how far each answer moves when a choice is varied, and what digits cost.
+
+The scene is solved as it is and in the settings of scene_settings.py.  Answers are, at every target, contact fraction,
+mean pressure, mean open gap and peak pressure, and the pull-off of the path.  A move is the change over the answer
+itself, or over a tenth of the largest answer of its kind where that is more.  Of a source it is the largest move of its
+settings, for seeds the standard deviation of the realisations; the numerical one is the larger of the estimated error
+and the move at the tightest tolerance.  +- of an answer is the root of the sum of the squares of its moves.
+
+DIR gets study.json and study.html made from it.  Settings that are solved are kept in study.json: the same command
+continues.  A setting that would go beyond the budget is left out, a setting that takes far longer than the scene as it
+is is stopped; both are listed.
+"""
+
+import json
+import math
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass, field
+from functools import partial
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import ConfigDict, TypeAdapter, ValidationError
+
+import bem
+from bem.scene.atomic_file import write_atomically
+from bem.scene.result import FINAL_STATUSES, Progress, Result
+from bem.scene.result_file import digest
+from bem.scene.scene import SceneError, load_scene, parse_scene, read_tables
+from validation.harness.provenance import provenance
+from validation.report.pages import ReportError, filled
+from validation.studies.scene_settings import BASE, SEED, SOURCES, TOLERANCE, Setting, settings_of
+
+SCHEMA = "linecontact-scene-study/2"
+FILE, PAGE, PARTS = "study.json", "study.html", "parts"
+SEEDS = 8  # realisations besides the scene's own
+BUDGET = 3600.0  # CPU s
+LEAST_SHARE = 0.1  # of the largest answer of its kind on the path
+SLACK, LEAST_LIMIT = 30.0, 60.0  # times the seconds of the scene as it is, and s: a setting is stopped beyond both
+UNITS = {"contact fraction": "", "mean pressure": "Pa", "mean open gap": "m", "peak pressure": "Pa", "pull-off": "Pa"}
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of the command."""
+
+    seeds: int = SEEDS
+    budget: float = BUDGET
+    jobs: int = 1
+    quick: bool = False  # fewer seeds: 2
+    overwrite: bool = False
+
+
+STRICT = ConfigDict(strict=True, extra="forbid")
+
+
+@dataclass(frozen=True)
+class Answer:
+    """One number of a solved scene; the pull-off has no target."""
+
+    __pydantic_config__ = STRICT
+
+    target: int | None
+    branch: str
+    quantity: str
+    value: float
+    error: float | None
+
+
+@dataclass(frozen=True)
+class Solved:
+    """Outcome of one setting; `sha256` is that of its resolved scene."""
+
+    __pydantic_config__ = STRICT
+
+    sha256: str
+    status: str
+    reason: str = ""
+    cpu_seconds: float = 0.0
+    answers: list[Answer] = field(default_factory=list)
+
+    @property
+    def good(self) -> bool:
+        """Whether the path ended as asked, or behind a pull-off."""
+        return self.status in FINAL_STATUSES
+
+
+@dataclass(frozen=True)
+class Stored:
+    """Part of study.json that a later run reads."""
+
+    __pydantic_config__ = ConfigDict(strict=True, extra="ignore")
+
+    schema: str
+    scene_sha256: str
+    title: str
+    solved: dict[str, Solved]
+
+
+def run(path: Path, folder: Path, options: Options, say: Callable[[str], None]) -> int:
+    """Run the study of a scene file into a folder; 1 where the scene does not converge as it is.
+
+    SceneError where the scene is refused, ReportError where the folder holds something else.
+    """
+    scene = load_scene(path)
+    resolved = scene.resolved()
+    sha256, title = digest(resolved), scene.title or "untitled"
+    solved = read_solved(folder, sha256, options.overwrite)
+    seeds = min(options.seeds, 2) if options.quick else options.seeds
+    settings = settings_of(scene, read_tables(path), path.parent, folder / PARTS, seeds)
+    head = {"schema": SCHEMA, "scene_sha256": sha256, "title": title, "scene": resolved, "provenance": provenance(),
+            "command": f"linecontact study scene {path.name} --out {folder.name}"}  # fmt: skip
+
+    def store(**more: Any) -> None:
+        kept = {name: asdict(one) for name, one in solved.items()}
+        text = json.dumps(_finite(head | {"solved": kept} | more), indent=1, allow_nan=False) + "\n"
+        folder.mkdir(parents=True, exist_ok=True)
+        write_atomically(folder / FILE, text)
+        if more:
+            write_atomically(folder / PAGE, study_page(json.loads(text)))
+
+    for name, answer in solve_settings(settings, solved, path.parent, options):
+        solved[name] = answer
+        say(f"{name}: {answer.status} {answer.reason}".rstrip() + f", {answer.cpu_seconds:.3g} s")
+        store()
+    base = solved[BASE]
+    if not base.good:
+        print(f"the scene does not converge as it is: {base.status.replace('_', ' ')} {base.reason}".strip())
+        return 1
+    rows, tolerances = moves_of(settings, solved)
+    listed = [_listed(setting, solved.get(setting.title)) for setting in settings]
+    store(answers=rows, tolerances=tolerances, settings=listed)
+    print("\n".join(text_lines(rows)))
+    print(folder / PAGE)
+    return 0
+
+
+def read_solved(folder: Path, sha256: str, overwrite: bool) -> dict[str, Solved]:
+    """Read the solved settings of a folder; ReportError, with file and key, where it holds no study of this scene."""
+    path = folder / FILE
+    if not path.exists():
+        return {}
+    try:
+        stored = TypeAdapter(Stored).validate_json(path.read_bytes())
+    except ValidationError as error:
+        first = error.errors()[0]
+        problem = f"{'.'.join(map(str, first['loc'])) or 'the file'}: {first['msg']}"
+    else:
+        if stored.schema == SCHEMA and stored.scene_sha256 == sha256:
+            return stored.solved
+        other = f"scene_sha256: the study of another scene ({stored.title!r})"
+        problem = other if stored.schema == SCHEMA else f"schema: {stored.schema!r}, not {SCHEMA!r}"
+    if overwrite:
+        return {}
+    raise ReportError(f"{path}: {problem}; choose another folder, or --overwrite")
+
+
+def solve_settings(
+    settings: Sequence[Setting], stored: Mapping[str, Solved], base: Path, options: Options
+) -> Iterator[tuple[str, Solved]]:
+    """Solve what is not stored yet, the scene as it is first, and yield every outcome with its title."""
+    first, *others = settings
+    known = _known(first, stored, base) or solve_setting(first.tables, str(base), math.inf)
+    yield first.title, known
+    if not known.good:
+        return
+    waiting = [one for one in others if one.tables and _known(one, stored, base) is None]
+    limit = max(SLACK * known.cpu_seconds, LEAST_LIMIT)
+    solve = partial(solve_setting, base=str(base), limit=limit)
+    spent, room = known.cpu_seconds, max(options.jobs, 1)
+    with ProcessPoolExecutor(room, get_context("spawn")) as pool:
+        for begin in range(0, len(waiting), room):
+            batch = waiting[begin : begin + room]
+            if spent + known.cpu_seconds * len(batch) > options.budget:
+                reason = f"beyond the budget of {options.budget:g} s"
+                yield from ((one.title, Solved("", "left out", reason)) for one in waiting[begin:])
+                return
+            tables = [one.tables for one in batch]
+            outcomes = map(solve, tables) if room == 1 else pool.map(solve, tables)
+            for one, outcome in zip(batch, outcomes, strict=True):
+                spent += outcome.cpu_seconds
+                yield one.title, outcome
+
+
+def _known(setting: Setting, stored: Mapping[str, Solved], base: Path) -> Solved | None:
+    """Return the stored outcome of a setting whose scene is unchanged."""
+    found = stored.get(setting.title)
+    same = found is not None and found.sha256 == digest(parse_scene(setting.tables, base).resolved())
+    return found if same else None
+
+
+class _TooLongError(RuntimeError):
+    """A setting took more CPU seconds than allowed."""
+
+
+def solve_setting(tables: dict[str, Any], base: str, limit: float) -> Solved:
+    """Solve a scene within so many CPU seconds."""
+    scene, begun = parse_scene(tables, base), time.process_time()
+    sha256 = digest(scene.resolved())
+
+    def watch(progress: Progress) -> None:
+        if time.process_time() - begun > limit:
+            raise _TooLongError
+
+    try:
+        result = bem.solve(scene, progress=watch)
+    except SceneError as error:
+        return Solved(sha256, "refused", str(error))
+    except _TooLongError:
+        return Solved(sha256, "stopped", f"took more than {limit:.0f} s", time.process_time() - begun)
+    status = "converged" if result.answered and result.status not in FINAL_STATUSES else result.status
+    return Solved(sha256, status, result.failure or "", time.process_time() - begun, list(answers_of(result)))
+
+
+def answers_of(result: Result) -> Iterator[Answer]:
+    """Yield the answers of a result: at each target that was met, then the pull-off."""
+    for state in result.targets:
+        if state.status not in FINAL_STATUSES:
+            continue
+        errors = state.error_estimate
+        numbers = {
+            "contact fraction": (state.contact_fraction, errors.contact_fraction),
+            "mean pressure": (state.mean_pressure, errors.mean_pressure),
+            "mean open gap": (state.gaps.mean_open if state.gaps else None, errors.separation),
+            "peak pressure": (state.peak_pressure, None),
+        }
+        for quantity, (value, error) in numbers.items():
+            if value is not None and math.isfinite(value):
+                yield Answer(state.index, state.branch, quantity, float(value), _number(error))
+    tension = result.largest_tension
+    if tension is not None:
+        yield Answer(
+            None, "unloading", "pull-off", -tension.mean_pressure, _number(tension.error_estimate.mean_pressure)
+        )
+
+
+def moves_of(
+    settings: Sequence[Setting], solved: Mapping[str, Solved]
+) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Return a row for each answer, with its move by each source and its +-, and a row for each tolerance."""
+    base = solved[BASE]
+    largest = {
+        name: max((abs(one.value) for one in base.answers if one.quantity == name), default=0.0) for name in UNITS
+    }
+    outcomes = [(setting, solved[setting.title]) for setting in settings if setting.title in solved]
+    changes = [(s.source, s.name, _values(one)) for s, one in outcomes if one.good and s.source != BASE]
+    rows, scales = [], {}
+    for answer in base.answers:
+        key = answer.target, answer.branch, answer.quantity
+        scale = scales[key] = max(abs(answer.value), LEAST_SHARE * largest[answer.quantity]) or 1.0
+        moved: dict[str, float | None] = {}
+        tight = [values[key] for source, _, values in changes if source == TOLERANCE and key in values][-1:]
+        own = 0.0 if answer.error is None else answer.error
+        moved["numerical"] = max([own, *(abs(value - answer.value) for value in tight)]) / scale
+        for source in SOURCES:
+            apart = [values[key] - answer.value for of, _, values in changes if of == source and key in values]
+            if apart:
+                spread = float(np.std([0.0, *apart], ddof=1)) if source == SEED else max(map(abs, apart))
+                moved[source] = spread / scale
+        total = math.sqrt(sum(move**2 for move in moved.values() if move is not None))
+        rows.append({**asdict(answer), "unit": UNITS[answer.quantity], "moved": moved, "uncertainty": total * scale})
+    tightest = next((values for source, _, values in reversed(changes) if source == TOLERANCE), {})
+    tolerances = []
+    for setting, one in outcomes:
+        if setting.source == TOLERANCE:
+            numbers, most = _values(one), dict[str, float]()
+            for key in tightest.keys() & numbers.keys() & scales.keys():
+                most[key[2]] = max(most.get(key[2], 0.0), abs(numbers[key] - tightest[key]) / scales[key])
+            tolerances.append({"tolerance": setting.name, "status": one.status, "cpu_seconds": one.cpu_seconds,
+                               "moved": dict(sorted(most.items()))})  # fmt: skip
+    return rows, tolerances
+
+
+def _values(solved: Solved) -> dict[tuple[int | None, str, str], float]:
+    return {(one.target, one.branch, one.quantity): one.value for one in solved.answers}
+
+
+def _listed(setting: Setting, solved: Solved | None) -> dict[str, Any]:
+    """Return a setting as study.json lists it."""
+    outcome = solved or Solved("", "does not apply", setting.reason)
+    return {"source": setting.source, "name": setting.name, "status": outcome.status.replace("_", " "),
+            "reason": outcome.reason, "cpu_seconds": outcome.cpu_seconds, "answers": len(outcome.answers)}  # fmt: skip
+
+
+def study_page(content: Mapping[str, Any]) -> str:
+    """Return the page of the content of a study.json."""
+    return filled("study_page.jinja", {"share": share}, study=content)
+
+
+def text_lines(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield the table for a terminal: answer, value, +-, and its moves."""
+    for row in rows:
+        place = "" if row["target"] is None else f" at target {row['target']}, {row['branch']}"
+        moves = ", ".join(f"{source} {share(move)}" for source, move in row["moved"].items())
+        yield f"{row['quantity']}{place}: {row['value']:.6g} +- {row['uncertainty']:.2g} {row['unit']} ({moves})"
+
+
+def share(relative: float | None) -> str:
+    """Return a relative number in per cent, or as it is where it is tiny.
+
+    Examples
+    --------
+    >>> share(0.0832), share(2.5), share(3e-10), share(0.0), share(None)
+    ('8.3 %', '250 %', '3e-10', '0', '–')
+    """
+    if relative is None:
+        return "–"
+    if relative >= 1:
+        return f"{100 * relative:.0f} %"
+    return f"{100 * relative:.2g} %" if relative >= 1e-4 else f"{relative:.1g}"
+
+
+def _number(value: float | None) -> float | None:
+    return None if value is None or not math.isfinite(value) else float(value)
+
+
+def _finite(value: Any) -> Any:
+    """Return a value in which NaN and infinity are None: JSON has neither."""
+    if isinstance(value, Mapping):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
