@@ -47,7 +47,15 @@ HARD = {  # mean pressure over E*; what differs from 125 lines, H = 0.7 and adhe
     "rms height 1e-05": (0.02 * 1e-5 / RMS, {"rms": 1e-5}, "below_zero"),
     "rms height 0.001": (0.02 * 1e-3 / RMS, {"rms": 1e-3}, "converged"),
 }
-STANDARD = ("ten thousand lines", "three decades", "work of adhesion 1", "rms height 1e-05", "H = 0.99", "H = 0.3")
+STANDARD = (
+    "much adhesion at a small load",
+    "ten thousand lines",
+    "three decades",
+    "work of adhesion 1",
+    "rms height 1e-05",
+    "H = 0.99",
+    "H = 0.3",
+)
 
 
 def spectrum_of(hurst=0.7, rms=RMS, lines=125, decades=0, **_):
