@@ -46,7 +46,7 @@ ORDER = (
     "bem/elastic",
     "bem/loading",
     "bem/adhesive",
-    "bem/continuation",
+    "bem/path",
     "bem/windows",
     "bem/nonadhesive",
     "bem/observables",
@@ -76,9 +76,9 @@ ORDER = (
     "validation/command_line/examples/own-cases",
 )
 APART = {  # besides the order: folders that these do not import from either
-    "bem/observables": ("bem/adhesive", "bem/continuation", "bem/nonadhesive", "bem/elastic"),
-    "bem/nonadhesive": ("bem/adhesive", "bem/continuation"),
-    "bem/scene": ("bem/continuation", "bem/nonadhesive"),
+    "bem/observables": ("bem/adhesive", "bem/path", "bem/nonadhesive", "bem/elastic"),
+    "bem/nonadhesive": ("bem/adhesive", "bem/path"),
+    "bem/scene": ("bem/path", "bem/nonadhesive"),
     "validation/studies": ("validation/cases",),
     "validation/paper": ("validation/cases",),
 }

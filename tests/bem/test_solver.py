@@ -9,9 +9,9 @@ import pytest
 from rough_surfaces import rough_scene
 
 from bem import solver
-from bem.continuation.path import Path
 from bem.loading.points_without_edges import Failed
 from bem.nonadhesive.convex_path import ConvexPath
+from bem.path.path import Path
 from bem.scene.result import asked_for
 from bem.scene.scene_tables import OUTPUTS
 from bem.solver import solve

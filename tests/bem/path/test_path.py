@@ -11,12 +11,12 @@ from scipy.integrate import quad
 from scipy.optimize import brentq, minimize_scalar
 
 from bem.adhesive.equilibrium import System
-from bem.continuation.jumps import Jumps
-from bem.continuation.path import Path
-from bem.continuation.points_with_edges import Equilibrium
 from bem.loading.complete_contact import complete_contact
 from bem.loading.increments import Accuracy, Increments
 from bem.loading.points_without_edges import Separated
+from bem.path.jump import Jumps
+from bem.path.path import Path
+from bem.path.points_with_edges import Equilibrium
 from bem.problem import pose
 from bem.scene.scene import parse_scene
 from bem.solver import solve

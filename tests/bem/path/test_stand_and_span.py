@@ -1,4 +1,4 @@
-"""The curve of equilibria: its derivatives against differences, and pieces of it around Johnson's fold."""
+"""The curve of equilibria: its derivatives against differences, and spans of it around Johnson's fold."""
 
 import numpy as np
 import pytest
@@ -6,10 +6,11 @@ from johnson_branch import AMPLITUDE, johnson, lowest, resting, waves
 
 from bem.adhesive.equilibrium import balance
 from bem.adhesive.third_derivatives import with_slopes
-from bem.continuation.curve import Piece, curve_point, first_point
-from bem.continuation.locating import Refused
-from bem.continuation.steps import LONGER, Way, growth, predicted, step_from
 from bem.loading.control import DisplacementControl, LoadControl
+from bem.path.locating import Refused
+from bem.path.span import Span
+from bem.path.stand import first_stand, stand_near
+from bem.path.steps import LONGER, Way, growth, predicted, step_from
 
 TOLERANCE = 1e-12
 CONTROLS = {"Delta": DisplacementControl(), "spring": DisplacementControl(0.7), "load": LoadControl()}
@@ -19,7 +20,7 @@ by_control = pytest.mark.parametrize("control", CONTROLS.values(), ids=CONTROLS)
 def begin(control, value, direction=-1.0, orders=(1,), amplitudes=(AMPLITUDE,)):
     system = waves(control, orders, amplitudes)
     here = with_slopes(system, resting(system, [2 * np.pi], 1.0, value), value, TOLERANCE)
-    point = first_point(system, here, value, direction)
+    point = first_stand(system, here, value, direction)
     return system, at_itself(system, at_itself(system, point))
 
 
@@ -28,7 +29,7 @@ def at_itself(system, point, patches=None, value=None):
     patches, value = patches or point.patches, point.value if value is None else value
     here = balance(system.sloped, patches, point.numbers.penetration, value, TOLERANCE)
     normal = point.rate / point.unit**2
-    return curve_point(system, here, value, normal, float(normal @ point.rate))
+    return stand_near(system, here, value, normal, float(normal @ point.rate))
 
 
 @by_control
@@ -61,21 +62,21 @@ def test_the_control_turns_on_a_piece_around_johnsons_fold(quantity):
     system, at = begin(control, 0.9 * lowest(quantity))
     way = Way(-1.0, -np.inf, 0.15, np.inf, TOLERANCE)
     for _ in range(30):
-        piece = step_from(system, at, predicted(at, 0.1, way), way)
-        assert not isinstance(piece, Refused)
-        if piece.last.control_rate * way.direction < 0:
+        span = step_from(system, at, predicted(at, 0.1, way), way)
+        assert not isinstance(span, Refused)
+        if span.last.control_rate * way.direction < 0:
             break
-        at = piece.last
-    piece = Piece.between(at_itself(system, piece.first), at_itself(system, piece.last))
-    (place,) = piece.turns()
-    patches, value = piece.at(float(place))
+        at = span.last
+    span = Span.between(at_itself(system, span.first), at_itself(system, span.last))
+    (place,) = span.turns()
+    patches, value = span.at(float(place))
     assert value == pytest.approx(lowest(quantity), rel=1e-6)
     psi = patches.width[0] / 4
     assert johnson(quantity, psi) == pytest.approx(lowest(quantity), rel=1e-6)
-    assert piece.last.lowest[0].size == 1
-    assert piece.holds(patches, value)
-    assert not piece.holds(patches.moved(0.1 * piece.first.unit), value)
-    assert not piece.holds(patches, value + 0.1 * piece.rise)
+    assert span.last.lowest[0].size == 1
+    assert span.holds(patches, value)
+    assert not span.holds(patches.moved(0.1 * span.first.unit), value)
+    assert not span.holds(patches, value + 0.1 * span.rise)
 
 
 def test_a_piece_fits_the_better_the_shorter_it_is():
@@ -85,7 +86,7 @@ def test_a_piece_fits_the_better_the_shorter_it_is():
     for length in (0.15, 0.075):
         way = Way(-1.0, -np.inf, length, np.inf, TOLERANCE)
         there = at_itself(system, step_from(system, at, predicted(at, length, way), way).last)
-        misfits.append(Piece.between(at, there).misfit)
+        misfits.append(Span.between(at, there).misfit)
     assert misfits[0] < 1e-3
     assert misfits[0] / misfits[1] > 10
 
@@ -104,8 +105,8 @@ def test_a_step_is_no_longer_than_asked_and_ends_a_little_beyond_the_goal():
 def test_the_next_step_grows_with_the_root_of_how_good_the_last_was():
     system, at = begin(DisplacementControl(), 0.5)
     way = Way(-1.0, -np.inf, 0.15, np.inf, TOLERANCE)
-    piece = step_from(system, at, predicted(at, 0.01, way), way)
-    assert growth(piece) == pytest.approx(LONGER)
+    span = step_from(system, at, predicted(at, 0.01, way), way)
+    assert growth(span) == pytest.approx(LONGER)
 
 
 def test_a_step_into_overlap_is_refused_by_name():

@@ -14,13 +14,13 @@ import numpy as np
 
 from bem.adhesive.branch import outward_motion
 from bem.adhesive.equilibrium import System
-from bem.continuation.curve import LONGEST, CurvePoint, curve_point, unit_of
-from bem.continuation.folds import LimitPoint
-from bem.continuation.locating import InPlane, Refused, Start, locate
-from bem.continuation.steps import SHORTER, Way, shorter_steps
 from bem.geometry.arrays import FloatArray
+from bem.path.fold import LimitPoint
+from bem.path.locating import InPlane, Refused, Start, locate
+from bem.path.stand import LONGEST_MOTION, Stand, stand_near, unit_of
+from bem.path.steps import SHORTER, Way, shorter_steps
 
-TIED = 1e-6  # relative difference of patches that are equal
+EQUAL = 1e-6  # relative difference of patches that are equal
 
 
 def alone(limit: LimitPoint) -> FloatArray:
@@ -33,11 +33,11 @@ def alone(limit: LimitPoint) -> FloatArray:
     shrink, slide = -(left + right), right - left
     single = max(shrink, slide, key=np.linalg.norm)
     share = np.linalg.norm(single, axis=1)
-    first = int(np.flatnonzero(share >= (1 - TIED) * share.max())[0])
+    first = int(np.flatnonzero(share >= (1 - EQUAL) * share.max())[0])
     return np.asarray(unit @ single[first])
 
 
-def other_branch(system: System, limit: LimitPoint, motion: FloatArray, way: Way) -> CurvePoint | Refused:
+def other_branch(system: System, limit: LimitPoint, motion: FloatArray, way: Way) -> Stand | Refused:
     """The branch that begins where a symmetry breaks, a little along a motion; its parameter grows from there on.
 
     So close to there that no more modes are unstable on it than were neutral.
@@ -45,7 +45,7 @@ def other_branch(system: System, limit: LimitPoint, motion: FloatArray, way: Way
     at = limit.at
     unit, refused = unit_of(system, at.balance), Refused.UNCLEAR
     motion = motion / np.max(np.abs(motion / unit))
-    for part in shorter_steps(LONGEST / SHORTER):
+    for part in shorter_steps(LONGEST_MOTION / SHORTER):
         patches = at.patches.moved(part * motion)
         normal = motion / unit**2
         start = Start(patches, at.numbers.penetration, at.numbers.value)
@@ -54,7 +54,7 @@ def other_branch(system: System, limit: LimitPoint, motion: FloatArray, way: Way
             refused = found
             continue
         moved = outward_motion(at.patches, found.patches)
-        point = curve_point(system, found.balance, found.numbers.value, normal, float(normal @ moved))
+        point = stand_near(system, found.balance, found.numbers.value, normal, float(normal @ moved))
         if point is not None and point.lowest[0].size <= limit.modes.shape[1]:
             return point
     return refused

@@ -1,4 +1,4 @@
-"""A branch of equilibria as a smooth curve: points with two derivatives, and the quintic between two of them.
+"""Stand on a branch: an equilibrium with two derivatives along the curve, and the bordered system that finds it.
 
 Unknowns are the outward motions xi of the edges and the control tau.  The curve K(xi, tau) = 2 sqrt(w(xi)) is regular
 at folds, where tau turns.  Whatever is looked for on it closes these equations with one more condition phi(xi, tau) = 0
@@ -23,10 +23,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.polynomial import polynomial
 from scipy.linalg import lapack
 
-from bem.adhesive.branch import after_step, outward_motion, tangent
+from bem.adhesive.branch import after_step, tangent
 from bem.adhesive.equilibrium import Balance, System, forces, symmetric_part
 from bem.adhesive.lowest_modes import lowest_modes
 from bem.adhesive.third_derivatives import hessian_change_times
@@ -35,9 +34,8 @@ from bem.geometry.patches import Patches
 from bem.loading.path_events import EventNumbers
 
 PINNED = 0.4  # of the shortest wave that may pin an edge: its unit of length, if its edge scale is not less
-LONGEST = 0.2  # units: a motion of the edges along the curve, in a step or by Newton
+LONGEST_MOTION = 0.2  # units: a motion of the edges along the curve, in a step or by Newton
 SHORT = 5e-4  # units, or of a gap: a motion in which everything is linear but for a part of its square
-NEAR = 0.05  # of the chord, or of the rise of the control: how far from the quintic a point of its piece may lie
 SOFTENING = 60.0  # times the work of adhesion: what stiffness per unit may fall by in a motion by a unit; measured 39
 MODES = 8  # lowest modes that are looked at; more turn within a step only among equal patches
 
@@ -86,7 +84,7 @@ def missing(here: Balance) -> FloatArray:
 
 
 @dataclass(frozen=True, eq=False)
-class CurvePoint:
+class Stand:
     """A point of the curve with two derivatives by its parameter.
 
     Attributes
@@ -154,7 +152,7 @@ class CurvePoint:
         return first / along, (second - first * (turning / along)) / along**2
 
 
-def curve_point(system: System, here: Balance, value: float, normal: FloatArray, length: float) -> CurvePoint | None:
+def stand_near(system: System, here: Balance, value: float, normal: FloatArray, length: float) -> Stand | None:
     """The point of the curve next to forces, in the plane through their edges whose normal is given.
 
     One Newton step leads there; what it changes of the control is exact at once, the state being linear in Delta.  The
@@ -181,7 +179,7 @@ def curve_point(system: System, here: Balance, value: float, normal: FloatArray,
     if not off <= 1 or not patches.is_ordered:
         return None
     numbers = after_step(system, here, value, step, 0.0)
-    return CurvePoint(here, patches, numbers, rate, control_rate, second[:-1] * unit, float(second[-1]), unit, off)
+    return Stand(here, patches, numbers, rate, control_rate, second[:-1] * unit, float(second[-1]), unit, off)
 
 
 def _bent(system: System, here: Balance, rate: FloatArray, control_rate: float) -> FloatArray:
@@ -191,108 +189,10 @@ def _bent(system: System, here: Balance, rate: FloatArray, control_rate: float) 
     return bent
 
 
-def first_point(system: System, here: Balance, value: float, direction: float) -> CurvePoint | None:
+def first_stand(system: System, here: Balance, value: float, direction: float) -> Stand | None:
     """The point next to a stable state; its parameter grows as the control moves in a direction."""
     along = direction * tangent(system, here)
     unit = unit_of(system, here)
     along = along / np.max(np.abs(along / unit))
     normal = along / unit**2
-    return curve_point(system, here, value, normal, float(normal @ along))
-
-
-@dataclass(frozen=True, eq=False)
-class Piece:
-    """The curve between two of its points, a quintic in a parameter s from 0 to 1.
-
-    s is c . xi, c along the chord or along the tangent at the end, by whichever both ends agree better: near a fold the
-    control and all edges that follow it are polynomials of the mode that folds.
-
-    Attributes
-    ----------
-    first, last : CurvePoint
-    normal : (2 L,) array
-        c: s of edges that are moved outward by xi from the first point is c . xi.
-    coefficients : (6, 2 L + 1) array
-        Of the motions and of the control less that of the first point, by powers of s.
-    rise : float
-        Largest change of the control per s.
-    misfit : float
-        Chord less what the derivatives at both ends say of it, z' and z'': y - (z'0 + z'1)/2 - (z''0 - z''1)/12, over
-        the length of the chord, or over the rise.
-    """
-
-    first: CurvePoint
-    last: CurvePoint
-    normal: FloatArray
-    coefficients: FloatArray
-    rise: float
-    misfit: float
-
-    @classmethod
-    def between(cls, first: CurvePoint, last: CurvePoint) -> Piece | None:
-        """The piece between two points; None where neither parameter grows from one to the other."""
-        chord = outward_motion(first.patches, last.patches)
-        whole, size = np.append(chord, last.value - first.value), float(np.max(np.abs(chord / first.unit)))
-        found: Piece | None = None
-        for along in (chord, last.rate):
-            normal = along / first.unit**2
-            if min(normal @ first.rate, normal @ last.rate, normal @ chord) <= 0:
-                continue
-            normal = normal / float(normal @ chord)
-            (z0, w0), (z1, w1) = first.by(normal), last.by(normal)
-            off = whole - (z0 + z1) / 2 - (w0 - w1) / 12
-            rise = max(abs(float(z0[-1])), abs(float(z1[-1])), abs(float(whole[-1])))
-            misfit = max(float(np.max(np.abs(off[:-1] / first.unit))) / size, abs(float(off[-1])) / rise)
-            if found is None or misfit < found.misfit:
-                a, b, c = whole - z0 - w0 / 2, z1 - z0 - w0, w1 - w0
-                higher = (10 * a - 4 * b + c / 2, -15 * a + 7 * b - c, 6 * a - 3 * b + c / 2)
-                coefficients = np.stack([np.zeros_like(whole), z0, w0 / 2, *higher])
-                found = cls(first, last, normal, coefficients, rise, misfit)
-        return found
-
-    @property
-    def size(self) -> float:
-        """Length of the chord."""
-        return float(np.max(np.abs(outward_motion(self.first.patches, self.last.patches) / self.first.unit)))
-
-    def _at(self, s: float) -> FloatArray:
-        """Motions and the control less that of the first point, (2 L + 1,)."""
-        return np.asarray(polynomial.polyval(s, self.coefficients))
-
-    def at(self, s: float) -> tuple[Patches, float]:
-        """Edges and control at a parameter."""
-        y = self._at(s)
-        return self.first.patches.moved(y[:-1]), self.first.value + float(y[-1])
-
-    def parameter(self, patches: Patches) -> float:
-        """s of the plane in which edges lie."""
-        return float(self.normal @ outward_motion(self.first.patches, patches))
-
-    def holds(self, patches: Patches, value: float) -> bool:
-        """Whether edges at a value of the control lie on this piece, as its two ends say."""
-        motion = outward_motion(self.first.patches, patches)
-        s = float(self.normal @ motion)
-        y = self._at(s)
-        off = float(np.max(np.abs((motion - y[:-1]) / self.first.unit)))
-        risen = abs(value - self.first.value - float(y[-1]))
-        return -NEAR <= s <= 1 + NEAR and off <= NEAR * self.size and risen <= NEAR * self.rise
-
-    def turns(self) -> FloatArray:
-        """Parameters at which the control turns, ascending."""
-        return _roots(np.asarray(polynomial.polyder(self.coefficients[:, -1])))
-
-    def reaches(self, value: float) -> FloatArray:
-        """Parameters at which the control has a value, ascending."""
-        control = self.coefficients[:, -1].copy()
-        control[0] = self.first.value - value
-        return _roots(control)
-
-
-def _roots(coefficients: FloatArray) -> FloatArray:
-    """Real roots from 0 to 1, ascending."""
-    coefficients = np.trim_zeros(coefficients, "b")
-    if coefficients.size < 2:
-        return np.zeros(0)
-    roots = polynomial.polyroots(coefficients)
-    real = np.sort(roots.real[np.abs(roots.imag) < 1e-9 * (1 + np.abs(roots.real))])
-    return np.asarray(real[(real >= 0) & (real <= 1)])
+    return stand_near(system, here, value, normal, float(normal @ along))

@@ -17,14 +17,15 @@ import numpy as np
 from numpy.polynomial import polynomial
 
 from bem.adhesive.equilibrium import System
-from bem.continuation.curve import SHORT, CurvePoint, Piece, curve_point
-from bem.continuation.locating import LAST, LOCATED, AtControl, AtLoad, Refused, Start, evaluated, settle
-from bem.continuation.opening import FINEST_GAP, Flaw, flaw_of, opening_load, with_gap
-from bem.continuation.points_with_edges import Equilibrium, Stretch
 from bem.elastic.collocation import evaluate
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.control import LoadControl
 from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
+from bem.path.locating import LAST, LOCATED, AtControl, AtLoad, Refused, Start, evaluated, settle
+from bem.path.opening import FINEST_GAP, Flaw, flaw_of, opening_load, with_gap
+from bem.path.points_with_edges import Equilibrium, Stretch
+from bem.path.span import Span
+from bem.path.stand import SHORT, Stand, stand_near
 
 LOAD_ACCURACY = 1e-11  # of the load, or of a load of 1e-3
 DIGITS = 64  # spacings of the control, by which it misses a load in a narrow gap; 26 at most
@@ -54,15 +55,15 @@ class Loads:
 
     def on_stretch(self, stretch: Stretch, load: float) -> Equilibrium | None:
         """The state at a load between those at both ends of a stretch; None where there is none."""
-        (a, b), piece = stretch.ends, stretch.piece
+        (a, b), span = stretch.ends, stretch.span
         miss_a, miss_b = (at - load for at in stretch.loads)
         if miss_a * miss_b > 0:
             return None
         allowed = LOAD_ACCURACY * max(abs(load), 1e-3)
-        point: CurvePoint | None = None
+        point: Stand | None = None
         for _ in range(MAXIMUM_ITERATIONS):
             s = (a * miss_b - b * miss_a) / (miss_b - miss_a)
-            point = self.point(piece, s)
+            point = self.point(span, s)
             if point is None:
                 return None
             miss = point.numbers.load - load
@@ -75,7 +76,7 @@ class Loads:
             b, miss_b = s, miss
         return None if point is None else self._state_at(point, load, allowed)
 
-    def _state_at(self, point: CurvePoint, load: float, allowed: float) -> Equilibrium | None:
+    def _state_at(self, point: Stand, load: float, allowed: float) -> Equilibrium | None:
         """The state at a load near a point of the curve; near an extremum at the control of the point."""
         start = Start(point.patches, point.numbers.penetration, point.value)
         for on in (AtLoad(self.system, load, allowed), AtControl(point.value)):
@@ -84,57 +85,57 @@ class Loads:
                 return Equilibrium.of(found[1], found[0], settled=True)
         return None
 
-    def point(self, piece: Piece, s: float) -> CurvePoint | None:
-        """Return the point of the curve at a parameter of a piece, evaluated so near that its tangent is right."""
+    def point(self, span: Span, s: float) -> Stand | None:
+        """Return the point of the curve at a parameter of a span, evaluated so near that its tangent is right."""
         if s in (0.0, 1.0):
-            return piece.first if s == 0 else piece.last
-        (patches, value), penetration = piece.at(s), piece.first.numbers.penetration
+            return span.first if s == 0 else span.last
+        (patches, value), penetration = span.at(s), span.first.numbers.penetration
         point, last = None, np.inf
         while point is None or SHORT < point.off < last:
             last = np.inf if point is None else point.off
             here = evaluated(self.system.sloped, Start(patches, penetration, value), self.on_way)
-            point = None if isinstance(here, Refused) else curve_point(self.system, here, value, piece.normal, 1.0)
+            point = None if isinstance(here, Refused) else stand_near(self.system, here, value, span.normal, 1.0)
             if point is None:
                 return None
             patches, value, penetration = point.patches, point.value, point.numbers.penetration
         return point
 
-    def turns(self, piece: Piece, reach: float) -> Iterator[tuple[float, CurvePoint]]:
-        """Where the load turns on a piece up to a parameter, if one that is asked for may lie beyond its ends there.
+    def turns(self, span: Span, reach: float) -> Iterator[tuple[float, Stand]]:
+        """Where the load turns on a span up to a parameter, if one that is asked for may lie beyond its ends there.
 
         The cubic that has the loads and their rates at both ends says so; the place is found by the secant of the rate.
         """
-        ends, rates = self._ends(piece)
+        ends, rates = self._ends(span)
         if rates[0] * rates[1] >= 0 or not self._may_pass(ends, rates):
             return
-        turn = self._turn(piece, rates, LOCATED)
+        turn = self._turn(span, rates, LOCATED)
         if turn is not None and turn[0] < reach:
             yield turn
 
-    def least_on(self, piece: Piece, reach: float, below: float, level: float) -> float | None:
-        """Return the parameter up to a limit at which the load is least on a piece, if it may be below a load there."""
-        ends, rates = self._ends(piece)
+    def least_on(self, span: Span, reach: float, below: float, level: float) -> float | None:
+        """Return the parameter up to a limit at which the load is least on a span, if it may be below a load there."""
+        ends, rates = self._ends(span)
         bottom = extremes(ends, rates)[1]
         if not rates[0] < 0 < rates[1] or min(ends) - 2 * (min(ends) - bottom) >= below:
             return None
-        turn = self._turn(piece, rates, level)
+        turn = self._turn(span, rates, level)
         return None if turn is None or turn[0] >= reach else turn[0]
 
-    def _ends(self, piece: Piece) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Return the loads at both ends of a piece, and their rates by its parameter."""
-        first, last = piece.first, piece.last
-        return (first.numbers.load, last.numbers.load), (self._rate(piece, first), self._rate(piece, last))
+    def _ends(self, span: Span) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Return the loads at both ends of a span, and their rates by its parameter."""
+        first, last = span.first, span.last
+        return (first.numbers.load, last.numbers.load), (self._rate(span, first), self._rate(span, last))
 
-    def _turn(self, piece: Piece, rates: tuple[float, float], level: float) -> tuple[float, CurvePoint] | None:
-        """Return where the rate of the load vanishes, to a level of its change on the piece: by the Illinois secant."""
+    def _turn(self, span: Span, rates: tuple[float, float], level: float) -> tuple[float, Stand] | None:
+        """Return where the rate of the load vanishes, to a level of its change on the span: by the Illinois secant."""
         (low, high), (rate_low, rate_high) = (0.0, 1.0), rates
         allowed = level * abs(rate_low - rate_high)
         for _ in range(MAXIMUM_ITERATIONS):
             s = low - rate_low * (high - low) / (rate_high - rate_low)
-            point = self.point(piece, s)
+            point = self.point(span, s)
             if point is None:
                 return None
-            rate = self._rate(piece, point)
+            rate = self._rate(span, point)
             if abs(rate) <= allowed:
                 return s, point
             if rate * rate_high < 0:
@@ -151,9 +152,9 @@ class Loads:
         above, below = 2 * (top - highest), 2 * (lowest - bottom)
         return any(highest <= load <= highest + above or lowest - below <= load <= lowest for load in self.asked)
 
-    def _rate(self, piece: Piece, point: CurvePoint) -> float:
-        """dP/ds at a point of a piece."""
-        row, along = AtLoad(self.system, 0.0, 0.0).row(point.balance, point.value), point.by(piece.normal)[0]
+    def _rate(self, span: Span, point: Stand) -> float:
+        """dP/ds at a point of a span."""
+        row, along = AtLoad(self.system, 0.0, 0.0).row(point.balance, point.value), point.by(span.normal)[0]
         return float(row.by_edges @ along[:-1] + row.by_control * along[-1])
 
     def in_last_gap(self, point: Equilibrium, load: float, tolerance: float) -> Equilibrium | None:

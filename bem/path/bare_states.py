@@ -12,8 +12,14 @@ import numpy as np
 
 from bem.adhesive.equilibrium import System
 from bem.adhesive.relaxation import Relaxed, first_contact, relax
-from bem.continuation.jumps import Jumps
-from bem.continuation.opening import (
+from bem.geometry.arrays import FloatArray
+from bem.geometry.patches import Patches
+from bem.geometry.profile import EQUAL_HEIGHTS
+from bem.loading.complete_contact import CompleteContact, closing_place
+from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, EventNumbers, path_events
+from bem.loading.points_without_edges import Complete, Failed, Separated
+from bem.path.jump import Jumps
+from bem.path.opening import (
     Flaw,
     complete_potential,
     first_gap,
@@ -23,13 +29,7 @@ from bem.continuation.opening import (
     opening_load,
     opening_rounding,
 )
-from bem.continuation.points_with_edges import Equilibrium, Point
-from bem.geometry.arrays import FloatArray
-from bem.geometry.patches import Patches
-from bem.geometry.profile import EQUAL_HEIGHTS
-from bem.loading.complete_contact import CompleteContact, closing_place
-from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, EventNumbers, path_events
-from bem.loading.points_without_edges import Complete, Failed, Separated
+from bem.path.points_with_edges import Equilibrium, Point
 
 
 @dataclass(frozen=True, eq=False)

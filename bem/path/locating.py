@@ -1,4 +1,4 @@
-"""Equilibria that meet a condition: Newton on the bordered system (curve.py), and the error of what it finds.
+"""Equilibria that meet a condition: Newton on the bordered system (stand.py), and the error of what it finds.
 
 Iterates are evaluated at a tolerance until a step is short.  The last evaluation has more nodes and modes than that
 tolerance asks for; what it changes, of the numbers as the last Newton steps leave them, is the error.  Newton has
@@ -6,7 +6,7 @@ diverged where a step is no shorter than the one before it.  Where modes V are h
 forces lambda that hold them are further unknowns, and V . d xi = 0.
 
 A condition says phi and its derivatives in a state.  These are a value of the control, a load, a plane through edges,
-the neutral mode of a fold or of a bifurcation (folds.py), and a gap that closes (touches.py).  Dimensionless.
+the neutral mode of a fold or of a bifurcation (fold.py), and a gap that closes (touch.py).  Dimensionless.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ import numpy as np
 
 from bem.adhesive.branch import after_step, outward_motion
 from bem.adhesive.equilibrium import Balance, System, balance, energy_noise
-from bem.continuation.curve import LONGEST, SHORT, Row, bordered, missing, unit_of
 from bem.elastic.collocation import Resolution, finer, resolve
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
 from bem.loading.path_events import EventNumbers
+from bem.path.stand import LONGEST_MOTION, SHORT, Row, bordered, missing, unit_of
 
 LAST = 1e-5  # units: the last step, behind which LAST^2 = 1e-10 is missing
 LOCATED = 1e-9  # what is left of zero: rms heights, works of adhesion, eigenvalues
 VERIFIED = 1e-8  # tolerance of evaluations up to which what is located is evaluated once more, finer
 OFF = 0.3  # of the tolerance: error of K, of a gap and of the load by an evaluation; measured .03, .2 on thin layers
-FINER = 1e-2  # of the tolerance, for which a finer evaluation has the modes
+FINER_MODES = 1e-2  # of the tolerance, for which a finer evaluation has the modes
 
 
 class Refused(Enum):
@@ -42,7 +42,7 @@ class Refused(Enum):
     UNRESOLVED = "the gaps are too narrow to resolve"
     SINGULAR = "the bordered system is singular"
     DIVERGED = "Newton's steps do not shrink"
-    FAR = "what was found is not on this piece of the curve"
+    FAR = "what was found is not on this span of the curve"
     MISFIT = "the two ends of the step do not agree"
     UNCLEAR = "a shorter step must tell what happens in this one"
 
@@ -214,8 +214,8 @@ def _unverified(
 def settle(system: System, start: Start, on: Condition, accuracy: Accuracy) -> tuple[Balance, float] | Refused:
     """The state next to edges that meets a condition, evaluated in itself, and its value of the control.
 
-    It is no farther than LONGEST away, and at the end of a Newton step: what that leaves is below the residual, or
-    rounding that no step makes smaller.
+    It is no farther than LONGEST_MOTION away, and at the end of a Newton step: what that leaves is below the residual,
+    or rounding that no step makes smaller.
     Short steps keep the resolution: where adhesion is weak K of one number of modes and K of the next differ by more
     than the residual allows.
     """
@@ -224,7 +224,7 @@ def settle(system: System, start: Start, on: Condition, accuracy: Accuracy) -> t
         here = evaluated(on.asked(system), place, accuracy.tolerance, kept)
         if isinstance(here, Refused):
             return here
-        if np.max(np.abs(outward_motion(start.patches, place.patches)) / unit_of(system, here)) > LONGEST:
+        if np.max(np.abs(outward_motion(start.patches, place.patches)) / unit_of(system, here)) > LONGEST_MOTION:
             return Refused.FAR
         row = on.row(here, place.value)
         met = place is not start and abs(row.value) <= on.accuracy
@@ -261,7 +261,7 @@ def evaluated_anywhere(
 def evaluated_finely(system: System, place: Start, tolerance: float) -> Balance | Refused:
     """The same with the nodes and modes of a finer tolerance: what this changes is the error of an evaluation."""
     elastic = system.elastic
-    wanted = finer(elastic, place.patches, resolve(elastic, place.patches, tolerance), FINER * tolerance)
+    wanted = finer(elastic, place.patches, resolve(elastic, place.patches, tolerance), FINER_MODES * tolerance)
     return evaluated(system, place, tolerance, wanted)
 
 
@@ -275,7 +275,7 @@ class NewtonStep:
 
     def end(self, here: Balance, value: float) -> Start:
         """Where the next evaluation is: at the end of the step, or on the way there if it is long."""
-        part = min(1.0, LONGEST / self.size) if self.size else 1.0
+        part = min(1.0, LONGEST_MOTION / self.size) if self.size else 1.0
         return Start(here.state.patches.moved(part * self.motion), here.state.penetration, value + part * self.change)
 
 

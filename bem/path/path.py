@@ -2,7 +2,7 @@
 
 A branch is followed as a smooth curve in steps (steps.py).  On every step the first end of the branch is looked for
 (branch_ends.py), as the equilibrium that meets its own condition: the goal, a fold, a broken symmetry, or a gap that
-closes.  From there the contact jumps (jumps.py), or another branch is taken up (symmetry.py), and the curve of
+closes.  From there the contact jumps (jump.py), or another branch is taken up (symmetry.py), and the curve of
 the next equilibrium is followed.  A step in which it is not clear what happens is repeated at a third of its length.
 
 A point carries what the path needs to go on from it; a path holds no state of its own; its system counts the work.
@@ -21,28 +21,6 @@ from bem.adhesive.branch import outward_motion
 from bem.adhesive.equilibrium import System
 from bem.adhesive.equilibrium_assessment import assess_equilibrium
 from bem.adhesive.relaxation import interpenetration
-from bem.continuation.bare_states import BareStates
-from bem.continuation.branch_ends import BranchEnds, End, Goal
-from bem.continuation.curve import CurvePoint, Piece
-from bem.continuation.folds import LimitPoint
-from bem.continuation.jumps import Jumps, leading_patch
-from bem.continuation.loads import Loads
-from bem.continuation.locating import LOCATED, AtControl, Condition, InPlane, Located, Refused, Start, settle
-from bem.continuation.opening import Flaw
-from bem.continuation.points_with_edges import Equilibrium, Point, Stretch
-from bem.continuation.steps import (
-    SHORTER,
-    SHORTEST,
-    Way,
-    curve_from,
-    evaluated_at_itself,
-    growth,
-    predicted,
-    step_from,
-)
-from bem.continuation.symmetry import alone, other_branch
-from bem.continuation.tension import LeastLoad, behind_jump, turn_of_load
-from bem.continuation.touches import Touch
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.assessment import Assessment
@@ -50,7 +28,31 @@ from bem.loading.complete_contact import CompleteContact
 from bem.loading.increments import MAXIMUM_ITERATIONS, Effort, Increments
 from bem.loading.path_events import EventNumbers, PathTension, path_events
 from bem.loading.points_without_edges import Complete, Failed, Separated
+from bem.path.bare_states import BareStates
+from bem.path.branch_ends import BranchEnds, End, GoalReached
+from bem.path.fold import LimitPoint
+from bem.path.jump import Jumps, leading_patch
+from bem.path.loads import Loads
+from bem.path.locating import LOCATED, AtControl, Condition, InPlane, Located, Refused, Start, settle
+from bem.path.opening import Flaw
+from bem.path.points_with_edges import Equilibrium, Point, Stretch
+from bem.path.span import Span
+from bem.path.stand import Stand
+from bem.path.steps import (
+    SHORTER,
+    SHORTEST_STEP,
+    Way,
+    curve_from,
+    evaluated_at_itself,
+    growth,
+    predicted,
+    step_from,
+)
+from bem.path.symmetry import alone, other_branch
+from bem.path.tension import LeastLoad, behind_jump, turn_of_load
+from bem.path.touch import Touch
 
+FIRST = 0.5  # speed: of the longest step: the first one of a branch
 LONGEST_STEP = 0.4  # units: the motion of the edges in a step
 PER_INCREMENT = 9.0  # units per rms height of `accuracy.max_increment`: a step, if that is less than the longest
 NATURAL = 1e-7, 1e-6, 1e-5, 1e-4  # of the unit of the control: steps of it where none along the curve is left
@@ -150,7 +152,7 @@ class Path:
         if not isinstance(point, Equilibrium) or point.settled:
             return replace(point, events=())
         start, stretch = Start(point.patches, point.state.penetration, point.value), point.stretch
-        return self._stable(start, None if stretch is None else InPlane(point.patches, stretch.piece.normal))
+        return self._stable(start, None if stretch is None else InPlane(point.patches, stretch.span.normal))
 
     def restart(self, patches: Patches, penetration: float, value: float, separation: float | None = None) -> Point:
         """The point at given equilibrium edges, from which the path continues as if it began there."""
@@ -213,31 +215,31 @@ class Path:
         if at is None:
             yield Failed(point.value, "not_converged")
             return
-        length, load, again = way.longest, point.load, True
+        length, load, again = FIRST * way.longest, point.load, True
         while True:
             ahead = predicted(at, length, way)
             tried = float(np.max(np.abs(ahead[0] / at.unit)))
-            if tried < SHORTEST:
+            if tried < SHORTEST_STEP:
                 yield self._by_control(at, way)
                 return
-            piece = step_from(self.system, at, ahead, way)
-            if piece is Refused.MISFIT and again:
+            span = step_from(self.system, at, ahead, way)
+            if span is Refused.MISFIT and again:
                 better, again = evaluated_at_itself(self.system, at, way), False
                 at = at if isinstance(better, Refused) else better
                 continue
-            found = piece if isinstance(piece, Refused) else BranchEnds(self.system, self.increments).first(piece, way)
-            if isinstance(piece, Refused) or isinstance(found, Refused):
+            found = span if isinstance(span, Refused) else BranchEnds(self.system, self.increments).first(span, way)
+            if isinstance(span, Refused) or isinstance(found, Refused):
                 self.effort.rejected += 1
                 length = tried / SHORTER
                 continue
             self.effort.accepted += 1
-            self.effort.unknowns = max(self.effort.unknowns, piece.last.balance.state.unknowns)
+            self.effort.unknowns = max(self.effort.unknowns, span.last.balance.state.unknowns)
             if found is not None:
-                yield from self._ended(piece, found, way, load)
+                yield from self._ended(span, found, way, load)
                 return
-            self._note_turn(piece, 1.0, way)
-            yield from self._stretches(piece, 1.0, Equilibrium.near(piece.last), load)
-            at, length, again = piece.last, min(way.longest, tried * growth(piece)), True
+            self._note_turn(span, 1.0, way)
+            yield from self._stretches(span, 1.0, Equilibrium.near(span.last), load)
+            at, length, again = span.last, min(way.longest, tried * growth(span)), True
             load = at.numbers.load
 
     def last_increment(self, value: float, patches: int, closing: float) -> float:
@@ -246,28 +248,28 @@ class Path:
             return self.increments.smallest
         return max((closing - value) / 2, LOCATED)
 
-    def _stretches(self, piece: Piece, reach: float, point: Equilibrium, load: float) -> Iterator[Equilibrium]:
-        """A point on a piece with the stretch that leads there from a load, after one where the load turns before."""
+    def _stretches(self, span: Span, reach: float, point: Equilibrium, load: float) -> Iterator[Equilibrium]:
+        """A point on a span with the stretch that leads there from a load, after one where the load turns before."""
         start = 0.0
-        for s, top in self.loads.turns(piece, reach) if self.asked_loads else ():
-            yield replace(Equilibrium.near(top), stretch=Stretch(piece, (start, s), (load, top.numbers.load)))
+        for s, top in self.loads.turns(span, reach) if self.asked_loads else ():
+            yield replace(Equilibrium.near(top), stretch=Stretch(span, (start, s), (load, top.numbers.load)))
             start, load = s, top.numbers.load
-        yield replace(point, stretch=Stretch(piece, (start, reach), (load, point.load)))
+        yield replace(point, stretch=Stretch(span, (start, reach), (load, point.load)))
 
-    def _ended(self, piece: Piece, end: End, way: Way, load: float) -> Iterator[Point]:
-        """The end of a branch, to which a piece leads from a load, and what is behind it."""
-        self._note_turn(piece, end.place, way)
-        if isinstance(end, Goal):
-            yield from self._stretches(piece, end.place, Equilibrium.of(way.end, end.balance, settled=True), load)
+    def _ended(self, span: Span, end: End, way: Way, load: float) -> Iterator[Point]:
+        """The end of a branch, to which a span leads from a load, and what is behind it."""
+        self._note_turn(span, end.place, way)
+        if isinstance(end, GoalReached):
+            yield from self._stretches(span, end.place, Equilibrium.of(way.end, end.balance, settled=True), load)
             return
         at = end.at
-        yield from self._stretches(piece, end.place, Equilibrium.near(at, last=True), load)
+        yield from self._stretches(span, end.place, Equilibrium.near(at, last=True), load)
         if isinstance(end, Touch):
             behind = self.jumps.from_touch(end)
         elif end.kind == "fold":
-            behind = self.jumps.from_fold(end) or self._by_control(piece.first, way)
+            behind = self.jumps.from_fold(end) or self._by_control(span.first, way)
         else:
-            behind = self._behind_broken_symmetry(piece, end, way)
+            behind = self._behind_broken_symmetry(span, end, way)
         if way.direction < 0:
             self.least_load.note(
                 "fold" if isinstance(end, LimitPoint) and end.kind == "fold" else "jump", at.numbers, at.error
@@ -275,10 +277,10 @@ class Path:
             self._note_behind(behind, at.error)
         yield behind
 
-    def _note_turn(self, piece: Piece, reach: float, way: Way) -> None:
-        """Note the least load on a piece on unloading, if it is less than before."""
+    def _note_turn(self, span: Span, reach: float, way: Way) -> None:
+        """Note the least load on a span on unloading, if it is less than before."""
         if way.direction < 0:
-            turn = turn_of_load(self.system, self.loads, piece, reach, self.least_load.load)
+            turn = turn_of_load(self.system, self.loads, span, reach, self.least_load.load)
             if isinstance(turn, Located):
                 self.least_load.note("turn", turn.numbers, turn.error)
 
@@ -289,7 +291,7 @@ class Path:
             if isinstance(at, Located):
                 self.least_load.note("jump", at.numbers, at.error)
 
-    def _behind_broken_symmetry(self, piece: Piece, limit: LimitPoint, way: Way) -> Point:
+    def _behind_broken_symmetry(self, span: Span, limit: LimitPoint, way: Way) -> Point:
         """The branch that begins where a symmetry breaks, if it is stable and leads on; else where forces lead.
 
         Where none is found nearby the control is stepped.
@@ -297,9 +299,9 @@ class Path:
         motion, at = alone(limit), limit.at
         other = other_branch(self.system, limit, motion, way)
         if isinstance(other, Refused):
-            return self._by_control(piece.first, way)
+            return self._by_control(span.first, way)
         if other.balance.factor is None or (other.value - at.numbers.value) * way.direction <= 0:
-            return self.jumps.from_broken_symmetry(at, other.patches) or self._by_control(piece.first, way)
+            return self.jumps.from_broken_symmetry(at, other.patches) or self._by_control(span.first, way)
         events = path_events((("bifurcation", leading_patch(at.patches, motion)),), at.numbers, at.error, 0.0, 0.0)
         if way.beyond(other.value) <= 0:
             return replace(Equilibrium.near(other), events=events)
@@ -308,7 +310,7 @@ class Path:
         settled = self._stable(Start(at.patches.moved(outward), at.numbers.penetration, way.end))
         return replace(settled, events=events)
 
-    def _by_control(self, at: CurvePoint, way: Way) -> Point:
+    def _by_control(self, at: Stand, way: Way) -> Point:
         """The state a little farther on by the control, where no step along the curve is left.
 
         If edges hardly move nothing happened; else an end of the branch was not located, and is counted.

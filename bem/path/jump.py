@@ -1,7 +1,7 @@
 """Jumps of an adhesive path: where the contact goes when its branch has ended, and the energy that it releases.
 
-A branch ends where it folds, where a symmetry breaks, or where a gap closes; all are located (folds.py,
-touches.py), so that neither the jump nor its numbers depend on the steps.  The jump follows the forces at the value of
+A branch ends where it folds, where a symmetry breaks, or where a gap closes; all are located (fold.py,
+touch.py), so that neither the jump nor its numbers depend on the steps.  The jump follows the forces at the value of
 the control at which the branch ends (relaxation.py): from a fold along its mode until a force is felt, which grows as
 the square of the motion, from a broken symmetry along a branch that begins there, or on both sides of its mode.  What
 it releases is the difference of the potential of two equilibria, each located with its error.  A jump that leaves all
@@ -18,13 +18,6 @@ import numpy as np
 from bem.adhesive.branch import after_step, moving_patches, numbers_of, outward_motion, unstable_patches
 from bem.adhesive.equilibrium import Balance, System, balance
 from bem.adhesive.relaxation import Cause, Relaxed, relax
-from bem.continuation.curve import LONGEST
-from bem.continuation.folds import LimitPoint
-from bem.continuation.locating import AtControl, Located, Refused, Start, locate
-from bem.continuation.opening import complete_potential
-from bem.continuation.points_with_edges import Equilibrium, Point
-from bem.continuation.symmetry import TIED
-from bem.continuation.touches import Touch
 from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima
 from bem.geometry.arrays import FloatArray, IntArray
@@ -33,6 +26,13 @@ from bem.loading.complete_contact import CompleteContact
 from bem.loading.increments import SAFETY, Increments
 from bem.loading.path_events import EventNumbers, PathEvent, path_events
 from bem.loading.points_without_edges import Complete, Failed, Separated
+from bem.path.fold import LimitPoint
+from bem.path.locating import OFF, VERIFIED, AtControl, Located, Refused, Start, locate
+from bem.path.opening import complete_potential
+from bem.path.points_with_edges import Equilibrium, Point
+from bem.path.stand import LONGEST_MOTION
+from bem.path.symmetry import EQUAL
+from bem.path.touch import Touch
 
 FORCES = 1e-2, 1e-4, 1e-6  # of the work of adhesion, that a push from a fold shall meet, in turn
 
@@ -63,7 +63,7 @@ class Jumps:
         at, mode = limit.at, limit.modes[:, 0]
         state, patches, work = at.balance.state, at.patches, at.balance.work
         length = np.sqrt(np.array(FORCES) * float(work @ np.abs(mode)) / limit.bend)
-        longest = LONGEST / float(np.max(np.abs(mode) / patches.edge_scale))
+        longest = LONGEST_MOTION / float(np.max(np.abs(mode) / patches.edge_scale))
         for part in np.minimum(length, longest):
             if not self._is_felt(patches.moved(part * mode), state.penetration, at.numbers.value, mode):
                 continue
@@ -135,10 +135,16 @@ class Jumps:
         released = at.potential - after.potential
         doubt = error.potential + uncertain + self._moved_by_error(at, error, after.penetration, after.load)
         happened = surely or not np.isfinite(doubt) or released > SAFETY * doubt
-        events = path_events(changes, at, error, released, doubt) if happened else ()
+        stated = doubt + self._coarseness(here)
+        events = path_events(changes, at, error, released, stated) if happened else ()
         if relaxed.status != "converged":
             return _failed(relaxed, events)
         return Equilibrium(value, here, patches, after.load, events=events)
+
+    def _coarseness(self, here: Balance) -> float:
+        """Return what coarse evaluations may make of a difference of energies: of second order in their errors."""
+        tolerance = self.increments.way.tolerance
+        return (OFF * tolerance) ** 2 * here.state.elastic_energy if tolerance > VERIFIED else 0.0
 
     def _minimum(self, here: Balance, value: float) -> Located | None:
         """The stable equilibrium in which a jump ended, with its errors; None where there is none."""
@@ -147,7 +153,7 @@ class Jumps:
         if isinstance(found, Refused) or found.balance.factor is None:
             return None
         moved = outward_motion(here.state.patches, found.patches) / here.state.patches.edge_scale
-        return found if np.max(np.abs(moved)) <= LONGEST else None
+        return found if np.max(np.abs(moved)) <= LONGEST_MOTION else None
 
     def _is_felt(self, patches: Patches, penetration: float, value: float, motion: FloatArray) -> bool:
         """Whether edges feel a force along a motion: more than errors leave of one."""
@@ -214,5 +220,5 @@ def _failed(relaxed: Relaxed, events: tuple[PathEvent, ...] = ()) -> Failed:
 def leading_patch(patches: Patches, outward: FloatArray) -> float:
     """Centre of the patch that grows or shrinks most in a motion of the edges; of two alike, that which shrinks."""
     growth = (outward / patches.edge_scale).reshape(2, -1).sum(axis=0)
-    leading = int(np.argmax(np.abs(growth) * np.where(growth < 0, 1 + TIED, 1.0)))
+    leading = int(np.argmax(np.abs(growth) * np.where(growth < 0, 1 + EQUAL, 1.0)))
     return float(patches.center[leading])

@@ -11,10 +11,6 @@ from bem.adhesive.equilibrium import System, balance
 from bem.adhesive.relaxation import interpenetration
 from bem.adhesive.strides import Steps
 from bem.adhesive.third_derivatives import with_slopes
-from bem.continuation.curve import first_point
-from bem.continuation.locating import AtControl, Refused, Start, settle
-from bem.continuation.steps import Way, predicted, step_from
-from bem.continuation.touches import GapCloses, locate_touch
 from bem.elastic.collocation import Elastic
 from bem.elastic.compliance import Compliance
 from bem.elastic.far_field import Arc, Charges, far_fields
@@ -25,6 +21,10 @@ from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.loading.control import DisplacementControl, LoadControl
 from bem.loading.increments import Accuracy
+from bem.path.locating import AtControl, Refused, Start, settle
+from bem.path.stand import first_stand
+from bem.path.steps import Way, predicted, step_from
+from bem.path.touch import GapCloses, locate_touch
 
 TOLERANCE = 1e-9
 CONTROLS = {"Delta": DisplacementControl(), "spring": DisplacementControl(0.7), "load": LoadControl()}
@@ -86,19 +86,19 @@ def gap_beside(system, here):
     return minima_near(gap_field(system.elastic, here.state), np.array([np.pi]), np.array([0]))
 
 
-def piece_with_touch(system):
+def span_with_touch(system):
     """The step along the curve in which the gap closes, and what is closed at its end."""
     start = descend(system, Patches(np.array([-0.9]), np.array([0.9])), 0.0, 0.5, Accuracy(1e-3, 1e-4), Steps(0.2))
     here = with_slopes(system, resting(system, start.balance.state.patches, 0.5), 0.5, TOLERANCE)
     way = Way(1.0, np.inf, 0.1, np.inf, TOLERANCE)
-    at = first_point(system, here, 0.5, 1.0)
+    at = first_stand(system, here, 0.5, 1.0)
     for _ in range(50):
-        piece = step_from(system, at, predicted(at, 0.1, way), way)
-        assert not isinstance(piece, Refused)
-        found = interpenetration(system, piece.last.balance.state, 1e-10)
+        span = step_from(system, at, predicted(at, 0.1, way), way)
+        assert not isinstance(span, Refused)
+        found = interpenetration(system, span.last.balance.state, 1e-10)
         if found.position.size:
-            return piece, found
-        at = piece.last
+            return span, found
+        at = span.last
     raise AssertionError("no gap closes")
 
 
@@ -106,9 +106,9 @@ def piece_with_touch(system):
 @by_control
 def test_a_touch_is_where_the_gap_of_an_equilibrium_vanishes(control, compliance):
     system = system_of(control, compliance)
-    piece, found = piece_with_touch(system)
+    span, found = span_with_touch(system)
     counted = system.effort.evaluations
-    touch = locate_touch(system, piece, (piece.last.balance.state, 1.0), found, TOLERANCE)
+    touch = locate_touch(system, span, (span.last.balance.state, 1.0), found, TOLERANCE)
     assert system.effort.evaluations - counted <= 4
     assert 0 < touch.place < 1
     at = resting(system, touch.at.patches, touch.at.numbers.value)
@@ -120,7 +120,7 @@ def test_a_touch_is_where_the_gap_of_an_equilibrium_vanishes(control, compliance
 
 def test_a_touch_behind_the_piece_is_not_taken():
     system = system_of(DisplacementControl(), None)
-    piece, found = piece_with_touch(system)
+    span, found = span_with_touch(system)
     way = Way(1.0, np.inf, 0.1, np.inf, TOLERANCE)
-    behind = step_from(system, piece.last, predicted(piece.last, 0.1, way), way)
+    behind = step_from(system, span.last, predicted(span.last, 0.1, way), way)
     assert isinstance(locate_touch(system, behind, (behind.last.balance.state, 1.0), found, TOLERANCE), Refused)

@@ -1,6 +1,6 @@
 """Largest tension of a path: the least load on unloading, at turns of the load, at folds and on both sides of jumps.
 
-The load turns on a branch where dP/ds = 0.  That place is found on a piece of the curve by the secant of the rate, and
+The load turns on a branch where dP/ds = 0.  That place is found on a span of the curve by the secant of the rate, and
 the equilibrium there is located in its plane, like any event, with its error: as the load is stationary, the place
 itself counts in second order.  Dimensionless.
 """
@@ -11,13 +11,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 from bem.adhesive.equilibrium import System
-from bem.continuation.curve import Piece
-from bem.continuation.loads import Loads
-from bem.continuation.locating import AtControl, InPlane, Located, Refused, Start, locate
-from bem.continuation.points_with_edges import Equilibrium
 from bem.loading.path_events import EventNumbers, PathTension
+from bem.path.loads import Loads
+from bem.path.locating import AtControl, InPlane, Located, Refused, Start, locate
+from bem.path.points_with_edges import Equilibrium
+from bem.path.span import Span
 
-TURNED = 1e-7  # derived: of the change of the rate on a piece: its square, 1e-14, is missing of the load
+TURNED = 1e-7  # derived: of the change of the rate on a span: its square, 1e-14, is missing of the load
 
 
 @dataclass(eq=False)
@@ -37,14 +37,14 @@ class LeastLoad:
             self.met = PathTension(kind, at, error)
 
 
-def turn_of_load(system: System, loads: Loads, piece: Piece, reach: float, below: float) -> Located | Refused | None:
-    """Return the state in which the load is least on a piece up to a parameter; None where it is not below a load."""
-    place = loads.least_on(piece, reach, below, TURNED)
+def turn_of_load(system: System, loads: Loads, span: Span, reach: float, below: float) -> Located | Refused | None:
+    """Return the state in which the load is least on a span up to a parameter; None where it is not below a load."""
+    place = loads.least_on(span, reach, below, TURNED)
     if place is None:
         return None
-    patches, value = piece.at(place)
-    start = Start(patches, piece.first.numbers.penetration, value)
-    return locate(system, start, InPlane(patches, piece.normal), loads.on_way)
+    patches, value = span.at(place)
+    start = Start(patches, span.first.numbers.penetration, value)
+    return locate(system, start, InPlane(patches, span.normal), loads.on_way)
 
 
 def behind_jump(system: System, point: Equilibrium, error: EventNumbers, tolerance: float) -> Located | Refused:

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from johnson_branch import ALPHA, WORK, johnson, lowest, resting, waves
 
-from bem.continuation.folds import NeutralMode
-from bem.continuation.locating import AtControl, AtLoad, InPlane, Refused, Start, locate, settle
 from bem.geometry.patches import Patches
 from bem.loading.control import DisplacementControl, LoadControl
 from bem.loading.increments import Accuracy, Effort
+from bem.path.fold import NeutralMode
+from bem.path.locating import AtControl, AtLoad, InPlane, Refused, Start, locate, settle
 
 SYSTEM, UNDER_LOAD = waves(DisplacementControl()), waves(LoadControl())
 FINE = Accuracy(1e-13, 1e-12)

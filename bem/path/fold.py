@@ -1,9 +1,9 @@
-"""Folds and broken symmetries: what ends the stable part of a branch on a piece of its curve, and its equation.
+"""Folds and broken symmetries: what ends the stable part of a branch on a span of its curve, and its equation.
 
-The end of a piece says which, by the number of negative eigenvalues of the Hessian and by the way the control goes:
+The end of a span says which, by the number of negative eigenvalues of the Hessian and by the way the control goes:
 
 =========  =======  ==============================================================================================
-negative   control  what lies on the piece
+negative   control  what lies on the span
 =========  =======  ==============================================================================================
 none       onward   nothing, unless the quintic turns in between: a snap hides there, and a shorter step tells
 one        back     a fold: the control turns, and the mode that is neutral there carries the contact away
@@ -32,12 +32,13 @@ from numpy.typing import NDArray
 from bem.adhesive.equilibrium import Balance, System, symmetric_part
 from bem.adhesive.lowest_modes import lowest_modes
 from bem.adhesive.third_derivatives import hessian_change_times
-from bem.continuation.curve import MODES, Piece, Row
-from bem.continuation.locating import LOCATED, Condition, Located, Refused, Start, locate
 from bem.geometry.arrays import FloatArray
+from bem.path.locating import LOCATED, Condition, Located, Refused, Start, locate
+from bem.path.span import Span
+from bem.path.stand import MODES, Row
 
 NO_WORK = 1e-3  # cosine of a mode and of the pull of the control, below which that does no work on it
-NEUTRAL_OFF = 3.0  # of the tolerance: error of an eigenvalue by an evaluation
+NEUTRAL_OFF = 5.0  # of the tolerance: error of an eigenvalue by an evaluation
 NEUTRAL = 1e-2  # eigenvalues of modes that are neutral together
 
 
@@ -103,7 +104,7 @@ class LimitPoint:
     bend : float
         At a fold, D_v H v . v / 2: on the branch the forces are that times the square of the motion along v.
     place : float
-        Its parameter on the piece.
+        Its parameter on the span.
     """
 
     kind: Literal["fold", "broken_symmetry"]
@@ -121,7 +122,7 @@ def does_no_work(here: Balance, scale: FloatArray, modes: FloatArray) -> NDArray
 
 @dataclass(frozen=True, eq=False)
 class LimitPoints:
-    """Finds limit points on pieces.
+    """Finds limit points on spans.
 
     Parameters
     ----------
@@ -136,54 +137,54 @@ class LimitPoints:
     direction: float
     tolerance: float
 
-    def on(self, piece: Piece) -> LimitPoint | Refused | None:
-        """The limit point on a piece; None where there is none."""
-        last = piece.last
+    def on(self, span: Span) -> LimitPoint | Refused | None:
+        """The limit point on a span; None where there is none."""
+        last = span.last
         (values, modes), onward = last.lowest, last.control_rate * self.direction > 0
         idle = does_no_work(last.balance, last.balance.scale, modes)
         if np.any(idle):
-            return self._broken(piece, last.balance, modes[:, idle])
+            return self._broken(span, last.balance, modes[:, idle])
         if values.size == 0 and onward:
-            return Refused.UNCLEAR if piece.turns().size else None
-        turns = piece.turns()
+            return Refused.UNCLEAR if span.turns().size else None
+        turns = span.turns()
         if onward or values.size != 1 or turns.size == 0:
             return Refused.UNCLEAR
-        return self._fold(piece, float(turns[0]))
+        return self._fold(span, float(turns[0]))
 
-    def _fold(self, piece: Piece, place: float) -> LimitPoint | Refused:
+    def _fold(self, span: Span, place: float) -> LimitPoint | Refused:
         """The fold at about a parameter, unless a symmetry breaks before it."""
-        scale = piece.first.balance.scale
-        neutral = self._neutral(scale, piece.last.rate / scale)
-        at = locate(self.system, self._start(piece, place), neutral, self.tolerance)
+        scale = span.first.balance.scale
+        neutral = self._neutral(scale, span.last.rate / scale)
+        at = locate(self.system, self._start(span, place), neutral, self.tolerance)
         if isinstance(at, Refused):
             return at
-        if not piece.holds(at.patches, at.numbers.value):
+        if not span.holds(at.patches, at.numbers.value):
             return Refused.FAR
         pull, mode = at.balance.load_gradient * scale, neutral.last
         pull = pull * self.system.control.rate(at.balance.state)
         before = (neutral.values <= 0) & (np.arange(neutral.values.size) != neutral.index)
         if np.any(before):
             before &= does_no_work(at.balance, scale, neutral.modes)
-            return self._broken(piece, at.balance, neutral.modes[:, before], scale) if before.any() else Refused.UNCLEAR
+            return self._broken(span, at.balance, neutral.modes[:, before], scale) if before.any() else Refused.UNCLEAR
         work = float(pull @ mode)
         cubic = float(neutral.by_edges @ neutral.motion)
         if cubic * work * self.direction <= 0:
             return Refused.UNCLEAR
         down = -np.sign(cubic) * neutral.motion
-        return LimitPoint("fold", at, down[:, None], abs(cubic) / 2, piece.parameter(at.patches))
+        return LimitPoint("fold", at, down[:, None], abs(cubic) / 2, span.parameter(at.patches))
 
     def _broken(
-        self, piece: Piece, here: Balance, modes: FloatArray, scale: FloatArray | None = None
+        self, span: Span, here: Balance, modes: FloatArray, scale: FloatArray | None = None
     ) -> LimitPoint | Refused:
         """Where the first of some modes turns unstable on which the control does no work, these held.
 
         `scale` has the units of the modes, found in the state `here`: its own, if not given.
         """
         held = modes * (here.scale if scale is None else scale)[:, None]
-        scale = piece.first.balance.scale
-        stiff, soft = (np.einsum("ij,ik,kj->j", held, state.hessian, held) for state in (piece.first.balance, here))
+        scale = span.first.balance.scale
+        stiff, soft = (np.einsum("ij,ik,kj->j", held, state.hessian, held) for state in (span.first.balance, here))
         shares = np.where((stiff > 0) & (soft < 0), stiff / np.where(soft < stiff, stiff - soft, 1.0), 1.0)
-        start, along = self._start(piece, float(shares.min())), held[:, int(np.argmin(shares))] / scale
+        start, along = self._start(span, float(shares.min())), held[:, int(np.argmin(shares))] / scale
         for _ in range(MODES):
             neutral = self._neutral(scale, along)
             at = locate(self.system, start, neutral, self.tolerance, held)
@@ -196,28 +197,28 @@ class LimitPoints:
                 continue
             lowest = int(np.argmin(neutral.values))
             if neutral.values[lowest] > neutral.values[neutral.index] - LOCATED:
-                return self._breaking(piece, at, neutral)
+                return self._breaking(span, at, neutral)
             along = neutral.modes[:, lowest]
         return Refused.UNCLEAR
 
-    def _breaking(self, piece: Piece, at: Located, neutral: NeutralMode) -> LimitPoint | Refused:
+    def _breaking(self, span: Span, at: Located, neutral: NeutralMode) -> LimitPoint | Refused:
         """The point where a symmetry breaks, if the profile has it and nothing else turned unstable before."""
         soft = does_no_work(at.balance, neutral.scale, neutral.modes) & (neutral.values < NEUTRAL)
         modes = neutral.modes * neutral.scale[:, None]
         pushed = np.any(_forces(at.balance, modes[:, soft & (neutral.values < NEUTRAL)]) > LOCATED)
-        behind = (at.numbers.value - piece.first.value) * self.direction < -LOCATED
+        behind = (at.numbers.value - span.first.value) * self.direction < -LOCATED
         if not soft[0] or np.any(neutral.values[~soft] <= 0) or pushed or behind:
             return Refused.UNCLEAR
-        return LimitPoint("broken_symmetry", at, modes[:, soft], 0.0, piece.parameter(at.patches))
+        return LimitPoint("broken_symmetry", at, modes[:, soft], 0.0, span.parameter(at.patches))
 
     def _neutral(self, scale: FloatArray, mode: FloatArray) -> NeutralMode:
         """The condition of a neutral mode, at first along one in units `scale`."""
         return NeutralMode(self.system, scale, mode / np.linalg.norm(mode))
 
-    def _start(self, piece: Piece, place: float) -> Start:
-        """Where Newton begins on a piece."""
-        patches, value = piece.at(place)
-        return Start(patches, piece.first.numbers.penetration, value)
+    def _start(self, span: Span, place: float) -> Start:
+        """Where Newton begins on a span."""
+        patches, value = span.at(place)
+        return Start(patches, span.first.numbers.penetration, value)
 
 
 def _forces(here: Balance, modes: FloatArray) -> FloatArray:

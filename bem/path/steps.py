@@ -1,7 +1,7 @@
 """Steps along a branch: predicted to second order, corrected in the plane of the step, judged by its misfit.
 
 A step is accepted if K > 0 at its end, the Newton step that is left is short, and the chord agrees with the derivatives
-at both ends (curve.py); where it does not, both ends are evaluated again more finely before a shorter step is tried:
+at both ends (stand.py); where it does not, both ends are evaluated again more finely before a shorter step is tried:
 what an evaluation lacks turns the tangent of a soft motion.
 
 The Newton step and the misfit are of third order in the length of the step, which grows or shrinks with the cube root
@@ -18,18 +18,19 @@ import numpy as np
 
 from bem.adhesive.equilibrium import Balance, System
 from bem.adhesive.third_derivatives import with_slopes
-from bem.continuation.curve import NEAR, SHORT, CurvePoint, Piece, curve_point, first_point
-from bem.continuation.locating import Refused, Start, evaluated_anywhere, evaluated_finely
-from bem.continuation.points_with_edges import Equilibrium
 from bem.geometry.arrays import FloatArray
+from bem.path.locating import Refused, Start, evaluated_anywhere, evaluated_finely
+from bem.path.points_with_edges import Equilibrium
+from bem.path.span import ON_SPAN, Span
+from bem.path.stand import SHORT, Stand, first_stand, stand_near
 
 MISFIT = 0.06  # of the chord, and of the rise of the control: what the two ends of a step may disagree by
 GOOD = MISFIT / 2  # units: the Newton step that a prediction should leave
 SHORTER = 3.0  # times: a step that is refused is repeated
 LONGER = SHORTER**0.5  # times the last step: the next, at most
-SHORTEST = 1e-6  # limit: units: a step that is not tried is shorter
+SHORTEST_STEP = 1e-6  # limit: units: a step that is not tried is shorter
 PAST = GOOD  # units: how far a step may go past where the control turns
-BEYOND = 1 + NEAR  # times the way to where the control turns, or to its last value: what lies there is on the piece
+BEYOND = 1 + ON_SPAN  # times the way to where the control turns, or to its last value: what lies there is on the span
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,13 +62,13 @@ class Way:
         return (value - self.end) * self.direction
 
 
-def curve_from(system: System, point: Equilibrium, way: Way) -> CurvePoint | None:
+def curve_from(system: System, point: Equilibrium, way: Way) -> Stand | None:
     """The first point of the curve of a stable state."""
     here = with_slopes(system, point.balance, point.value, way.tolerance)
-    return first_point(system, here, point.value, way.direction)
+    return first_stand(system, here, point.value, way.direction)
 
 
-def step_from(system: System, at: CurvePoint, ahead: tuple[FloatArray, float], way: Way) -> Piece | Refused:
+def step_from(system: System, at: Stand, ahead: tuple[FloatArray, float], way: Way) -> Span | Refused:
     """A step along the curve, to what is predicted of it."""
     motion, change = ahead
     tried = float(np.max(np.abs(motion / at.unit)))
@@ -79,29 +80,29 @@ def step_from(system: System, at: CurvePoint, ahead: tuple[FloatArray, float], w
         return there
     if there.off > tried / SHORTER:
         return Refused.DIVERGED
-    piece = Piece.between(at, there)
-    fits = piece is not None and piece.misfit <= MISFIT
+    span = Span.between(at, there)
+    fits = span is not None and span.misfit <= MISFIT
     if not fits or not there.is_clear:
         better = evaluated_at_itself(system, there, way)
         if isinstance(better, Refused):
             return better
-        piece = Piece.between(at, better)
-    return piece if piece is not None and piece.misfit <= MISFIT else Refused.MISFIT
+        span = Span.between(at, better)
+    return span if span is not None and span.misfit <= MISFIT else Refused.MISFIT
 
 
 def shorter_steps(length: float) -> Iterator[float]:
     """A length, and shorter ones."""
-    while length >= SHORTEST:
+    while length >= SHORTEST_STEP:
         yield length
         length /= SHORTER
 
 
-def growth(piece: Piece) -> float:
+def growth(span: Span) -> float:
     """How much longer the next step may be."""
-    return float(np.cbrt(GOOD / max(piece.last.off, GOOD / LONGER**3)))
+    return float(np.cbrt(GOOD / max(span.last.off, GOOD / LONGER**3)))
 
 
-def evaluated_at_itself(system: System, at: CurvePoint, way: Way) -> CurvePoint | Refused:
+def evaluated_at_itself(system: System, at: Stand, way: Way) -> Stand | Refused:
     """The same point from fine evaluations at itself, until what is left to it is short: with better derivatives."""
     while True:
         normal = at.rate / at.unit**2
@@ -114,11 +115,11 @@ def evaluated_at_itself(system: System, at: CurvePoint, way: Way) -> CurvePoint 
         at = there
 
 
-def predicted(at: CurvePoint, length: float, way: Way) -> tuple[FloatArray, float]:
+def predicted(at: Stand, length: float, way: Way) -> tuple[FloatArray, float]:
     """Motion of the edges and change of the control along the Taylor series.
 
     As long as asked, the control changing by no more than its largest step; a little beyond a turn of the control and
-    beyond its last value, so that both lie on the piece.
+    beyond its last value, so that both lie on the span.
     """
 
     def at_parameter(h: float) -> tuple[FloatArray, float]:
@@ -139,8 +140,8 @@ def predicted(at: CurvePoint, length: float, way: Way) -> tuple[FloatArray, floa
 
 def _point_of(
     system: System, here: Balance | Refused, value: float, normal: FloatArray, length: float
-) -> CurvePoint | Refused:
+) -> Stand | Refused:
     """The point of the curve next to forces, in the plane of their edges."""
     if isinstance(here, Refused):
         return here
-    return curve_point(system, here, value, normal, length) or Refused.SINGULAR
+    return stand_near(system, here, value, normal, length) or Refused.SINGULAR

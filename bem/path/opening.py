@@ -33,13 +33,13 @@ from importlib import import_module
 import numpy as np
 
 from bem.adhesive.equilibrium import System, balance
-from bem.continuation.locating import LAST, LOCATED
 from bem.elastic.collocation import Evaluation, evaluate
 from bem.elastic.gap import gap_field, low_minima
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI, Patches, ordered
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.control import LoadControl
+from bem.path.locating import LAST, LOCATED
 
 RESOLVED_GAP = 1e-4 * TWO_PI  # speed: evaluated as it is in a tenth of a second
 FINEST_GAP = (

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from bem.adhesive.equilibrium import System
 from bem.adhesive.relaxation import Cause, Relaxed, interpenetration, relax
-from bem.continuation.locating import AtControl, Refused, Start, settle
 from bem.loading.increments import Accuracy
+from bem.path.locating import AtControl, Refused, Start, settle
 
 
 def at_rest(system: System, start: Start, accuracy: Accuracy, local_tolerance: float) -> Relaxed:

@@ -9,7 +9,7 @@ import pytest
 from rough_surfaces import rough_scene
 from scene_tables import tables, waves
 
-from bem.continuation.path import Path
+from bem.path.path import Path
 from bem.scene.scene import parse_scene
 from bem.solver import solve
 

@@ -15,17 +15,18 @@ import numpy as np
 
 from bem.adhesive.equilibrium import Balance, System
 from bem.adhesive.relaxation import interpenetration
-from bem.continuation.curve import SHORT, Piece, Row
-from bem.continuation.locating import LOCATED, Condition, Located, Refused, Start, locate
 from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima, gap_field, minima_near
 from bem.geometry.arrays import FloatArray
 from bem.loading.increments import MAXIMUM_ITERATIONS
+from bem.path.locating import LOCATED, Condition, Located, Refused, Start, locate
+from bem.path.span import Span
+from bem.path.stand import SHORT, Row
 
 
 @dataclass(frozen=True, eq=False)
 class Touch:
-    """A state in which gaps have just closed, and where; `place` is its parameter on the piece."""
+    """A state in which gaps have just closed, and where; `place` is its parameter on the span."""
 
     at: Located
     touching: GapMinima
@@ -83,21 +84,21 @@ class GapCloses(Condition):
 
 
 def locate_touch(
-    system: System, piece: Piece, end: tuple[Evaluation, float], found: GapMinima, tolerance: float
+    system: System, span: Span, end: tuple[Evaluation, float], found: GapMinima, tolerance: float
 ) -> Touch | Refused:
-    """Where the first of some gaps closes on a piece of the curve.
+    """Where the first of some gaps closes on a span of the curve.
 
     Parameters
     ----------
     system : System
-    piece : Piece
+    span : Span
     end : (Evaluation, float)
-        A state on the piece, or at its end, in which the gaps are closed, and its parameter.
+        A state on the span, or at its end, in which the gaps are closed, and its parameter.
     found : GapMinima
         These gaps there.
     tolerance : float
     """
-    first = piece.first.balance.state
+    first = span.first.balance.state
     last, reach = end
     for _ in range(MAXIMUM_ITERATIONS):
         behind = first.patches.right[found.gap]
@@ -105,18 +106,18 @@ def locate_touch(
             return Refused.UNCLEAR
         open_gap, closed = (gap_field(system.elastic, state)(found.position, found.gap) for state in (first, last))
         share = np.min(np.where(closed < 0, open_gap / np.where(closed < 0, open_gap - closed, 1.0), 1.0))
-        patches, value = piece.at(reach * float(np.clip(share, 0.0, 1.0)))
+        patches, value = span.at(reach * float(np.clip(share, 0.0, 1.0)))
         closes = GapCloses(system, found, SHORT * first.patches.gap_after[found.gap])
         at = locate(system, Start(patches, first.penetration, value), closes, tolerance)
         if isinstance(at, Refused):
             return at
-        if not piece.holds(at.patches, at.numbers.value) or at.balance.factor is None:
+        if not span.holds(at.patches, at.numbers.value) or at.balance.factor is None:
             return Refused.FAR
         state, left = at.balance.state, float(closes.lowest.depth.min())
         earlier = interpenetration(system, state, LOCATED - min(left, 0.0))
         if earlier.position.size == 0:
             tied = closes.lowest.depth <= left + LOCATED
             touching = GapMinima(closes.lowest.position[tied], np.zeros(int(tied.sum())), closes.lowest.gap[tied])
-            return Touch(at, touching, piece.parameter(at.patches))
-        found, last, reach = earlier, state, piece.parameter(state.patches)
+            return Touch(at, touching, span.parameter(at.patches))
+        found, last, reach = earlier, state, span.parameter(state.patches)
     return Refused.UNCLEAR

@@ -1,4 +1,4 @@
-"""Points of an adhesive path that have edges: states of a branch, and the ends of its pieces.  Dimensionless."""
+"""Points of an adhesive path that have edges: states of a branch, and the ends of its spans.  Dimensionless."""
 
 from __future__ import annotations
 
@@ -6,19 +6,20 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from bem.adhesive.equilibrium import Balance
-from bem.continuation.curve import CurvePoint, Piece
-from bem.continuation.locating import Located
 from bem.elastic.collocation import Evaluation
 from bem.geometry.patches import Patches
 from bem.loading.path_events import PathStatus
 from bem.loading.points_without_edges import Complete, Failed, PathPoint, Separated
+from bem.path.locating import Located
+from bem.path.span import Span
+from bem.path.stand import Stand
 
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
-    """The part of a piece of the curve that leads to a point: from one parameter to another, with the loads there."""
+    """The part of a span of the curve that leads to a point: from one parameter to another, with the loads there."""
 
-    piece: Piece
+    span: Span
     ends: tuple[float, float]
     loads: tuple[float, float]
 
@@ -61,7 +62,7 @@ class Equilibrium(PathPoint):
         return cls(value, balance, balance.state.patches, balance.state.load, settled=settled)
 
     @classmethod
-    def near(cls, at: CurvePoint | Located, last: bool = False) -> Equilibrium:
+    def near(cls, at: Stand | Located, last: bool = False) -> Equilibrium:
         """A point of a curve, or what is located, near its balance."""
         return cls(at.numbers.value, at.balance, at.patches, at.numbers.load, last=last)
 

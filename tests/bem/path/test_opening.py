@@ -8,11 +8,11 @@ from rough_surfaces import rough_scene
 
 from bem.adhesive.equilibrium import System, balance
 from bem.adhesive.relaxation import relax
-from bem.continuation import opening
 from bem.geometry.patches import TWO_PI
 from bem.loading.complete_contact import complete_contact
 from bem.loading.control import DisplacementControl
 from bem.loading.increments import COARSE
+from bem.path import opening
 from bem.problem import pose
 from bem.scene.scene import SceneError
 from bem.solver import solve
