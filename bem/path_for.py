@@ -16,8 +16,8 @@ from bem.scene.scene import Scene
 from bem.scene.scene_rules import Mistake, SceneError
 
 if TYPE_CHECKING:
-    from bem.continuation.points_with_edges import Equilibrium, Point
     from bem.nonadhesive.convex_path import ContactPoint, ConvexPoint
+    from bem.path.points_with_edges import Equilibrium, Point
     from bem.windows.windowed_path import AnyPoint
 
 
@@ -52,8 +52,8 @@ def path_for(
         )
         return convex
     from bem.adhesive.equilibrium import System
-    from bem.continuation.opening import flaw_of
-    from bem.continuation.path import Path
+    from bem.path.opening import flaw_of
+    from bem.path.path import Path
 
     system = System(problem.elastic, problem.law, problem.control)
     width, flaw = scene.loading.flaw, None

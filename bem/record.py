@@ -53,11 +53,11 @@ from bem.scene.scene_tables import OUTPUTS
 from bem.scene.stored_arrays import split
 
 if TYPE_CHECKING:
-    from bem.continuation.points_with_edges import Point
     from bem.elastic.collocation import Evaluation
     from bem.geometry.arrays import FloatArray
     from bem.nonadhesive.convex_path import ConvexPoint
     from bem.nonadhesive.gap_series import GapEvaluation
+    from bem.path.points_with_edges import Point
 
     AnyPoint = Point | ConvexPoint
 

@@ -55,8 +55,8 @@ def test_what_is_named_exists():
     [
         ("as scaling.py does (physics.md 4 of the design)", ["physics.md"]),
         ("`bem/geometry/scaling.py`, `bem/cases/scaling.py`", ["bem/cases/scaling.py"]),
-        ("see cases/suite/harness.py and studies/harness.py", ["studies/harness.py"]),
-        ("validation/baselines/*.json, validation/pictures/*.json", ["validation/pictures/*.json"]),
+        ("see plugin/rows.py and studies/rows.py", ["studies/rows.py"]),
+        ("validation/corpus/*.json, validation/pictures/*.json", ["validation/pictures/*.json"]),
         ("keys of `validation.bibliography`, bem.solve, bem.geometry.scaling.Scales", ["validation.bibliography"]),
     ],
 )

@@ -9,7 +9,6 @@ import pytest
 
 from bem.scene.scene import parse_scene
 from validation.command_line import front_door
-from validation.studies import STUDIES
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text("utf-8")
@@ -102,9 +101,3 @@ def test_python_lines_run(folder, monkeypatch, capsys):
 def test_pictures_exist():
     for name in re.findall(r"!\[.*?\]\((.*?)\)", README):
         assert (ROOT / name).exists(), name
-
-
-def test_every_study_is_listed():
-    lines = [line.split() for block in blocks("sh") for line in block.splitlines()]
-    named = [words[4] for words in lines if words[:4] == ["python", "-m", "validation", "study"]]
-    assert sorted(named) == sorted(STUDIES)

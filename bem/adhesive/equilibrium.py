@@ -1,7 +1,7 @@
 """Adhesive equilibrium of the edges at given control: the forces on them, and Newton along a branch.
 
 An equilibrium has G_e = K_e^2/4 = w_e at every edge with K_e > 0, and is stable where the Hessian of the potential
-under control is positive definite.  Newton's method for it is that of bem/continuation; where a branch ends, descent.py
+under control is positive definite.  Newton's method for it is that of bem/path; where a branch ends, descent.py
 continues.  Dimensionless.  Source: Carbone, Scaraggi, Tartaglino,
 Eur. Phys. J. E 30 (2009) 65, section 3.
 """

@@ -86,7 +86,7 @@ class Cause:
     local_tolerance: float = 0.0
 
 
-UNKNOWN = Cause()
+NO_CAUSE = Cause()
 
 
 def relax(
@@ -95,7 +95,7 @@ def relax(
     penetration: float,
     target: float,
     accuracy: Accuracy,
-    cause: Cause = UNKNOWN,
+    cause: Cause = NO_CAUSE,
 ) -> Relaxed:
     """Resolve an event at fixed target, starting from the given edges.
 

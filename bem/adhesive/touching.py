@@ -18,12 +18,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from bem.adhesive.equilibrium import Balance, System
-from bem.adhesive.vanishing import NARROW
+from bem.adhesive.vanishing import ABOUT_TO_GO
 from bem.elastic.gap import GapMinima, gap_field
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches
 
-REACH = 4.0  # shortest wavelengths ahead of an edge
+AHEAD = 4.0  # shortest wavelengths ahead of an edge
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,13 +81,13 @@ class CrestsAhead:
         tensile, crests = (after.state.stress_intensity > 0).tolist(), profile.crests[0]
         edges: list[int] = []
         ahead: dict[int, tuple[float, int]] = {}  # of each crest: windows of the two edges of a gap may overlap
-        for edge in np.flatnonzero(outward > NARROW * wavelength).tolist():
+        for edge in np.flatnonzero(outward > ABOUT_TO_GO * wavelength).tolist():
             gap = (edge - 1 if edge < count else edge) % count
             if not (tensile[count + gap] and tensile[(gap + 1) % count]):
                 continue
             edges.append(edge)
             width = float(patches.gap_after[gap])
-            reach = min(REACH * wavelength, width)
+            reach = min(AHEAD * wavelength, width)
             start = float(patches.right[gap]) + (width - reach if edge < count else 0.0)
             turn = math.floor(start / TWO_PI) * TWO_PI
             for part in (turn, turn + TWO_PI):

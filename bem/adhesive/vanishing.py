@@ -17,8 +17,8 @@ from bem.adhesive.equilibrium import Balance, System
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import Patches
 
-NARROW = 0.02  # of the shortest wavelength, for a gap; of the width at which an isolated contact pulls off, for a patch
-CLOSED_GAP = 1e-7  # of the period
+ABOUT_TO_GO = 0.02  # of the shortest wave, for a gap; of the width at which an isolated contact pulls off, for a patch
+SHUT_GAP = 1e-7  # of the period
 LAST_GAP = 2e-4  # of the period: the only gap left, when it closes
 TIED = 1e-3  # relative difference of what vanishes or touches at the same instant
 
@@ -40,8 +40,8 @@ def closing_gaps(system: System, here: Balance) -> IntArray:
     """
     gaps = here.state.patches.gap_after
     wavelength = 2 * np.pi / system.elastic.profile.max_order
-    doomed = gaps < min(NARROW * wavelength, max(0.05 * float(gaps.max()), LAST_GAP * 2 * np.pi))
-    closed = gaps < CLOSED_GAP * 2 * np.pi
+    doomed = gaps < min(ABOUT_TO_GO * wavelength, max(0.05 * float(gaps.max()), LAST_GAP * 2 * np.pi))
+    closed = gaps < SHUT_GAP * 2 * np.pi
     closing = np.flatnonzero((doomed & pulled_shut(here)) | closed if doomed.any() else closed)
     closing = closing[gaps[closing] <= (1 + TIED) * gaps[closing].min(initial=np.inf)]
     stays = closing.size == gaps.size and system.control.load_weight == 0
@@ -65,12 +65,12 @@ def vanishing_patches(system: System, here: Balance) -> IntArray:
     patches = here.state.patches
     count = patches.count
     inward = here.gradient > 0
-    narrow = patches.half_width < NARROW / system.elastic.profile.max_order  # the widest at pull-off
+    narrow = patches.half_width < ABOUT_TO_GO / system.elastic.profile.max_order  # the widest at pull-off
     shrinking = np.flatnonzero(inward[:count] & inward[count:])
     if not narrow[shrinking].any():
         return np.asarray(shrinking[:0])
     relative = patches.half_width[shrinking] / pull_off_half_width(system, patches.center[shrinking])
-    return np.asarray(shrinking[(relative <= (1 + TIED) * relative.min()) & (relative.min() < NARROW)])
+    return np.asarray(shrinking[(relative <= (1 + TIED) * relative.min()) & (relative.min() < ABOUT_TO_GO)])
 
 
 def without_patches(patches: Patches, gone: IntArray) -> Remaining:

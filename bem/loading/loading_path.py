@@ -1,4 +1,4 @@
-"""What the solver asks of a loading path: continuation/path.py with adhesion, nonadhesive/convex_path.py without.
+"""What the solver asks of a loading path: path/path.py with adhesion, nonadhesive/convex_path.py without.
 
 `P` are the kinds of points that a path has, among them those of points_without_edges.py; `Q` are its own, with edges.
 Dimensionless.

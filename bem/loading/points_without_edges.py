@@ -1,6 +1,6 @@
 """Points of a loading path without edges: surfaces apart, complete contact, and places where no state was found.
 
-These are alike with adhesion and without.  Points with edges are those of bem/continuation/points_with_edges.py
+These are alike with adhesion and without.  Points with edges are those of bem/path/points_with_edges.py
 (Equilibrium) and of bem/nonadhesive/convex_path.py (ContactPoint).  Dimensionless.
 """
 

@@ -9,16 +9,16 @@ from dataclasses import dataclass, replace
 
 from bem.adhesive.branch import numbers_of, tangent
 from bem.adhesive.equilibrium import Balance, System, balance
-from bem.continuation.locating import Start
-from bem.continuation.path import Path
-from bem.continuation.points_with_edges import Equilibrium
-from bem.continuation.rest import at_rest
-from bem.continuation.tension import LeastLoad
 from bem.elastic.far_field import FarField
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.loading.path_events import EventNumbers, PathEvent, path_events
+from bem.path.locating import Start
+from bem.path.path import Path
+from bem.path.points_with_edges import Equilibrium
+from bem.path.rest import at_rest
+from bem.path.tension import LeastLoad
 
 
 @dataclass(frozen=True, eq=False)

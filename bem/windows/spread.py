@@ -22,7 +22,6 @@ import numpy as np
 from numpy.polynomial import polynomial
 
 from bem.adhesive.equilibrium import edge_positions
-from bem.continuation.path import Path
 from bem.elastic.collocation import Evaluation, evaluate
 from bem.elastic.far_field import Charges, far_fields
 from bem.elastic.hierarchical import if_solvable
@@ -31,6 +30,7 @@ from bem.geometry.patches import TWO_PI, Patches, ordered
 from bem.loading.crew import Crew
 from bem.loading.path_events import EventNumbers, PathEvent, PathStatus
 from bem.loading.points_without_edges import PathPoint
+from bem.path.path import Path
 from bem.windows.landing import Departure, Landing, Release, landed
 from bem.windows.windows import Window, in_core, seams, wider, windows_of
 
@@ -38,7 +38,7 @@ WIDER = 3, 7  # limit: patches of buffer more, for a window whose path fails
 ALIKE = 0.1  # residual of joined windows, beyond which one has felt the events of another too late: a shorter step
 JOINED = 0.5  # limit: of the shortest step: residual beyond which windows do not fit
 ROUNDS = 5  # limit: of windows that follow one another's events in it
-NEAR = 8  # edges next to an event, by which the far field of its window is judged
+BESIDE = 8  # edges next to an event, by which the far field of its window is judged
 PREDICTED = 0.15  # edge scales that edges are moved at most to predict the far field at the end of a step
 
 
@@ -182,7 +182,7 @@ class Spreading:
     def _error(self, release: Release, state: Evaluation, missed: FloatArray) -> float:
         """Return what edges near an event miss of K, as a penetration."""
         apart = np.abs((edge_positions(state.patches) - release.event.position + np.pi) % TWO_PI - np.pi)
-        near = np.argsort(apart)[:NEAR]
+        near = np.argsort(apart)[:BESIDE]
         shift = missed[near] * state.stress_intensity[near] / (2 - missed[near]) / state.stress_intensity_rate[near]
         return float(np.max(np.abs(shift)))
 

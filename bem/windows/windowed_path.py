@@ -1,6 +1,6 @@
 """Path of a large contact: windows of patches followed side by side, where there are many; else the whole at once.
 
-Every window is followed by the engine of the whole contact (bem/continuation/path.py), which locates every event in it.
+Every window is followed by the engine of the whole contact (bem/path/path.py), which locates every event in it.
 Windows are joined after each step (spread.py).  Where they fail, the step is halved, and at last the whole contact is
 followed over it.  Targets, first touch, complete contact and loads on the way are those of the whole contact.
 Dimensionless; half-space, penetration control.
@@ -16,23 +16,26 @@ from typing import ClassVar
 import numpy as np
 
 from bem.adhesive.branch import tangent
-from bem.continuation.loads import extremes
-from bem.continuation.locating import Start
-from bem.continuation.path import Path
-from bem.continuation.points_with_edges import Equilibrium, Point
-from bem.continuation.rest import at_rest
 from bem.geometry.patches import Patches
 from bem.loading.assessment import Assessment
 from bem.loading.crew import Crew
 from bem.loading.increments import Effort, Increments
 from bem.loading.path_events import EventNumbers, PathTension, path_events
 from bem.loading.points_without_edges import Failed
+from bem.path.loads import extremes
+from bem.path.locating import Start
+from bem.path.path import Path
+from bem.path.points_with_edges import Equilibrium, Point
+from bem.path.rest import at_rest
 from bem.windows.spread import Spread, Spreading
 
-STEP = 0.05  # rms heights: windows are joined after each
-MANY, FEW = 100, 0.8  # speed: patches from which windows are followed; part of them below which they no longer are
-SHORTEST = STEP / 8  # in which windows may follow one another's events
-GROWTH = 2.0  # speed: times the last step: the next, at most
+WINDOW_STEP = 0.05  # rms heights: windows are joined after each
+MANY_PATCHES, FEWER = (
+    100,
+    0.8,
+)  # speed: patches from which windows are followed; part of them below which they no longer are
+SHORTEST_WINDOW_STEP = WINDOW_STEP / 8  # in which windows may follow one another's events
+STEP_GROWTH = 2.0  # speed: times the last step: the next, at most
 
 AnyPoint = Point | Spread
 
@@ -177,8 +180,9 @@ class WindowedPath:
         """Return whether windows go on from a point: many patches, and more than a step before contact is complete."""
         if not isinstance(point, Equilibrium | Spread) or point.value == goal:
             return False
-        closes = goal >= self.whole.bare.closing_value and point.value >= self.whole.bare.closing_value - 2 * STEP
-        enough = MANY * (FEW if isinstance(point, Spread) else 1.0)
+        closing = self.whole.bare.closing_value
+        closes = goal >= closing and point.value >= closing - 2 * WINDOW_STEP
+        enough = MANY_PATCHES * (FEWER if isinstance(point, Spread) else 1.0)
         return point.patches.count >= enough and not closes
 
     def _spread(self, point: AnyPoint, goal: float) -> Spread | None:
@@ -187,15 +191,15 @@ class WindowedPath:
             return point if isinstance(point, Spread) and self._spread_begins(point, goal) else None
         if not isinstance(point, Equilibrium) or point.balance.factor is None:
             return None
-        return self.spreading.at(point.value, point.patches, tangent(self.whole.system, point.balance), STEP)
+        return self.spreading.at(point.value, point.patches, tangent(self.whole.system, point.balance), WINDOW_STEP)
 
     def _stepped(self, point: Spread, goal: float) -> Iterator[AnyPoint]:
         """Yield the points of one step: that behind it, or those of the whole contact on the way."""
-        direction, step = self.direction(point, goal), min(STEP, GROWTH * point.step)
+        direction, step = self.direction(point, goal), min(WINDOW_STEP, STEP_GROWTH * point.step)
         while True:
-            step = max(step, SHORTEST)
+            step = max(step, SHORTEST_WINDOW_STEP)
             value = goal if abs(goal - point.value) <= step else point.value + direction * step
-            behind = self.spreading.stepped(point, value, shortest=step == SHORTEST)
+            behind = self.spreading.stepped(point, value, shortest=step == SHORTEST_WINDOW_STEP)
             if behind is not None:
                 self.effort.accepted += 1
                 if direction < 0:
@@ -205,7 +209,7 @@ class WindowedPath:
                 yield behind
                 return
             self.effort.rejected += 1
-            if step == SHORTEST:
+            if step == SHORTEST_WINDOW_STEP:
                 break
             step = min(step, abs(goal - point.value)) / 2
         start = self._gathered(point)
@@ -225,5 +229,7 @@ class WindowedPath:
         here = Equilibrium.of(value, rested.balance, settled=fine)
         state = point.state
         numbers = EventNumbers(value, state.penetration, state.load, np.nan)
-        error = EventNumbers(STEP, STEP, abs(here.load - state.load) + STEP * abs(point.stiffness), np.nan)
+        error = EventNumbers(
+            WINDOW_STEP, WINDOW_STEP, abs(here.load - state.load) + WINDOW_STEP * abs(point.stiffness), np.nan
+        )
         return replace(here, events=path_events(rested.changes, numbers, error, np.nan, np.nan))

@@ -17,7 +17,7 @@ from bem.elastic.far_field import Arc
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches
 
-CORE = 24  # speed: patches in the core of a window, more or less
+CORE_PATCHES = 24  # speed: patches in the core of a window, more or less
 BUFFER = 2  # patches beside it at least
 CHOICE = 4  # gaps, of which the widest is where a window ends, or a core
 
@@ -82,9 +82,9 @@ def _cores(patches: Patches) -> list[tuple[int, int]]:
 
 
 def _core_starts(patches: Patches) -> list[int]:
-    """First patches of the cores: behind the widest of the gaps about every `CORE` patches."""
+    """First patches of the cores: behind the widest of the gaps about every `CORE_PATCHES` patches."""
     count, gap = patches.count, patches.gap_before
-    wanted = np.linspace(0, count, max(1, round(count / CORE)), endpoint=False)
+    wanted = np.linspace(0, count, max(1, round(count / CORE_PATCHES)), endpoint=False)
     near = np.arange(-CHOICE, CHOICE + 1)
     return sorted({int(max((round(k) + near) % count, key=lambda i: gap[i])) for k in wanted.tolist()})
 

@@ -9,9 +9,10 @@ import pytest
 from rough_surfaces import rough_scene
 
 from bem import solver
-from bem.continuation.path import Path
 from bem.loading.points_without_edges import Failed
 from bem.nonadhesive.convex_path import ConvexPath
+from bem.path.path import Path
+from bem.scene.result import asked_for
 from bem.scene.scene_tables import OUTPUTS
 from bem.solver import solve
 
@@ -78,6 +79,19 @@ def halves(scene, increments):
 def numbers(state):
     """All of a state but the seconds it took, NaN equal to itself."""
     return json.dumps(asdict(replace(state, cpu_seconds=0.0)))
+
+
+@pytest.mark.parametrize("name", ["separation", "met pressures", "load"])
+def test_every_state_at_a_target_names_it_and_no_other_does(name):
+    result = solve(rough_scene([], 12, loading=RESUMED[name]))
+    assert [state.index is not None for state in result.states] == [state.target for state in result.states]
+    count = len(RESUMED[name]["targets"])
+    assert [state.index for state in result.targets if state.index < count] == list(range(count))
+    for state in result.targets:
+        control, value = asked_for(result.scene["loading"], state.index)
+        assert getattr(state, control) == pytest.approx(value, rel=1e-9)
+    if name == "met pressures":
+        assert {state.index for state in result.targets} == {0, 1, 2, 3}
 
 
 @pytest.mark.parametrize(

@@ -6,16 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from report_parts import row
 from stored_states import stored_state
 
 import bem
 from bem.scene.result import ErrorEstimate
 from bem.scene.result_file import write_result
-from validation.command_line import comparison
 from validation.command_line.comparison import LIMIT, Apart, _numbers, compare_reports, compare_results
 from validation.command_line.front_door import main
-from validation.harness.schema import CaseRecord, Report, with_checksum
+from validation.plugin.content import content_of
+from validation.plugin.rows import Code, Quantity, Rows
+from validation.plugin.study_report import Part
 from validation.report.pages import ReportError
 
 SCENE = {
@@ -117,57 +117,45 @@ def test_differences_are_told_in_percent_above_rounding(a, b, told):
     assert f", {told}, " in str(Apart("x", "here", a, b, 1.0))
 
 
-def test_reports_do_not_differ_by_rounding(monkeypatch):
-    """Where a baseline lets a number not move at all, what rounding makes of it is still no difference."""
-    one, other = report_of(one=1.0), report_of(one=1.0 + 5e-14)
-    exact = comparison.quantities_of
-    monkeypatch.setattr(
-        comparison, "quantities_of", lambda case: [q.model_copy(update={"atol": 0.0, "rtol": 0.0}) for q in exact(case)]
-    )
-    assert compare_reports(one, other).differing == []
-    assert compare_reports(one, report_of(one=1.0 + 1e-12)).differing != []
+def report_of(uncertainty=1e-3, **measured):
+    """The content of a report with one case for each name, with the value that it measured."""
+    parts = []
+    for name, value in measured.items():
+        rows = Rows()
+        rows.compare("area", value, 1.0, of=Code.BEM, by=Code.EXACT, quantity=Quantity.AREA, uncertainty=uncertainty)
+        parts.append(Part(name, "?", rows))
+    run = {"level": "quick", "command": "", "seconds": 0.0, "not_run": [], "provenance": {}}
+    return content_of(run | {"cases": [part.case() for part in parts]})
 
 
-def report_of(**computed):
-    """A report of one case for each name, with the value that it computed."""
-    cases = [
-        CaseRecord(id=name, group="group", level="quick", question="?", equations="=", sources=[], rows=[row(value)])
-        for name, value in computed.items()
-    ]
-    return with_checksum(Report(level="quick", command="run", planned=len(cases), provenance={}, cases=cases))
-
-
-def test_reports_agree_within_what_baselines_allow():
-    found = compare_reports(report_of(one=1.01, two=1.0), report_of(one=1.05, two=1.0))
+def test_reports_agree_within_the_uncertainties_of_both():
+    found = compare_reports(report_of(one=1.0), report_of(one=1.0008))
     assert found.differing == []
-    assert max(number.ratio for number in found.numbers) == pytest.approx(0.04 / 0.2)  # twice the tolerance
+    assert max(number.ratio for number in found.numbers) == pytest.approx(0.8 / 2**0.5)
 
 
-def test_reports_differ_in_numbers_verdicts_and_cases():
+def test_reports_do_not_differ_by_rounding():
+    assert compare_reports(report_of(0.0, one=1.0), report_of(0.0, one=1.0 + 5e-14)).differing != []  # verdicts
+    found = compare_reports(report_of(0.0, one=1.0), report_of(0.0, one=1.0 + 5e-14))
+    assert not any(number.differs for number in found.numbers)
+
+
+def test_reports_differ_in_numbers_verdicts_and_rows():
     found = compare_reports(report_of(one=1.0, two=1.0), report_of(one=1.5, three=1.0))
     assert [line.split(":")[0] for line in found.others] == ["only in A", "only in B", "one"]
-    assert any("one: load < K & friends 1 and 1.5" in line for line in found.differing)
+    assert any("one: area [bem, closed form] 1 and 1.5" in line for line in found.differing)
 
 
-def test_nothing_to_compare_is_not_comparable(tmp_path, capsys):
-    case = CaseRecord(id="one", group="g", level="quick", question="?", equations="=", sources=[], rows=[],
-                      status="not run", message="the extra is not installed")  # fmt: skip
-    made = with_checksum(Report(level="quick", command="run", planned=1, provenance={}, cases=[case]))
-    folder = written(tmp_path / "a", made)
-    assert main(["compare", folder, folder]) == 2
-    assert "not comparable: no number in common" in capsys.readouterr().err
-
-
-def test_reports_without_a_common_case_are_not_comparable():
-    with pytest.raises(ReportError, match="no case in common"):
+def test_reports_without_a_common_row_are_not_comparable():
+    with pytest.raises(ReportError, match="no row in common"):
         compare_reports(report_of(one=1.0), report_of(two=1.0))
 
 
 def written(folder, content):
     """A folder that holds a result or a report."""
     folder.mkdir()
-    if isinstance(content, Report):
-        (folder / "report.json").write_text(content.model_dump_json(by_alias=True))
+    if isinstance(content, dict):
+        (folder / "report.json").write_text(json.dumps(content))
     else:
         write_result(content, folder)
     return str(folder)

@@ -5,7 +5,7 @@ import pytest
 from bem.command_line.folder_lock import locked
 from validation.__main__ import main
 
-COMMANDS = [["run", "--only", "johnson-alpha-0.1"], ["study", "convergence"]]
+COMMANDS = [["run", "--only", "johnson"], ["study", "scene", "absent.toml"]]
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=["run", "study"])

@@ -1,4 +1,4 @@
-"""Provenance: it holds the commit, changed sources are not changed baselines, and it names no folder or host."""
+"""Provenance: it holds the commit, changed sources are not changed stored errors, and it names no folder or host."""
 
 import getpass
 import json
@@ -23,7 +23,7 @@ def git(root, *words):
 @pytest.fixture
 def tree(tmp_path, monkeypatch):
     """A project tree of two files, of which the module believes to be part."""
-    for name in ("bem/solver.py", "validation/harness/provenance.py", "validation/baselines/a.json"):
+    for name in ("bem/solver.py", "validation/harness/provenance.py", "validation/cases/stored.csv"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text("one")
     monkeypatch.setattr(module, "__file__", str(tmp_path / "validation" / "harness" / "provenance.py"))
@@ -74,9 +74,9 @@ def test_clean_checkout_has_a_commit(checkout):
 @needs_git
 @pytest.mark.parametrize(
     ("name", "changed"),
-    [("bem/solver.py", True), ("bem/new.py", True), ("validation/baselines/a.json", False), ("notes.txt", False)],
+    [("bem/solver.py", True), ("bem/new.py", True), ("validation/cases/stored.csv", False), ("notes.txt", False)],
 )
-def test_changed_sources_are_told_from_changed_baselines(checkout, name, changed):
+def test_changed_sources_are_told_from_changed_stored_errors(checkout, name, changed):
     (checkout / name).write_text("two")
     assert working_tree()[1] is changed
     assert provenance()["commit"].endswith("with changes") is changed
@@ -90,7 +90,7 @@ def test_without_git_the_commit_is_not_known(checkout, monkeypatch):
 
 @pytest.mark.parametrize(
     ("name", "moves"),
-    [("bem/solver.py", True), ("bem/new.toml", True), ("validation/baselines/a.json", False), ("bem/n.pyc", False)],
+    [("bem/solver.py", True), ("bem/new.toml", True), ("validation/cases/stored.csv", False), ("bem/n.pyc", False)],
 )
 def test_digest_follows_sources_only(tree, name, moves):
     before = sources_digest()

@@ -1,4 +1,4 @@
-"""Scenes drawn at random: each by its own seed, all of the contract among them, and what the solver makes of them."""
+"""Scenes drawn at random: each by its own seed, all of the contract among them; solved in validation/cases."""
 
 from functools import cache
 
@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 from bem.scene.scene import SceneError, load_scene, parse_scene
-from validation.corpus.hard.hard_case_run import run
-from validation.corpus.random.random_scenes import EXTREMES, MISTAKES, draw
-from validation.corpus.random.random_trial import asked, case_of
+from validation.corpus.random_scenes import EXTREMES, MISTAKES, draw
 
 MANY = 800
 
@@ -29,17 +27,6 @@ def test_a_scene_does_not_depend_on_those_drawn_before_it():
 
 def test_seeds_differ():
     assert plain(draw(0, 3)) != plain(draw(1, 3))
-
-
-def test_name_of_a_case_leads_back_to_it():
-    scene = draw(3, 14)
-    assert plain(case_of(scene.id).drawn) == plain(scene)
-
-
-@pytest.mark.parametrize("name", ["flat", "seed_1_scene_", "seed_1_scene_2_"])
-def test_other_names_are_refused(name):
-    with pytest.raises(ValueError, match="seed_K_scene_k"):
-        case_of(name)
 
 
 LOADING = ("targets", "start", "then_back_to", "stop_at_mean_pressure", "at_mean_pressures", "initial", "flaw")
@@ -107,48 +94,3 @@ def test_what_is_out_of_range_is_refused_by_its_name(tmp_path):
     told = [(scene.special, refused(scene, tmp_path)) for scene in drawn() if scene.expected == "a refusal"]
     assert [(what, keys) for what, keys in told if not any(what.split(" ")[0] in key for key in keys)] == []
     assert len(told) > 20
-
-
-# What the solver makes of them.  At most 6 harmonics, so that 60 scenes with their copies take a minute in all.  Those
-# that run always go through every line and branch of the trial that all go through.
-
-SEED, FEW = 15, 6
-ALWAYS = {*range(31), 36, 43} - {6, 14, 16, 18, 20, 25}
-
-
-@pytest.mark.parametrize(
-    "case",
-    [
-        pytest.param(draw(SEED, index, FEW), id=f"{index}", marks=[pytest.mark.slow] if index not in ALWAYS else [])
-        for index in range(60)
-    ],
-)
-def test_random_scene_is_answered_or_refused_by_name_and_nothing_speaks_against_it(case):
-    outcome = run(asked(case))
-    assert outcome.findings == ()
-    assert outcome.correct
-    assert outcome.converged or outcome.refused_reason is not None
-
-
-# Scenes that the study found wrong, each by another defect that has been mended since.  They are what these seeds draw
-# from the present generator: another one makes other scenes of them, which then test nothing of this.
-MENDED = {
-    "separation of 1e-300: gaps too narrow for numbers": draw(7, 65),
-    "flaw that opens at one edge and heals at the other": draw(100, 237),
-    "fold behind the point that it was looked for from": draw(100, 1243),
-    "touch beside a fold, misled by the gaps of the bracket": draw(7, 530),
-    "load in a gap so narrow that digits of the control change it": draw(7, 1665),
-    "symmetry that breaks while edges hardly move": draw(7, 1378),
-    "limit point farther from coarse states than increments": draw(7, 264),
-    "touch behind the coarse points beside a fold": draw(7, 1448),
-    "two minima of a gap, the other of which closes first": draw(100, 526),
-    "flaw that holds a crest": draw(7, 1237),
-    "reference on steep crests with the slope term": draw(7, 1620),
-}
-
-
-@pytest.mark.parametrize("case", MENDED.values(), ids=MENDED)
-def test_what_was_mended_stays_so(case):
-    outcome = run(asked(case))
-    assert outcome.findings == ()
-    assert outcome.correct

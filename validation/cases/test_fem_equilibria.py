@@ -16,7 +16,7 @@ import pytest
 
 import bem
 from validation.cases.bem_beside_fem import compare_equilibria, compare_prescribed, figure
-from validation.corpus.random.random_scenes import draw
+from validation.corpus.random_scenes import draw
 from validation.plugin.rows import Code, Quantity
 from validation.routes.scenes import posed
 

@@ -1,1 +1,1 @@
-"""The line-contact challenge: problems in plain numbers with certified answers, a judge, and recorded standings."""
+"""The line-contact challenge: problems with certified answers, and a judge for solvers of anyone."""

@@ -15,8 +15,6 @@ import validation.__main__ as harness
 from bem import scene_commands as scenes
 from bem.command_line.perform import BAD_INPUT, DONE, FAILED
 from validation.command_line import comparison, examples, fem_answer
-from validation.harness.schema import Report
-from validation.report.history import history_of, named, write_history
 
 SHELLS = ("bash", "zsh", "tcsh")
 
@@ -42,13 +40,11 @@ def _parser() -> argparse.ArgumentParser:
     fem_answer.add_command(commands, harness.perform)
     harness.add_commands(commands, run_name="verify")
 
-    what = "two results, or two verification reports, by their uncertainties; more reports: their history"
-    several = commands.add_parser("compare", help=what)
-    given = "two or more, of runs or of reports; or one that holds folders of reports"
-    several.add_argument("folders", nargs="+", type=Path, metavar="FOLDER", help=given)
-    several.add_argument("--out", type=Path, metavar="DIR", help="write the history of the reports, DIR/history.html")
-    several.add_argument("--json", action="store_true", help="print as JSON")
-    several.set_defaults(command=_compare, perform=harness.perform)
+    two = commands.add_parser("compare", help="two results, or two verification reports, by their uncertainties")
+    two.add_argument("a", type=Path, metavar="A")
+    two.add_argument("b", type=Path, metavar="B")
+    two.add_argument("--json", action="store_true", help="print as JSON")
+    two.set_defaults(command=_compare, perform=harness.perform)
     return parser
 
 
@@ -62,32 +58,8 @@ def _example(options: argparse.Namespace) -> int:
 
 
 def _compare(options: argparse.Namespace) -> int:
-    """Compare two; more, or two with a page to write, by their history."""
-    folders = comparison.folders_of(options.folders)
-    if len(folders) == 2 and options.out is None:
-        return _compare_two(folders[0], folders[1], options.json)
-    return _history(comparison.read_reports(folders), options)
-
-
-def _history(reports: list[Report], options: argparse.Namespace) -> int:
-    """Print what rose in the newest report above the bands of the earlier ones, and write the page where asked."""
-    found = history_of(reports)
-    rises, newest = found.rises(-1), named(found.reports[-1], len(reports))
-    page = None if options.out is None else str(write_history(found, options.out))
-    if options.json:
-        facts = {"reports": len(reports), "numbers": len(found.lines), "newest": newest, "rises": rises}
-        print(json.dumps(facts | {"unjudged": found.unjudged, "gone": found.gone, "page": page}))
-    else:
-        ending = f"{len(rises)} rose in the newest, {newest}" if rises else f"none rose in the newest, {newest}"
-        told = f"{len(reports)} reports, {len(found.lines)} errors and counts: {ending}; {found.unjudged} not judged"
-        notes = [f"not in the newest report: case {name}" for name in found.gone]
-        print(*notes, *(f"RISES {line}" for line in rises), told + (f"; page: {page}" if page else ""), sep="\n")
-    return FAILED if rises else DONE
-
-
-def _compare_two(a: Path, b: Path, as_json: bool) -> int:
     """Print what differs, the largest difference of each quantity, and how many numbers were compared."""
-    found = comparison.compare(a, b)
+    found, as_json = comparison.compare(options.a, options.b), options.json
     differing, apart = found.differing, sum(number.differs for number in found.numbers)
     most = max(found.numbers, key=lambda number: number.ratio / number.limit)
     if as_json:

@@ -1,16 +1,13 @@
 """Two results, or two verification reports, number by number: differences in units of their combined uncertainty.
 
-Results meet at targets (same control, branch and value) and at events (same sequence of kinds).  There the combined
-uncertainty is the sum u_a + u_b of the estimated errors, never below rounding, and numbers differ beyond twice that: an
-estimate of a path is no bound (verdicts of reports take the combined uncertainty itself).
-Reports meet at the quantities of their cases; there it is what a baseline would let the number move (baseline.py).
-Differences are told in percent of the larger number.  Counts and words differ where they are not the same.
-
-More than two reports have a history (validation/report/history.py).
+Results meet at targets (same control, branch and value) and at events (same sequence of kinds).  Their combined
+uncertainty is the sum u_a + u_b of the estimated errors, never below rounding, and numbers differ beyond twice that.
+Reports meet at rows of one case, name and pair of codes.  Measured values differ beyond the uncertainties of both, or
+what the rows allow where they state none; verdicts differ where they are not equal.
 """
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -18,15 +15,13 @@ from typing import Any
 from bem.certified_states import ROUNDING
 from bem.scene.result import ErrorEstimate, Event, EventError, Result, State
 from bem.scene.result_file import RESULT_FILE, read_result
-from validation.__main__ import REPORT_FILE, read_report
-from validation.harness.baseline import quantities_of
-from validation.harness.schema import Report, is_intact
-from validation.harness.verdict import case_verdicts
+from validation.__main__ import read_report
 from validation.report.pages import ReportError
+from validation.report.verification_page import REPORT
 
 SAME = 1e-6  # of the largest target: two states are at the same one
 LIMIT = 2.0  # of the combined uncertainty of two estimates
-KINDS = {REPORT_FILE: "a verification report", RESULT_FILE: "a result"}  # by the file that a folder holds
+KINDS = {REPORT: "a verification report", RESULT_FILE: "a result"}  # by the file that a folder holds
 WORDS = ("n_patches", "status")  # of a state, which are the same or not
 
 
@@ -109,36 +104,11 @@ def compare(a: Path, b: Path) -> ComparedFolders:
     return found
 
 
-def folders_of(given: Sequence[Path]) -> list[Path]:
-    """The folders that are meant: those given, or of a single one that holds no report the folders in it that do.
-
-    ReportError where they are fewer than two.
-    """
-    found = list(given)
-    if len(found) == 1 and not any((found[0] / file).exists() for file in KINDS):
-        found = sorted(path.parent for path in found[0].glob(f"*/{REPORT_FILE}"))
-    if len(found) < 2:
-        said = ", ".join(map(str, given))
-        needed = "two folders to compare are needed, or one with reports in folders"
-        raise ReportError(f"{said}: {needed}; found {len(found)}")
-    return found
-
-
-def read_reports(folders: Iterable[Path]) -> list[Report]:
-    """The reports of folders; ReportError where one holds none, or one that was changed after it was written."""
-    reports = []
-    for folder in folders:
-        reports.append(read_report(folder))
-        if not is_intact(reports[-1]):
-            raise ReportError(f"{folder / REPORT_FILE}: changed after it was written, its checksum does not fit")
-    return reports
-
-
 def _kind(folder: Path) -> str:
     for file, kind in KINDS.items():
         if (folder / file).exists():
             return kind
-    raise ReportError(f"{folder}: neither {RESULT_FILE} nor {REPORT_FILE} there")
+    raise ReportError(f"{folder}: neither {RESULT_FILE} nor {REPORT} there")
 
 
 def compare_results(a: Result, b: Result) -> ComparedFolders:
@@ -167,28 +137,31 @@ def compare_results(a: Result, b: Result) -> ComparedFolders:
     return ComparedFolders(tuple(numbers), tuple(others), tuple(_scene_notes(a.scene, b.scene)))
 
 
-def compare_reports(a: Report, b: Report) -> ComparedFolders:
-    """Compare the quantities of common cases, and the verdicts; ReportError where no case is in common."""
-    left, right = ({case.id: case for case in report.cases} for report in (a, b))
-    both = [name for name in left if name in right]
+def compare_reports(a: Mapping[str, Any], b: Mapping[str, Any]) -> ComparedFolders:
+    """Compare the rows of two reports; ReportError where they have none in common."""
+    left, right = ({_key(row): row for row in report["rows"]} for report in (a, b))
+    both = [key for key in left if key in right]
     if not both:
-        raise ReportError("not comparable: no case in common")
+        raise ReportError("not comparable: no row in common")
     numbers: list[Apart] = []
-    others = [f"only in A: case {name}" for name in left if name not in right]
-    others += [f"only in B: case {name}" for name in right if name not in left]
-    for name in both:
-        cases = left[name], right[name]
-        before, after = map(case_verdicts, cases)
-        if before != after:
-            others.append(f"{name}: verdicts {_counts(before)} and {_counts(after)}")
-        found, met = ({q.name: q for q in quantities_of(case) if q.kind != "diagnostic"} for case in cases)
-        others += [f"{name}: {key} is in one report only" for key in found.keys() ^ met.keys()]
-        for key, mine in found.items():
-            if (theirs := met.get(key)) is None:
-                continue
-            allowed = max(mine.atol + mine.rtol * abs(mine.value), ROUNDING * max(abs(mine.value), abs(theirs.value)))
-            numbers.append(Apart(f"{name}: {key}", "case", mine.value, theirs.value, allowed, 1.0))
+    others = [f"only in A: {key}" for key in left if key not in right]
+    others += [f"only in B: {key}" for key in right if key not in left]
+    for key in both:
+        mine, theirs = left[key], right[key]
+        if mine["verdict"] != theirs["verdict"]:
+            others.append(f"{key}: {mine['verdict']} and {theirs['verdict']}")
+        values = [row["value"] for row in (mine, theirs)]
+        if None in values:
+            continue
+        uncertainty = math.hypot(*(row["value_uncertainty"] or 0.0 for row in (mine, theirs)))
+        allowed = uncertainty or max(row["allowed"] or 0.0 for row in (mine, theirs))
+        allowed = max(allowed, ROUNDING * max(map(abs, values)))
+        numbers.append(Apart(key, "row", values[0], values[1], allowed, 1.0))
     return ComparedFolders(tuple(numbers), tuple(others))
+
+
+def _key(row: Mapping[str, Any]) -> str:
+    return f"{row['case']}: {row['name']} [{', '.join(row['routes'])}]"
 
 
 def _paired(a: Result, b: Result, control: str) -> tuple[list[tuple[State, State]], dict[str, list[str]]]:

@@ -26,12 +26,10 @@ EXAMPLES = {  # in the order in which they are listed: a scene, a script or own 
     "guide-own-scan": ("own_scan.py", "own-scan.csv"),
     "guide-map": ("map.py",),
     "guide-fem": ("boundary_and_finite_elements.py",),
-    OWN: tuple(
-        f"{OWN}/{file}" for file in ("own_cases.py", "own_solver.py", "pyproject.toml", "baselines/own-one-wave.json")
-    ),
+    OWN: tuple(f"{OWN}/{file}" for file in ("test_own_wave.py", "case_one_wave.toml", "own_solver.py")),
 }
 NAMES = tuple(EXAMPLES)
-OWN_TITLE = "A folder with a solver, a case, its baseline and the entry points of your own"
+OWN_TITLE = "A folder with a solver, a case in Python and a case in TOML of your own"
 FOLDER = resources.files("validation.command_line").joinpath("examples")
 
 

@@ -57,18 +57,18 @@ def sources_digest() -> str:
     digest = hashlib.sha256()
     for package in SOURCES:
         for path in sorted((root / package).rglob("*")):
-            if path.suffix in (".py", ".c", ".h", ".toml", ".json") and "baselines" not in path.parts:
+            if path.suffix in (".py", ".c", ".h", ".toml", ".json"):
                 digest.update(path.relative_to(root).as_posix().encode() + b"\0")
                 digest.update(path.read_bytes())
     return digest.hexdigest()
 
 
 def working_tree() -> tuple[str, bool] | None:
-    """Commit and whether sources, baselines apart, have changes; None outside a checkout of this project."""
+    """Commit and whether sources, stored errors apart, have changes; None outside a checkout of this project."""
     root = Path(__file__).parents[2]
     if not (root / ".git").exists():
         return None
-    changed = ("status", "--porcelain", "--", *SOURCES, ":!validation/baselines")
+    changed = ("status", "--porcelain", "--", *SOURCES, ":!validation/cases/stored.csv")
     try:
         commit, status = _git(root, "rev-parse", "HEAD"), _git(root, *changed)
     except OSError:  # no git on this machine

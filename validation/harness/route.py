@@ -8,7 +8,7 @@ says by NotImplementedError: "not offered" is no wrong answer.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from importlib.util import find_spec
 from typing import Any
@@ -103,18 +103,6 @@ class Answer:
     cpu_seconds: float | None = None
 
 
-@dataclass(frozen=True)
-class Route:
-    """A code that answers, and its knob."""
-
-    name: str
-    code: str  # whose numerics it uses: a reference of the same code gives no digits
-    knob: str
-    fixed: str  # all else, in words
-    settings: tuple[Any, ...]  # of the knob, coarsest first
-    solve: Callable[[Problem, Any], Answer]
-
-
 class Laps:
     """A clock that is read between the parts of a solution."""
 
@@ -130,11 +118,6 @@ class Laps:
 
 def _plain(value: Any) -> Any:
     return value.tolist() if isinstance(value, np.ndarray) else value
-
-
-def behind_the_door(solve: Callable[[Problem, Any], Answer], knob: Any) -> Callable[[dict[str, Any]], dict[str, Any]]:
-    """A route at a setting as a solver of the challenge: from the dictionary of a problem to one of answers."""
-    return lambda data: solve(Problem.of(data), knob).values
 
 
 def missing(extra: str, *packages: str) -> str:

@@ -12,7 +12,6 @@ from operator import attrgetter
 
 import numpy as np
 
-from validation.harness.compare import fitted_order
 from validation.harness.figure_data import drawn, loglog, trace
 from validation.paper.evidence import Evidence, estimate, jackknife, scattered
 from validation.paper.members import FAINT_AT, FAINT_WORKS
@@ -35,7 +34,7 @@ def compute(evidence: Evidence) -> Topic:
     gains = np.mean(areas[:, 1:] / areas[:, :1] - 1, axis=2)
     mean = gains.mean(axis=0)
     fitted = WORKS[FITTED].tolist()
-    power, power_error = jackknife(lambda gain: fitted_order(fitted, gain[FITTED].tolist()), gains)
+    power, power_error = jackknife(lambda gain: float(np.polyfit(np.log(fitted), np.log(gain[FITTED]), 1)[0]), gains)
     place, full = FAINT_WORKS.index(JUDGED) - 1, float(mean[-1])
     statement = evidence.statement(
         "text: with vanishing adhesion, loading tends to that without adhesion",

@@ -33,7 +33,9 @@ def case_key(item: pytest.Item, file: Path) -> str:
 def rows_of(item: pytest.Item) -> Rows:
     """Return the rows of a case, which know what is stored of it."""
     if ROWS not in item.stash:
-        file = stored_file(item)
-        known = None if file is None or item.config.option.store else stored.errors_of(case_key(item, file), file)
+        file, option = stored_file(item), item.config.option
+        known = (
+            None if file is None or option.store or option.unstored else stored.errors_of(case_key(item, file), file)
+        )
         item.stash[ROWS] = Rows(known, eager=item.config.option.usepdb, failure=RowFailure)
     return item.stash[ROWS]

@@ -34,11 +34,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     """Add the options of a run."""
     group = parser.getgroup("validation")
     group.addoption("--level", choices=LEVELS, default="quick", help="run the cases of this level and those below it")
+    group.addoption("--only", metavar="TEXT", help="run the cases, of any level, whose file or name contains this text")
     group.addoption("--report", type=Path, metavar="DIR", help="write report.html, report.json and rows.jsonl")
     group.addoption("--resume", action="store_true", help="keep what passed in --report DIR with these sources")
     group.addoption("--store", choices=("anew", "worst"), nargs="?", const="anew", help="rewrite the stored errors of "
                     "the cases that run; with 'worst', keep the larger of old and new")  # fmt: skip
     group.addoption("--reason", metavar="TEXT", default="", help="of --store: why the numbers change")
+    group.addoption("--unstored", action="store_true", help="judge without stored errors, while a case is written")
     group.addoption("--grace", type=float, default=15.0, metavar="SECONDS", help="after its time limit, until a case "
                     "that does not return to Python loses its worker")  # fmt: skip
     group.addoption("--command", metavar="TEXT", default="", help="shown in the report")
@@ -73,31 +75,51 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Deselect cases above the level, unless they are named, and cases that are kept from an earlier run."""
-    _refuse_orphans(config, items)
-    highest = LEVELS.index(config.option.level)
+    orphans = orphans_of(config, items)
+    highest, only = LEVELS.index(config.option.level), (config.option.only or "").lower()
     named = any("::" in str(argument) for argument in config.args) or bool(config.option.keyword)
     chosen, others = list[pytest.Item](), list[pytest.Item]()
     for item in items:
         runs = named or LEVELS.index(level_of(item)) <= highest
+        if only:
+            runs = only in item.nodeid.lower()
         (chosen if runs and item.nodeid not in config.stash[FINISHED] else others).append(item)
     if others:
         config.hook.pytest_deselected(items=others)
-        items[:] = chosen
+    items[:] = orphans + chosen
 
 
-def _refuse_orphans(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Raise where stored.csv has lines of a case that its folder does not have."""
-    if any(Path(str(argument).partition("::")[0]).is_file() for argument in config.args) or config.option.keyword:
-        return
+class Orphans(pytest.Item):
+    """Failed case for stored numbers whose cases do not exist."""
+
+    message = ""
+
+    def runtest(self) -> None:
+        """Fail."""
+        raise RowFailure(self.message)
+
+
+def orphans_of(config: pytest.Config, items: list[pytest.Item]) -> list[pytest.Item]:
+    """Return a failed case if stored.csv has lines of a case that its folder does not have.
+
+    Nothing can be said where files or names were chosen, or while numbers are stored.
+    """
+    option = config.option
+    files = any(Path(str(argument).partition("::")[0]).is_file() for argument in config.args)
+    if files or option.keyword or option.only or option.store:
+        return []
     cases: dict[Path, set[str]] = {}
     for item in items:
         if (file := stored_file(item)) is not None:
             cases.setdefault(file, set()).add(case_key(item, file))
+    failed = list[pytest.Item]()
     for file, names in cases.items():
         orphans = sorted({case for case, _ in stored.read(file)} - names)
-        if orphans and not config.option.store:
-            raise pytest.UsageError(f"{file}: stored numbers of cases that do not exist: {', '.join(orphans)}; "
-                                    "delete the lines, or give the cases these names")  # fmt: skip
+        if orphans:
+            item = Orphans.from_parent(items[0].session, name="stored.csv")
+            item.message = f"{file}: stored numbers of cases that do not exist: {', '.join(orphans)}; delete the lines"
+            failed.append(item)
+    return failed
 
 
 def level_of(item: pytest.Item) -> str:
@@ -166,7 +188,7 @@ def pytest_runtest_makereport(
         facts = {
             "question": (getattr(function, "__doc__", "") or "").strip() or item.name,
             "method": (getattr(getattr(item, "module", None), "__doc__", "") or "").strip(),
-            "source": inspect.getsource(function) if function else item.path.read_text("utf-8"),
+            "source": _source(item),
             "level": level_of(item),
             "rows": [asdict(row) for row in rows.rows],
             "figures": rows.figures,
@@ -177,6 +199,13 @@ def pytest_runtest_makereport(
         }
         report.user_properties.append(("validation", json.dumps(facts, default=float)))
     return report
+
+
+def _source(item: pytest.Item) -> str:
+    """Return the text of a case: its function, or its scene file."""
+    if (function := getattr(item, "function", None)) is not None:
+        return inspect.getsource(function)
+    return item.path.read_text("utf-8") if item.path.is_file() else ""
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -2,8 +2,9 @@
 
 A row compares values with reference values.  It passes where
 
-    |value - reference| <= allowed   and   max |value - reference| <= 5 stored error + 1e-13 max |reference|.
+    |value - reference| <= allowed   and   max |value - reference| <= 5 stored error + 1e-13 max |reference|
 
+(of a construction, which often vanishes: + a thousandth of what is allowed, if that is more).
 `allowed` is the combined uncertainty of both sides, sqrt(u_value^2 + u_reference^2) with k = 2, or a requirement that
 is declared with its reason.  The stored error is in stored.csv.  A known deviation has a band for the ratio
 value / reference instead, and fails outside the band on either side.
@@ -26,6 +27,7 @@ from validation.harness.schema import Figure, Panel, Series
 
 WORSE = 5.0  # an error above this many stored errors is a regression
 ROUNDING = 1e-13  # of the largest reference: differences below are rounding
+FAR_BELOW = 1e-3  # of what is allowed to a construction
 MARGINAL = 0.9  # of what is allowed
 
 
@@ -139,7 +141,10 @@ class Row:
         """Largest error that is not a regression."""
         if self.stored is None or self.kind == "regression" or self.cause:
             return math.inf
-        return WORSE * self.stored + ROUNDING * float(np.max(np.abs(self.references)))
+        rounding = ROUNDING * float(np.max(np.abs(self.references)))
+        if self.kind == "construction":  # most vanish: rounding is what is far below their requirement
+            rounding = max(rounding, FAR_BELOW * float(np.min(self.allowed)))
+        return WORSE * self.stored + rounding
 
     @property
     def verdict(self) -> Verdict:

@@ -22,7 +22,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of a run."""
     cores = os.cpu_count() or 1
     parser.add_argument("--level", default="quick", choices=("quick", "standard", "full"), help="default: quick")
-    parser.add_argument("--only", metavar="PATTERN", help="cases, of any level, whose file or name matches (pytest -k)")
+    parser.add_argument("--only", metavar="TEXT", help="cases, of any level, whose file or name contains this text")
     parser.add_argument("--jobs", type=int, default=cores, help=f"worker processes (default: {cores})")
     parser.add_argument("--cases", type=Path, metavar="FOLDER", help="own cases: test_*.py, case_*.toml")
     parser.add_argument("--resume", action="store_true", help="keep the cases of DIR that passed with these sources")
@@ -60,7 +60,8 @@ def run(options: argparse.Namespace) -> int:
         "--command",
         _command(options),
     ]
-    words += ["-k", options.only] if options.only else []
+    words += ["--only", options.only] if options.only else []
+    words += ["-o", f"pythonpath={folder}"] if options.cases else []  # own cases import modules beside them
     words += ["--resume"] * options.resume
     words += ["--store", options.store, "--reason", options.reason] if options.store else []
     status = int(pytest.main([*words, str(folder)]))

@@ -6,7 +6,7 @@ from typing import Any
 from bem.command_line.answer_table import quantity
 from bem.command_line.console import summary
 from bem.scene.result import Result
-from validation.harness.verdict import counted
+from validation.report.pages import counted
 
 CONTROLS = {
     "separation": ("the separation of the mean planes", "m"),

@@ -8,12 +8,13 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
+from jinja2 import UndefinedError
 from markupsafe import Markup
 
 from bem.scene.atomic_file import write_atomically
 from validation.harness.schema import Figure
 from validation.report.figures import svg_of
-from validation.report.pages import PAGE, filled
+from validation.report.pages import PAGE, ReportError, filled
 
 REPORT = "report.json"
 PASSED = ("passed", "skipped")
@@ -24,6 +25,14 @@ def write(folder: Path, content: Mapping[str, Any]) -> None:
     text = json.dumps(content, indent=1, allow_nan=False) + "\n"
     write_atomically(folder / REPORT, text)
     write_atomically(folder / PAGE, page(json.loads(text)))
+
+
+def page_of_file(content: Mapping[str, Any]) -> str:
+    """Return the page of a report.json that was read from a file; ReportError where it is not as `write` makes it."""
+    try:
+        return page(content)
+    except (KeyError, TypeError, ValueError, AttributeError, UndefinedError) as error:
+        raise ReportError(f"{REPORT}: not as a report is written ({type(error).__name__}: {error})") from error
 
 
 def page(content: Mapping[str, Any]) -> str:

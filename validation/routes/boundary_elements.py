@@ -9,10 +9,27 @@ from bem.scene.result import Event, Result, State
 from bem.scene.scene import parse_scene
 from validation.harness.arrays import FloatArray
 from validation.harness.route import Answer, Laps, Place, Problem
-from validation.references.posed_contacts import scene_tables
 from validation.routes.scenes import contact_of
 
 LEAST_RELEASED = 1e-3  # of the work of adhesion, by a jump that counts: what a fold of rounding size releases is less
+
+
+def scene_tables(problem: Problem) -> dict[str, Any]:
+    """Return the tables of the scene file of a problem."""
+    tables: dict[str, Any] = {
+        "solid": {"youngs_modulus": problem.youngs_modulus, "poisson_ratio": problem.poisson_ratio},
+        "profile": {
+            "kind": "harmonics",
+            "period": problem.period,
+            "orders": list(problem.orders),
+            "amplitudes": list(problem.amplitudes),
+            "phases": list(problem.phases),
+        },
+        "loading": {"control": problem.control, "targets": list(problem.targets)},
+    }
+    if problem.work_of_adhesion is not None:
+        tables["adhesion"] = {"work_of_adhesion": problem.work_of_adhesion, "slope_term": problem.slope_term}
+    return tables if problem.thickness is None else tables | {"layer": {"thickness": problem.thickness}}
 
 
 def tables(problem: Problem, tolerance: float, increment: float = 1.0) -> dict[str, Any]:

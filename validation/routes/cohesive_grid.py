@@ -24,7 +24,7 @@ from validation.harness import route
 from validation.harness.arrays import FloatArray
 from validation.harness.route import Answer, Laps, Problem
 from validation.references.fft_solver import pressed
-from validation.references.posed_contacts import highest
+from validation.references.waves import Waves
 from validation.routes.uniform_grid import Grid, OnGrid, affordable, answers
 
 PACKAGES = ("Adhesion", "ContactMechanics", "NuMPI", "SurfaceTopography")
@@ -40,14 +40,7 @@ def missing() -> str:
 
 
 def cohesive_range(problem: Problem, points: int, spacings: int = SPACINGS) -> float:
-    """rho in m by which cohesion acts along this many spacings of the grid.
-
-    Examples
-    --------
-    >>> from validation.references.posed_contacts import scenes
-    >>> round(cohesive_range(scenes()["sinusoid"], 2**14, 8) * 1e6, 4)
-    1.4726
-    """
+    """Return rho in m by which cohesion acts along this many spacings of the grid."""
     modulus = problem.youngs_modulus / (1 - problem.poisson_ratio**2)
     return float(np.sqrt(spacings * problem.period / points * (problem.work_of_adhesion or 0.0) / modulus))
 
@@ -111,7 +104,7 @@ def solve(problem: Problem, points: int, spacings: int = SPACINGS, steps: int | 
     system = CohesiveGrid(height, counted, grid.period, grid.modulus, (problem.work_of_adhesion, rho))
     targets = np.array(problem.targets)
     if problem.control == "penetration":
-        targets = highest(problem) - targets
+        targets = Waves(problem.period, *problem.harmonics).highest - targets
     laps.end("setup")
     gap, mean, iterations, kept = height.max() - height, float(np.mean(height.max() - height)), 0, list[FloatArray]()
     for target in targets:

@@ -11,10 +11,10 @@ import numpy as np
 
 from bem.scene.result import State
 from bem.scene.scene import Scene
+from validation.harness.arrays import FloatArray
 from validation.harness.route import Answer, Laps, Problem
 from validation.references.dense import LayerKernel
 from validation.references.dense_equilibrium import Interface, converged, equilibrium
-from validation.references.posed_contacts import overlap
 from validation.references.waves import Waves
 from validation.routes.scenes import contact_of, problem_of
 
@@ -33,6 +33,17 @@ def reference(scene: Scene, state: State, refinement: int = 1) -> dict[str, floa
     return equilibrium(problem, state.edges, state.penetration, target, refinement)
 
 
+def overlap(surface: Waves, penetration: float) -> FloatArray:
+    """Return the intervals in which an undeformed profile is above the undeformed face, (L, 2) in m."""
+    count = 64 * int(surface.orders.max())
+    x = np.arange(count) * (surface.period / count)
+    inside = surface.height(x) - surface.highest + penetration > 0
+    starts, ends = np.flatnonzero(inside & ~np.roll(inside, 1)), np.flatnonzero(inside & ~np.roll(inside, -1))
+    ends = np.where(ends < starts, np.roll(ends, -1), ends) if ends[0] < starts[0] else ends
+    ends = np.where(ends < starts, ends + count, ends)
+    return np.asarray(np.stack([starts, ends + 1], axis=1) * (surface.period / count), dtype=np.float64)
+
+
 def solve(problem: Problem, nodes: int) -> Answer:
     """The contact at the only target, a penetration; NoReferenceError where Newton does not converge."""
     if problem.slope_term or problem.work_of_adhesion is None:
@@ -45,7 +56,7 @@ def solve(problem: Problem, nodes: int) -> Answer:
     profile = Waves(2 * np.pi, surface.orders, surface.amplitudes / rms, surface.phases)
     kernel = None if problem.thickness is None else LayerKernel.of(q0 * problem.thickness, problem.poisson_ratio)
     interface = Interface(problem.work_of_adhesion / (modulus * rms**2 * q0 / 2), profile, 0.0)
-    depth, start = penetration / rms, overlap(problem) * q0
+    depth, start = penetration / rms, overlap(surface, penetration) * q0
     count = np.full(len(start), nodes)
     laps.end("setup")
     left, right, state, evaluations = converged(

@@ -3,10 +3,10 @@
 import numpy as np
 
 from bem.adhesive.equilibrium import System
-from bem.continuation.locating import AtControl, Refused, Start, settle
 from bem.elastic.collocation import ROUNDINGS
 from bem.geometry.patches import ordered
 from bem.loading.increments import FINE
+from bem.path.locating import AtControl, Refused, Start, settle
 from bem.problem import pose
 from bem.scene.scene import parse_scene
 

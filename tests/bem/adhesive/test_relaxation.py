@@ -8,12 +8,12 @@ from bem.adhesive.adhesion import UniformLaw
 from bem.adhesive.equilibrium import System, balance
 from bem.adhesive.relaxation import Cause, first_contact, interpenetration, relax
 from bem.adhesive.vanishing import pull_off_half_width
-from bem.continuation.locating import AtControl, Start, settle
 from bem.elastic.collocation import Elastic
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.loading.control import DisplacementControl, LoadControl
 from bem.loading.increments import Accuracy
+from bem.path.locating import AtControl, Start, settle
 
 ACCURACY = Accuracy(1e-8, 1e-9, 1e-10)
 TWO_CRESTS = Profile.from_harmonics(2 * np.pi, [1, 2], [0.2, 1.0])

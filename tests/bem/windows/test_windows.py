@@ -8,7 +8,7 @@ from bem.elastic.far_field import Arc
 from bem.geometry.patches import Patches
 from bem.scene.result import Result
 from bem.solver import solve
-from bem.windows.windowed_path import MANY
+from bem.windows.windowed_path import MANY_PATCHES
 from bem.windows.windows import Window, in_core, seams, wider, windows_of
 
 SAME = 1e-9  # of two settled states, relative; measured 2e-13
@@ -28,7 +28,7 @@ def as_one() -> Result:
 
 def test_targets_are_those_of_the_whole_contact(in_windows, as_one):
     assert in_windows.status == as_one.status == "converged"
-    assert min(state.n_patches for state in in_windows.targets) > MANY
+    assert min(state.n_patches for state in in_windows.targets) > MANY_PATCHES
     for state, other in zip(in_windows.targets, as_one.targets, strict=True):
         assert state.contact_fraction == pytest.approx(other.contact_fraction, rel=SAME)
         assert state.mean_pressure == pytest.approx(other.mean_pressure, rel=SAME)

@@ -1,1 +1,1 @@
-"""Faults put into the running code, and what catches them."""
+"""Faults of the code as a table, and the script that asks whether the cases notice them."""

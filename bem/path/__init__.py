@@ -1,0 +1,1 @@
+"""The path of adhesive equilibria as its control changes: stands, spans, folds, touches, jumps."""

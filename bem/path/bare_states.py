@@ -1,0 +1,134 @@
+"""Beginnings and ends of an adhesive path, where there are no edges: surfaces apart, and complete contact.
+
+Surfaces touch at the highest crests, whatever the control.  Complete contact opens at a flaw, or where the separation
+begins (opening.py); it is reached where the separation vanishes.  Dimensionless.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bem.adhesive.equilibrium import System
+from bem.adhesive.relaxation import Relaxed, first_contact, relax
+from bem.geometry.arrays import FloatArray
+from bem.geometry.patches import Patches
+from bem.geometry.profile import EQUAL_HEIGHTS
+from bem.loading.complete_contact import CompleteContact, closing_place
+from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, EventNumbers, path_events
+from bem.loading.points_without_edges import Complete, Failed, Separated
+from bem.path.jump import Jumps
+from bem.path.opening import (
+    Flaw,
+    complete_potential,
+    first_gap,
+    flawed_potential,
+    lowest_pressure,
+    opened_gap,
+    opening_load,
+    opening_rounding,
+)
+from bem.path.points_with_edges import Equilibrium, Point
+
+
+@dataclass(frozen=True, eq=False)
+class BareStates:
+    """Leads a path from states without edges to such with them, and into complete contact.
+
+    Parameters
+    ----------
+    jumps : Jumps
+        Of the same path.
+    crests : (n,) array
+        Positions of the highest crests, where first touch happens.
+    flaw : Flaw or None
+        From which complete contact opens when the load falls; without it, it never does.
+    """
+
+    jumps: Jumps
+    crests: FloatArray
+    flaw: Flaw | None
+
+    @property
+    def system(self) -> System:
+        """The equations that the path solves."""
+        return self.jumps.system
+
+    @property
+    def complete(self) -> CompleteContact:
+        """Complete contact of the same profile."""
+        return self.jumps.complete
+
+    @property
+    def closing_value(self) -> float:
+        """Penetration at which contact is complete; infinite when the load takes part in the control."""
+        if self.system.control.load_weight > 0:
+            return np.inf
+        return self.system.elastic.profile.max_height * (1 - EQUAL_HEIGHTS)
+
+    def advance(self, point: Separated | Complete | Failed, goal: float) -> Point:
+        """From separated surfaces to first touch (at value 0), from complete contact to its opening, or to the goal."""
+        if isinstance(point, Complete):
+            return self._opened(point, goal)
+        if isinstance(point, Separated):
+            return Separated(goal) if goal < 0 else self._touched(max(point.value, 0.0))
+        return Failed(goal, point.status if isinstance(point, Failed) else "not_converged")
+
+    def closed(self, patches: Patches, value: float) -> Complete:
+        """The last gap closes where the separation vanishes: a continuous end of the branch, no energy is released."""
+        last = int(np.argmax(patches.gap_after))  # others release energy when they close before it
+        near = float(patches.right[last] + patches.gap_after[last] / 2)
+        place = closing_place(self.complete, self.system.elastic.profile, self.system.law, near)
+        events = path_events((("complete_contact", place),), self._fully_joined(value), NO_ERROR, 0.0, 0.0)
+        return Complete(value, events=events)
+
+    def _touched(self, value: float) -> Point:
+        """The state into which the highest crests jump where they touch."""
+        relaxed = self._relaxed(first_contact(self.system, self.crests), value, value)
+        changes = (*(("first_touch", float(crest)) for crest in self.crests), *relaxed.changes)
+        return self.jumps.behind(FIRST_TOUCH, NO_ERROR, relaxed, changes)
+
+    def _opened(self, point: Complete, goal: float) -> Point:
+        """Complete contact at the goal, or the equilibrium into which it opens on the way there."""
+        if self.system.control.load_weight > 0:
+            return self._opened_at_flaw(point, goal)
+        if goal >= self.closing_value:
+            return Complete(goal)
+        system, highest = self.system, self.system.elastic.profile.max_height
+        separation, gap = first_gap(system, self.complete, min(highest - goal, self.jumps.increments.smallest))
+        value = goal if separation == highest - goal else highest - separation
+        relaxed = self._relaxed(gap, value, value)
+        if relaxed.balance is None or relaxed.changes:
+            return Failed(value, "not_converged")
+        opening = ("opening", lowest_pressure(self.complete))
+        events = path_events((opening,), self._fully_joined(value), NO_ERROR, 0.0, 0.0)
+        return replace(Equilibrium.of(value, relaxed.balance), events=events)
+
+    def _opened_at_flaw(self, point: Complete, goal: float) -> Point:
+        """The same where the load takes part in the control: without a flaw complete contact stays."""
+        flaw, system, complete, fine = self.flaw, self.system, self.complete, self.jumps.increments.fine
+        if flaw is None:
+            return Complete(goal)
+        highest = system.elastic.profile.max_height
+        load = opening_load(system, complete, flaw, fine.tolerance)
+        value = min(point.value, system.control.value(highest, load))
+        if goal > value:
+            return Complete(goal)
+        joined = self._fully_joined(value)
+        relaxed = self._relaxed(opened_gap(system, complete, flaw, joined.load), highest, value)
+        joined = replace(joined, potential=flawed_potential(system, complete, flaw, value, fine.tolerance))
+        rounding = opening_rounding(system, flaw, fine.tolerance)
+        error = replace(NO_ERROR, value=system.control.load_weight * rounding, load=rounding)
+        return self.jumps.behind(joined, error, relaxed, (("opening", flaw.center), *relaxed.changes))
+
+    def _fully_joined(self, value: float) -> EventNumbers:
+        """Complete contact at a value of the control; the tension under which the last gap closes has no bound."""
+        control, highest = self.system.control, self.system.elastic.profile.max_height
+        value = value if control.load_weight else highest
+        potential = complete_potential(self.system, self.complete, value)
+        return EventNumbers(value, highest, control.load(highest, value), potential)
+
+    def _relaxed(self, start: Patches, penetration: float, value: float) -> Relaxed:
+        """Where the forces lead from edges that touch or open."""
+        return relax(self.system, start, penetration, value, self.jumps.increments.way)

@@ -1,0 +1,224 @@
+"""Jumps of an adhesive path: where the contact goes when its branch has ended, and the energy that it releases.
+
+A branch ends where it folds, where a symmetry breaks, or where a gap closes; all are located (fold.py,
+touch.py), so that neither the jump nor its numbers depend on the steps.  The jump follows the forces at the value of
+the control at which the branch ends (relaxation.py): from a fold along its mode until a force is felt, which grows as
+the square of the motion, from a broken symmetry along a branch that begins there, or on both sides of its mode.  What
+it releases is the difference of the potential of two equilibria, each located with its error.  A jump that leaves all
+patches in place is an event if it releases more than the error stated.  Dimensionless.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from bem.adhesive.branch import after_step, moving_patches, numbers_of, outward_motion, unstable_patches
+from bem.adhesive.equilibrium import Balance, System, balance
+from bem.adhesive.relaxation import Cause, Relaxed, relax
+from bem.elastic.collocation import Evaluation
+from bem.elastic.gap import GapMinima
+from bem.geometry.arrays import FloatArray, IntArray
+from bem.geometry.patches import Patches
+from bem.loading.complete_contact import CompleteContact
+from bem.loading.increments import SAFETY, Increments
+from bem.loading.path_events import EventNumbers, PathEvent, path_events
+from bem.loading.points_without_edges import Complete, Failed, Separated
+from bem.path.fold import LimitPoint
+from bem.path.locating import OFF, VERIFIED, AtControl, Located, Refused, Start, locate
+from bem.path.opening import complete_potential
+from bem.path.points_with_edges import Equilibrium, Point
+from bem.path.stand import LONGEST_MOTION
+from bem.path.symmetry import EQUAL
+from bem.path.touch import Touch
+
+FORCES = 1e-2, 1e-4, 1e-6  # of the work of adhesion, that a push from a fold shall meet, in turn
+
+
+@dataclass(frozen=True, eq=False)
+class Jumps:
+    """Jumps from the ends of branches.
+
+    Parameters
+    ----------
+    system : System
+    increments : Increments
+    complete : CompleteContact
+    """
+
+    system: System
+    increments: Increments
+    complete: CompleteContact
+
+    def from_touch(self, touch: Touch) -> Point:
+        """The state behind the touch of a crest."""
+        state, at = touch.at.balance.state, touch.at
+        relaxed = self._relaxed(state, state.patches, at.numbers.value, found=touch.touching)
+        return self.behind(at.numbers, at.error, relaxed, relaxed.changes)
+
+    def from_fold(self, limit: LimitPoint) -> Point | None:
+        """The state behind a fold; None where no force is felt along its mode that leads on."""
+        at, mode = limit.at, limit.modes[:, 0]
+        state, patches, work = at.balance.state, at.patches, at.balance.work
+        length = np.sqrt(np.array(FORCES) * float(work @ np.abs(mode)) / limit.bend)
+        longest = LONGEST_MOTION / float(np.max(np.abs(mode) / patches.edge_scale))
+        for part in np.minimum(length, longest):
+            if not self._is_felt(patches.moved(part * mode), state.penetration, at.numbers.value, mode):
+                continue
+            relaxed = self._relaxed(state, patches.moved(part * mode), at.numbers.value, moving_patches(patches, mode))
+            if self._returned(patches, relaxed, part * mode):
+                continue
+            changes = relaxed.changes or (("bifurcation", leading_patch(patches, mode)),)
+            return self.behind(at.numbers, at.error, relaxed, changes, surely=bool(relaxed.changes))
+        return None
+
+    def from_broken_symmetry(self, at: Located, other: Patches) -> Point | None:
+        """The state behind a broken symmetry; None where the contact falls back to where it was.
+
+        Parameters
+        ----------
+        at : Located
+            Where the symmetry breaks.
+        other : Patches
+            Edges of an unstable branch that begins there, from which forces lead on.
+        """
+        patches, state = at.patches, at.balance.state
+        outward = outward_motion(patches, other)
+        relaxed = self._relaxed(state, patches.moved(outward), at.numbers.value, moving_patches(patches, outward))
+        if self._returned(patches, relaxed, outward):
+            return None
+        changes = (("bifurcation", leading_patch(patches, outward)), *relaxed.changes)
+        return self.behind(at.numbers, at.error, relaxed, changes)
+
+    def unlocated(self, here: Balance, start: float, value: float) -> Point:
+        """The state at `value` behind an end of the branch that was not located, from the last good edges before it."""
+        state, width = here.state, abs(value - start)
+        relaxed = self._relaxed(state, state.patches, value, unstable_patches(here))
+        control, stiffness = self.system.control, here.stiffness
+        deeper = abs(2 * width / (control.penetration_weight + control.load_weight * stiffness))
+        error = EventNumbers(width, deeper, deeper * abs(stiffness), deeper * abs(stiffness) * width)
+        changes = relaxed.changes or (("bifurcation", float(state.patches.center[unstable_patches(here)[0]])),)
+        at = after_step(self.system, here, start, np.zeros(2 * state.patches.count), value - start)
+        return self.behind(at, error, relaxed, changes, bool(relaxed.changes))
+
+    def behind(
+        self,
+        at: EventNumbers,
+        error: EventNumbers,
+        relaxed: Relaxed,
+        changes: tuple[tuple[str, float], ...],
+        surely: bool = True,
+    ) -> Point:
+        """The point behind a jump with its events.
+
+        Parameters
+        ----------
+        at, error : EventNumbers
+            The state from which the contact jumps, and its errors.
+        relaxed : Relaxed
+            Where the jump ended.
+        changes : tuple of (kind, position)
+            What happened, in order.
+        surely : bool
+            Whether something surely did; else the energy released must exceed its error.
+        """
+        if relaxed.balance is None:
+            return self._without_edges(at, error, relaxed, changes)
+        value, here = relaxed.target, relaxed.balance
+        found = self._minimum(here, value)
+        if found is None:
+            patches, after, uncertain = here.state.patches, numbers_of(here, value), np.inf
+        else:
+            here, patches, after, uncertain = found.balance, found.patches, found.numbers, found.error.potential
+        released = at.potential - after.potential
+        doubt = error.potential + uncertain + self._moved_by_error(at, error, after.penetration, after.load)
+        happened = surely or not np.isfinite(doubt) or released > SAFETY * doubt
+        stated = doubt + self._coarseness(here)
+        events = path_events(changes, at, error, released, stated) if happened else ()
+        if relaxed.status != "converged":
+            return _failed(relaxed, events)
+        return Equilibrium(value, here, patches, after.load, events=events)
+
+    def _coarseness(self, here: Balance) -> float:
+        """Return what coarse evaluations may make of a difference of energies: of second order in their errors."""
+        tolerance = self.increments.way.tolerance
+        return (OFF * tolerance) ** 2 * here.state.elastic_energy if tolerance > VERIFIED else 0.0
+
+    def _minimum(self, here: Balance, value: float) -> Located | None:
+        """The stable equilibrium in which a jump ended, with its errors; None where there is none."""
+        start = Start(here.state.patches, here.state.penetration, value)
+        found = locate(self.system, start, AtControl(value), self.increments.way.tolerance, known=here)
+        if isinstance(found, Refused) or found.balance.factor is None:
+            return None
+        moved = outward_motion(here.state.patches, found.patches) / here.state.patches.edge_scale
+        return found if np.max(np.abs(moved)) <= LONGEST_MOTION else None
+
+    def _is_felt(self, patches: Patches, penetration: float, value: float, motion: FloatArray) -> bool:
+        """Whether edges feel a force along a motion: more than errors leave of one."""
+        if not patches.is_ordered:
+            return False
+        here = balance(self.system, patches, penetration, value, self.increments.way.tolerance)
+        force = -float(here.gradient @ motion) / float(here.work @ np.abs(motion))
+        return force > SAFETY * self.increments.way.residual
+
+    def _returned(self, start: Patches, relaxed: Relaxed, outward: FloatArray) -> bool:
+        """Whether edges that were pushed outward fell back to an equilibrium."""
+        if relaxed.balance is None or relaxed.changes:
+            return False
+        moved = np.abs(outward_motion(start, relaxed.balance.state.patches)) / start.edge_scale
+        return float(moved.max()) <= 2 * float(np.max(np.abs(outward) / start.edge_scale))
+
+    def _without_edges(
+        self, at: EventNumbers, error: EventNumbers, relaxed: Relaxed, changes: tuple[tuple[str, float], ...]
+    ) -> Separated | Complete | Failed:
+        """The point behind a jump that leaves no edges, or did not end."""
+        released, doubt = np.nan, error.potential
+        if relaxed.status == "separated":
+            changes = (*changes[:-1], ("pull_off", changes[-1][1]))
+            if self.system.control.penetration_weight:  # a dead tension falls for ever
+                released = at.potential
+                doubt += self._moved_by_error(at, error, at.penetration, 0.0)
+        elif relaxed.status == "complete_contact":
+            released = at.potential - complete_potential(self.system, self.complete, relaxed.target)
+            highest = self.system.elastic.profile.max_height
+            doubt += self._moved_by_error(at, error, highest, self.system.control.load(highest, relaxed.target))
+        events = path_events(changes, at, error, released, doubt)
+        if relaxed.status == "separated":
+            return Separated(relaxed.target, events=events)
+        if relaxed.status == "complete_contact":
+            return Complete(relaxed.target, events=events)
+        return _failed(relaxed, events)
+
+    def _moved_by_error(self, at: EventNumbers, error: EventNumbers, penetration: float, load: float) -> float:
+        """Change of the energy released where the jump to this penetration and load lies elsewhere within its error."""
+        works = self.system.control.penetration_weight > 0  # the load does work, or the penetration
+        return error.value * (abs(at.load - load) if works else abs(at.penetration - penetration))
+
+    def _relaxed(
+        self,
+        before: Evaluation,
+        patches: Patches,
+        value: float,
+        unstable: IntArray | None = None,
+        found: GapMinima | None = None,
+    ) -> Relaxed:
+        """Where the forces lead."""
+        cause = Cause(unstable, found, before, local_tolerance=self.increments.coarse.tolerance)
+        return relax(self.system, patches, before.penetration, value, self.increments.way, cause)
+
+
+def _failed(relaxed: Relaxed, events: tuple[PathEvent, ...] = ()) -> Failed:
+    """An event that does not end in a state, with what happened until then."""
+    status: Literal["not_converged", "ill_conditioned"] = "not_converged"
+    if relaxed.status == "ill_conditioned":
+        status = "ill_conditioned"
+    return Failed(relaxed.target, status, events=events)
+
+
+def leading_patch(patches: Patches, outward: FloatArray) -> float:
+    """Centre of the patch that grows or shrinks most in a motion of the edges; of two alike, that which shrinks."""
+    growth = (outward / patches.edge_scale).reshape(2, -1).sum(axis=0)
+    leading = int(np.argmax(np.abs(growth) * np.where(growth < 0, 1 + EQUAL, 1.0)))
+    return float(patches.center[leading])

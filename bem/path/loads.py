@@ -1,0 +1,191 @@
+"""States at given loads on the stretches of a path.
+
+On a stretch the load is monotonic (path.py splits it where the load turns); the parameter at which it has a value is
+found by the Illinois form of the secant, each trial being a point of the curve, whose load is exact to second order.
+Under a given separation the last gap closes, and the first opens, under a tension without bound: loads beyond that of
+the narrowest gap on the path are met in between, in the gap that a row of cracks has at that load (opening.py).
+Dimensionless.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib import import_module
+
+import numpy as np
+from numpy.polynomial import polynomial
+
+from bem.adhesive.equilibrium import System
+from bem.elastic.collocation import evaluate
+from bem.loading.complete_contact import CompleteContact
+from bem.loading.control import LoadControl
+from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
+from bem.path.locating import LAST, LOCATED, AtControl, AtLoad, Refused, Start, evaluated, settle
+from bem.path.opening import FINEST_GAP, Flaw, flaw_of, opening_load, with_gap
+from bem.path.points_with_edges import Equilibrium, Stretch
+from bem.path.span import Span
+from bem.path.stand import SHORT, Stand, stand_near
+
+LOAD_ACCURACY = 1e-11  # of the load, or of a load of 1e-3
+DIGITS = 64  # spacings of the control, by which it misses a load in a narrow gap; 26 at most
+
+
+@dataclass(frozen=True, eq=False)
+class Loads:
+    """Finds loads on a path.
+
+    Parameters
+    ----------
+    system : System
+    complete : CompleteContact
+    fine : Accuracy
+        Of the states found.
+    on_way : float
+        Tolerance of evaluations on the way.
+    asked : tuple of float
+        Loads that are asked for on the way.
+    """
+
+    system: System
+    complete: CompleteContact
+    fine: Accuracy
+    on_way: float
+    asked: tuple[float, ...] = ()
+
+    def on_stretch(self, stretch: Stretch, load: float) -> Equilibrium | None:
+        """The state at a load between those at both ends of a stretch; None where there is none."""
+        (a, b), span = stretch.ends, stretch.span
+        miss_a, miss_b = (at - load for at in stretch.loads)
+        if miss_a * miss_b > 0:
+            return None
+        allowed = LOAD_ACCURACY * max(abs(load), 1e-3)
+        point: Stand | None = None
+        for _ in range(MAXIMUM_ITERATIONS):
+            s = (a * miss_b - b * miss_a) / (miss_b - miss_a)
+            point = self.point(span, s)
+            if point is None:
+                return None
+            miss = point.numbers.load - load
+            if abs(miss) <= allowed:
+                break
+            if miss * miss_b < 0:
+                a, miss_a = b, miss_b
+            else:
+                miss_a /= 2
+            b, miss_b = s, miss
+        return None if point is None else self._state_at(point, load, allowed)
+
+    def _state_at(self, point: Stand, load: float, allowed: float) -> Equilibrium | None:
+        """The state at a load near a point of the curve; near an extremum at the control of the point."""
+        start = Start(point.patches, point.numbers.penetration, point.value)
+        for on in (AtLoad(self.system, load, allowed), AtControl(point.value)):
+            found = settle(self.system.sloped, start, on, self.fine)
+            if not isinstance(found, Refused) and abs(found[0].state.load - load) <= 10 * allowed:
+                return Equilibrium.of(found[1], found[0], settled=True)
+        return None
+
+    def point(self, span: Span, s: float) -> Stand | None:
+        """Return the point of the curve at a parameter of a span, evaluated so near that its tangent is right."""
+        if s in (0.0, 1.0):
+            return span.first if s == 0 else span.last
+        (patches, value), penetration = span.at(s), span.first.numbers.penetration
+        point, last = None, np.inf
+        while point is None or SHORT < point.off < last:
+            last = np.inf if point is None else point.off
+            here = evaluated(self.system.sloped, Start(patches, penetration, value), self.on_way)
+            point = None if isinstance(here, Refused) else stand_near(self.system, here, value, span.normal, 1.0)
+            if point is None:
+                return None
+            patches, value, penetration = point.patches, point.value, point.numbers.penetration
+        return point
+
+    def turns(self, span: Span, reach: float) -> Iterator[tuple[float, Stand]]:
+        """Where the load turns on a span up to a parameter, if one that is asked for may lie beyond its ends there.
+
+        The cubic that has the loads and their rates at both ends says so; the place is found by the secant of the rate.
+        """
+        ends, rates = self._ends(span)
+        if rates[0] * rates[1] >= 0 or not self._may_pass(ends, rates):
+            return
+        turn = self._turn(span, rates, LOCATED)
+        if turn is not None and turn[0] < reach:
+            yield turn
+
+    def least_on(self, span: Span, reach: float, below: float, level: float) -> float | None:
+        """Return the parameter up to a limit at which the load is least on a span, if it may be below a load there."""
+        ends, rates = self._ends(span)
+        bottom = extremes(ends, rates)[1]
+        if not rates[0] < 0 < rates[1] or min(ends) - 2 * (min(ends) - bottom) >= below:
+            return None
+        turn = self._turn(span, rates, level)
+        return None if turn is None or turn[0] >= reach else turn[0]
+
+    def _ends(self, span: Span) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Return the loads at both ends of a span, and their rates by its parameter."""
+        first, last = span.first, span.last
+        return (first.numbers.load, last.numbers.load), (self._rate(span, first), self._rate(span, last))
+
+    def _turn(self, span: Span, rates: tuple[float, float], level: float) -> tuple[float, Stand] | None:
+        """Return where the rate of the load vanishes, to a level of its change on the span: by the Illinois secant."""
+        (low, high), (rate_low, rate_high) = (0.0, 1.0), rates
+        allowed = level * abs(rate_low - rate_high)
+        for _ in range(MAXIMUM_ITERATIONS):
+            s = low - rate_low * (high - low) / (rate_high - rate_low)
+            point = self.point(span, s)
+            if point is None:
+                return None
+            rate = self._rate(span, point)
+            if abs(rate) <= allowed:
+                return s, point
+            if rate * rate_high < 0:
+                low, rate_low = high, rate_high
+            else:
+                rate_low /= 2
+            high, rate_high = s, rate
+        return None
+
+    def _may_pass(self, ends: tuple[float, float], rates: tuple[float, float]) -> bool:
+        """Whether a load that is asked for lies beyond both ends, twice as far as the cubic says."""
+        top, bottom = extremes(ends, rates)
+        highest, lowest = max(ends), min(ends)
+        above, below = 2 * (top - highest), 2 * (lowest - bottom)
+        return any(highest <= load <= highest + above or lowest - below <= load <= lowest for load in self.asked)
+
+    def _rate(self, span: Span, point: Stand) -> float:
+        """dP/ds at a point of a span."""
+        row, along = AtLoad(self.system, 0.0, 0.0).row(point.balance, point.value), point.by(span.normal)[0]
+        return float(row.by_edges @ along[:-1] + row.by_control * along[-1])
+
+    def in_last_gap(self, point: Equilibrium, load: float, tolerance: float) -> Equilibrium | None:
+        """The state at a load between complete contact and a point with one gap."""
+        patches, system = point.patches, self.system
+        widest = float(patches.gap_after[0])
+        center = float(patches.right[0]) + widest / 2
+
+        def gap(width: float) -> Flaw:
+            return flaw_of(system, self.complete, width, tolerance) or Flaw(center, width)
+
+        def miss(width: float) -> float:
+            return opening_load(system, self.complete, gap(width), tolerance) - load
+
+        if patches.count > 1 or widest <= FINEST_GAP or miss(FINEST_GAP) * miss(widest) > 0:
+            return None
+        brentq = import_module("scipy.optimize").brentq
+        flaw = gap(float(brentq(miss, FINEST_GAP, widest, rtol=LAST)))
+        crack, highest = with_gap(flaw.center, flaw.width), system.elastic.profile.max_height
+        state = LoadControl().reach(evaluate(system.elastic, crack, highest, tolerance), load)
+        depth = state.penetration
+        allowed = max(LOAD_ACCURACY * max(abs(load), 1e-3), DIGITS * float(np.spacing(depth)) * state.load_rate)
+        found = settle(system, Start(crack, depth, depth), AtLoad(system, load, allowed), self.fine)
+        return None if isinstance(found, Refused) else Equilibrium.of(found[1], found[0], settled=True)
+
+
+def extremes(ends: tuple[float, float], rates: tuple[float, float]) -> tuple[float, float]:
+    """Return the largest and the least value of the cubic with given values and rates at the ends of [0, 1]."""
+    (first, last), (a, b) = ends, rates
+    rise = last - first
+    cubic = np.array([first, a, 3 * rise - 2 * a - b, a + b - 2 * rise])
+    places = np.clip(polynomial.polyroots(polynomial.polyder(cubic)).real, 0.0, 1.0)
+    values = polynomial.polyval(places, cubic)
+    return max(*ends, *values), min(*ends, *values)

@@ -1,1 +1,0 @@
-"""Cases on the suite itself: the harness, the hard cases of all codes, rates of convergence."""

@@ -1,1 +1,0 @@
-"""Scenes drawn at random from the whole contract of the scene file, and each as a case."""

@@ -1,1 +1,0 @@
-"""Error against time of every method, and the price of each effect."""
