@@ -190,7 +190,7 @@ def pull_off_words(result: Result) -> str:
         return NO_FLAW
     tension = result.largest_tension
     if tension is None:
-        return _stored_tension(result)
+        return ""
     error = share(tension.error_estimate.mean_pressure / -tension.mean_pressure)
     where = (
         f"Pull-off: the largest tension on the way out is {readable(-tension.mean_pressure, 'Pa', MOST)} (± {error} "
@@ -200,16 +200,6 @@ def pull_off_words(result: Result) -> str:
     if apart is None:
         return f"{where}; the surfaces have not come apart on this path."
     return f"{where}; the surfaces come apart at {readable(apart, 'm', MOST)}."
-
-
-def _stored_tension(result: Result) -> str:
-    """Return a sentence on the largest tension of stored states, of a path that located none; it claims no error."""
-    out = [state for state in result.states if state.found and state.branch == "unloading" and state.mean_pressure < 0]
-    if not out:
-        return ""
-    last = min(out, key=lambda state: state.mean_pressure)
-    tension, separation = readable(-last.mean_pressure, "Pa", MOST), readable(last.separation, "m", MOST)
-    return f"The largest tension of the stored states is {tension}, at a separation of {separation}; it may be larger."
 
 
 def stays_complete(result: Result) -> bool:

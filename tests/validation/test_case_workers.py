@@ -10,6 +10,8 @@ import time
 
 import pytest
 
+from validation.command_line import examples
+
 HEAD = "import os, time, ctypes\nimport pytest\nfrom validation.plugin.rows import Code, Quantity\n"
 AGREES = "rows.compare('area', 1.0, 1.0, of=Code.BEM, by=Code.EXACT, quantity=Quantity.AREA, uncertainty=1e-3)"
 
@@ -164,3 +166,19 @@ def test_bad_input_is_one_sentence(verify, options, message):
     assert (code, out) == (2, "")
     assert message in err
     assert "Traceback" not in err
+
+
+def test_own_cases_import_modules_beside_them(verify):
+    files = {
+        "beside.py": "\nVALUE = 1.0\n",
+        "test_a.py": "from beside import VALUE\n" + case("test_one", "assert VALUE == 1.0"),
+    }
+    code, _, _, report = verify(files)
+    assert (code, outcomes(report)) == (0, {"test_one": "passed"})
+
+
+def test_the_example_of_own_cases_runs(verify, tmp_path):
+    examples.write_example("own-cases", tmp_path)
+    code, _, _, report = verify({}, "--cases", str(tmp_path / "own-cases"))
+    assert code == 0
+    assert len(report["cases"]) == 4

@@ -10,20 +10,19 @@ The fit of the double Gaussian, and why its sigma_a is what it is: double_gaussi
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, section 5.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
 from validation.harness.arrays import FloatArray
-from validation.harness.figure_data import axes, drawn, loglog, marks, semilogy, shaded, trace
-from validation.harness.schema import Figure, Series
+from validation.harness.figure_data import axes, drawn, marks, semilogy, shaded, trace
+from validation.harness.schema import Figure
 from validation.paper.double_gaussian_fit import FACTOR, Sample
 from validation.paper.evidence import (
     Evidence,
     Realisation,
     jackknife,
-    joined,
     mean_and_error,
     theory_with_adhesion,
 )
@@ -78,7 +77,6 @@ def compute(evidence: Evidence) -> Topic:
         statements += [_gaussian(evidence, sample), *sample.statements(evidence)]
         figures += _figures(sample, theories[1.0], theories[FACTOR])
     statements.append(_factor(evidence, samples))
-    figures.append(_tail_figure(evidence))
     checks = [] if evidence.shortfall else [_tensile(evidence, load) for load in SPECTRA_AT]
     return Topic("What is the distribution of the pressure?", statements, checks, figures)
 
@@ -131,8 +129,7 @@ def _tensile(evidence: Evidence, load: float) -> Check:
 def _figures(
     sample: Sample, said: Callable[[FloatArray], FloatArray], raised: Callable[[FloatArray], FloatArray]
 ) -> Iterator[Figure]:
-    """The distribution, linear and logarithmic."""
-    mean, error = mean_and_error(sample.values)
+    """Yield the distribution, linear and logarithmic."""
     smooth = np.linspace(BOUNDS[0], BOUNDS[-1], 401)
     curves = (
         ("double Gaussian, fitted as printed", sample.fit(smooth), "line", 3),
@@ -140,42 +137,17 @@ def _figures(
         ("Persson with adhesion", said(smooth), "line", 1),
         (rf"the same with {FACTOR:g} $\sigma_a$", raised(smooth), "dashed", 1),
     )
+    mean, error = mean_and_error(sample.values)
     for name, panel, least in (("linear", axes, -np.inf), ("logarithmic", semilogy, 1e-4 * float(mean.max()))):
-
-        def shown(values: Iterable[float | None], least: float = least) -> list[float | None]:
-            return [value if value is not None and value > least else None for value in values]
-
         carried = mean > least
         lower = np.maximum(mean - error, max(least, 0.0))[carried]
-        single_x, single_y = joined([(CENTRES.tolist(), one.tolist()) for one in sample.values])
         yield drawn(
             f"pressure-distribution-{sample.load:g}-{name}",
-            f"Distribution of the pressure at {sample.load:g} E*, {name}: every realisation, their mean "
-            "with its standard error, the double Gaussian fitted to the mean, and the theory.",
+            f"Distribution of the pressure at {sample.load:g} E*, {name}: mean of the realisations with its standard "
+            "error, the double Gaussian fitted to the mean, and the theory.",
             panel(r"$\sigma/E^*$", "$P\\,E^*$",
-                  trace("realisations", single_x, shown(single_y), "thin"),
                   shaded("mean and standard error", CENTRES[carried], lower, (mean + error)[carried], 0),
-                  marks("mean", CENTRES, shown(mean), hue=0),
-                  *(trace(label, smooth, shown(values), style, hue) for label, values, style, hue in curves)),
+                  marks("mean", CENTRES[carried], mean[carried], hue=0),
+                  *(trace(label, smooth[values > least], values[values > least], style, hue)
+                    for label, values, style, hue in curves)),
         )  # fmt: skip
-
-
-def _tail_figure(evidence: Evidence) -> Figure:
-    centres = np.sqrt(TAIL_BOUNDS[1:] * TAIL_BOUNDS[:-1])
-    series: list[Series] = []
-    for hue, load in enumerate(SPECTRA_AT):
-        there = evidence.with_fields_at(load)
-        values = [density(one, load, TAIL_BOUNDS) for one in there]
-        single_x, single_y = joined([(centres.tolist(), one.tolist()) for one in values])
-        limit = float(np.mean([one.field("tail_coefficient", load) for one in there])) / MODULUS**2
-        x, y = centres.tolist(), np.mean(values, axis=0).tolist()
-        series += [
-            trace(f"realisations, {load:g} E*", single_x, single_y, "thin", hue=hue),
-            marks(f"mean, {load:g} E*", x, y, hue=hue),
-            trace(f"limit from the edges, {load:g} E*", x, limit * centres**-3.0, hue=hue),
-        ]
-    return drawn(
-        "tensile-tail",
-        "Tensile tail of the distribution: P falls as the third power, with the factor that the edges give.",
-        loglog(r"$-\sigma/E^*$", "$P\\,E^*$", *series),
-    )

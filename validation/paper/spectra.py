@@ -33,12 +33,10 @@ HIGH: Window = (250.0, 1000.0)
 SHIFTED, NEGLIGIBLE = (3.0, 100.0), 0.2  # orders; of the theory's C_u
 PAPERS = -2.73  # exponent of C_u
 FULL_CONTACT = -(1 + 2 * HURST)  # of C_u: the profile's own
-MIDST = float(np.log(DRAWN[0] * DRAWN[1]) / 2)  # logarithm of its middle
 BANDS = 24  # of orders, equal in ln q, in figures
 HOW_DRAWN = (
-    "Dots: mean over the realisations, order by order; thin lines and shaded bands: single realisations and their mean "
-    "with its standard error, averaged over bands of orders; lines: the theory. Fits: the slope fitted to each "
-    "realisation, at the level of their mean. Loads and windows are ours."
+    "Thin lines and shaded bands: single realisations and their mean with its standard error, averaged over bands of "
+    "orders; lines: the theory. Loads and windows are ours."
 )
 
 
@@ -214,9 +212,9 @@ def banded(values: FloatArray, bands: int = BANDS) -> tuple[list[float], list[fl
 
 
 def _figures(evidence: Evidence) -> Iterator[Figure]:
-    """Both spectra, and that of the displacement over the profile's, level where short waves are in full contact."""
-    profile, q0 = evidence.lines.power(evidence.loading[0].surface.q0), evidence.loading[0].surface.q0
-    order = range(1, evidence.size.harmonics + 1)
+    """Yield both spectra, and C_u over C, level where short waves are in full contact."""
+    q0 = evidence.loading[0].surface.q0
+    profile, order = evidence.lines.power(q0), range(1, evidence.size.harmonics + 1)
     stiffness = evidence.with_adhesion[LOADS[-1]].plane_strain_modulus * q0 * np.array(order) / 2
     displaced = [trace("profile", order, profile, hue=5)]
     pressed = [trace("full contact, slope 1 - 2H", order, stiffness**2 * profile / MODULUS**2, "dashed", hue=5)]
@@ -225,15 +223,10 @@ def _figures(evidence: Evidence) -> Iterator[Figure]:
         name, theory = f"{load:g} E*", evidence.with_adhesion[load]
         power, stress = spectra(evidence, load), spectra(evidence, load, "C_sigma") / MODULUS**2
         displaced += _curves(power, theory.displacement_power(q0), name, hue)
-        for slope, level, window in _fits(power, [DRAWN]):
-            displaced += [
-                _fitted(name, slope, level, window, hue),
-                trace(f"{name}, the paper's slope {PAPERS}", *_power_law(PAPERS, level + MIDST * (slope - PAPERS)),
-                      "dashed", hue=5),
-            ]  # fmt: skip
         pressed += _curves(stress, theory.pressure_power(q0) / MODULUS**2, name, hue)
-        pressed += [_fitted(name, *fit, hue) for fit in _fits(stress, [DRAWN, HIGH])]
-        followed += _curves(power / profile, theory.contact_fractions, name, hue)[1:]
+        followed += _curves(power / profile, theory.contact_fractions, name, hue)
+    steep = float(displaced[1].y[0] or 1.0)
+    displaced.append(trace(f"the paper's slope {PAPERS}", DRAWN, [steep * end**PAPERS for end in DRAWN], "dashed", 5))
     yield drawn("displacement-spectrum", f"Spectrum C_u of the displacement against the order. {HOW_DRAWN}",
                 loglog("$q/q_0$", "$C_u$ / m³", *displaced))  # fmt: skip
     yield drawn("pressure-spectrum", f"Spectrum C_sigma over E*^2 of the pressure against the order. {HOW_DRAWN}",
@@ -242,31 +235,10 @@ def _figures(evidence: Evidence) -> Iterator[Figure]:
                 loglog("$q/q_0$", "$C_u/C$", *followed))  # fmt: skip
 
 
-def _fitted(name: str, slope: float, level: float, window: Window, hue: int) -> Series:
-    return trace(f"{name}, fit, slope {slope:.2f}", *_power_law(slope, level, window), "dashed", hue=hue)
-
-
 def _curves(power: FloatArray, theory: FloatArray, name: str, hue: int) -> list[Series]:
-    """Mean of every order, single realisations and mean with its error in bands of orders, theory."""
+    """Return single realisations and mean with its error in bands of orders, and the theory."""
     bands, order = [banded(one) for one in power], range(1, power.shape[1] + 1)
     return [
-        trace(f"{name}, mean of every order", order, power.mean(axis=0), "dots", hue=hue),
         *scattered(bands, bands[0][0], [value for _, value in bands], name=f"{name}, ", hue=hue)[:2],
         trace(f"{name}, Persson with adhesion", order, theory, hue=hue),
     ]
-
-
-def _fits(power: FloatArray, windows: Sequence[Window]) -> Iterator[tuple[float, float, Window]]:
-    """Mean slope of the lines fitted to each realisation, the level of their mean, and the window; of those inside."""
-    order = np.arange(1, power.shape[1] + 1)
-    for window in windows:
-        if window[1] <= order.size:
-            slope = float(np.mean([exponent(one, window) for one in power]))
-            inside = (order >= window[0]) & (order <= window[1])
-            level = np.log(power.mean(axis=0)[inside]) - slope * np.log(order[inside])
-            yield slope, float(np.mean(level)), window
-
-
-def _power_law(slope: float, level: float, window: Window = DRAWN) -> tuple[list[float], list[float]]:
-    """The ends of a straight line."""
-    return list(window), [float(np.exp(level + slope * np.log(end))) for end in window]

@@ -61,6 +61,7 @@ def run(options: argparse.Namespace) -> int:
         _command(options),
     ]
     words += ["--only", options.only] if options.only else []
+    words += ["-o", f"pythonpath={folder}"] if options.cases else []  # own cases import modules beside them
     words += ["--resume"] * options.resume
     words += ["--store", options.store, "--reason", options.reason] if options.store else []
     status = int(pytest.main([*words, str(folder)]))
