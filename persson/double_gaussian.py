@@ -126,10 +126,17 @@ def fit_double_gaussian(
     lowest = [0.0, spread - WIDEST, -WIDEST][: 2 + free_amplitude]
     highest = [WIDEST, spread + WIDEST, WIDEST][: 2 + free_amplitude]
     fits = [
-        least_squares(misfit, np.array([start, spread, 0.0][: len(lowest)]), bounds=(lowest, highest),
-                      xtol=1e-12, ftol=1e-12, gtol=1e-12, max_nfev=MOST_EVALUATIONS)
+        least_squares(
+            misfit,
+            np.array([start, spread, 0.0][: len(lowest)]),
+            bounds=(lowest, highest),
+            xtol=1e-12,
+            ftol=1e-12,
+            gtol=1e-12,
+            max_nfev=MOST_EVALUATIONS,
+        )
         for start in STARTS
-    ]  # fmt: skip
+    ]
     ended = [fit for fit in fits if fit.success]
     if not ended:
         raise ArithmeticError(f"double Gaussian: {fits[0].message}")

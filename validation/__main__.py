@@ -115,8 +115,7 @@ def _replicate(options: argparse.Namespace) -> int:
     """Replicate the paper's results section; its realisations and figures lie beside the report."""
     replicate = import_module("validation.paper.replicate").replicate
     with locked(options.out):
-        return int(replicate(options.out, quick=options.quick, jobs=options.jobs, executor=options.executor,
-                             say=say))  # fmt: skip
+        return int(replicate(options.out, quick=options.quick, jobs=options.jobs, executor=options.executor, say=say))
 
 
 def _study(options: argparse.Namespace) -> int:

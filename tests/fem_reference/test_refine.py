@@ -75,9 +75,12 @@ WAVY = {  # at 10 cells about 3 for each of the shortest waves: the meshes are n
     "poisson_ratio": 0.0865,
     "thickness": 1.673,
     "period": 1.0,
-    "harmonics": ([1, 7, 8, 10, 12], [-0.0274, 0.000246, 0.000313, 0.00113, -0.000758],
-                  [5.641, -4.46, 4.868, 6.997, -7.209]),
-}  # fmt: skip
+    "harmonics": (
+        [1, 7, 8, 10, 12],
+        [-0.0274, 0.000246, 0.000313, 0.00113, -0.000758],
+        [5.641, -4.46, 4.868, 6.997, -7.209],
+    ),
+}
 WAVY_PRESSURE = 0.0175138426388  # boundary elements; P4/P3 of 10 cells within 1e-12
 
 

@@ -35,8 +35,10 @@ class Browser:
         options = (*QUIET, f"--user-data-dir={self._profile.name}", "--remote-debugging-pipe", "about:blank")
         self._process = subprocess.Popen(
             [sys.executable, "-c", ON_3_AND_4, str(inward[0]), str(outward[1]), BROWSER, *options],
-            pass_fds=(inward[0], outward[1]), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        )  # fmt: skip
+            pass_fds=(inward[0], outward[1]),
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
         os.close(inward[0])
         os.close(outward[1])
         self._write, self._read, self._rest, self._last = inward[1], outward[0], b"", 0

@@ -135,8 +135,11 @@ class TestStoredErrors:
         assert verdicts(run(case(AGREES))) == ["changed"]
 
     def test_a_stored_row_that_is_gone_fails(self, run, pytester):
-        self.write(pytester, 'test_a.py::test_one,"area [bem, fem]",1,1e-04,,first',
-                   'test_a.py::test_one,"load [bem, fem]",1,1e-04,,first')  # fmt: skip
+        self.write(
+            pytester,
+            'test_a.py::test_one,"area [bem, fem]",1,1e-04,,first',
+            'test_a.py::test_one,"load [bem, fem]",1,1e-04,,first',
+        )
         result = run(case(AGREES))
         result.assert_outcomes(failed=1)
         result.stdout.fnmatch_lines(["*stored rows are gone: load [[]bem, fem[]]*"])
@@ -154,8 +157,14 @@ class TestStoredErrors:
         run(case(AGREES), "--store", "--reason", "a new mesh").assert_outcomes(passed=1)
         assert "area [bem, fem]: 1e-06 -> 0.0001" in capfd.readouterr().err
         lines = self.read(pytester)
-        assert lines["area [bem, fem]"] == {"case": "test_a.py::test_one", "row": "area [bem, fem]", "value": "1",
-                                            "error": "0.0001", "unit": "", "reason": "a new mesh"}  # fmt: skip
+        assert lines["area [bem, fem]"] == {
+            "case": "test_a.py::test_one",
+            "row": "area [bem, fem]",
+            "value": "1",
+            "error": "0.0001",
+            "unit": "",
+            "reason": "a new mesh",
+        }
         assert lines["row"]["reason"] == "first"
 
     def test_storing_the_worst_keeps_the_larger_error(self, run, pytester):

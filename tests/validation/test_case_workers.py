@@ -31,9 +31,13 @@ def verify(tmp_path):
             (folder / name).write_text(HEAD + text)
         words = ["--cases", str(folder), "--out", str(tmp_path / "out"), "--jobs", "2", *options]
         return subprocess.Popen(
-            [sys.executable, "-m", "validation.plugin.verify", *words], text=True, start_new_session=True,
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=tmp_path,
-        )  # fmt: skip
+            [sys.executable, "-m", "validation.plugin.verify", *words],
+            text=True,
+            start_new_session=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            cwd=tmp_path,
+        )
 
     def run(files, *options):
         process = start(files, *options)
@@ -143,8 +147,11 @@ def test_cases_of_a_file_share_a_worker_and_those_with_parameters_are_spread(ver
 
 def test_progress_is_on_stderr_and_one_line_on_stdout(verify):
     stored = "case,row,value,error,unit,reason\n"
-    stored += "".join(f"test_a.py::test_{name},{row}\n" for name in ("x", "y") for row in
-                      ("(seconds),2.0,,s,", '"area [bem, closed form]",1,0,,first'))  # fmt: skip
+    stored += "".join(
+        f"test_a.py::test_{name},{row}\n"
+        for name in ("x", "y")
+        for row in ("(seconds),2.0,,s,", '"area [bem, closed form]",1,0,,first')
+    )
     verify.record.parents[1].joinpath("cases", "stored.csv").write_text(stored)
     code, out, err, _ = verify({"test_a.py": case("test_x") + case("test_y")})
     assert code == 0

@@ -8,8 +8,10 @@ import pytest
 from validation.studies.faults.faults import faults
 
 ROOT = Path(__file__).parents[2]
-CASES = {path.name: set(re.findall(r"^def (test_\w+)", path.read_text(), re.M))
-         for path in (ROOT / "validation" / "cases").glob("test_*.py")}  # fmt: skip
+CASES = {
+    path.name: set(re.findall(r"^def (test_\w+)", path.read_text(), re.M))
+    for path in (ROOT / "validation" / "cases").glob("test_*.py")
+}
 NAMES = {f"{file}::{name}" for file, names in CASES.items() for name in names}
 
 

@@ -85,8 +85,11 @@ def test_examples_are_listed_by_name(capsys):
     assert [line.split()[0] for line in lines] == list(EXAMPLES)
     assert len(lines) >= 8
     folder = ROOT / "validation" / "command_line" / "examples"
-    files = {f"guide/{file}" if name in GUIDE and file.endswith(".py") else file
-             for name, files in EXAMPLES.items() for file in files}  # fmt: skip
+    files = {
+        f"guide/{file}" if name in GUIDE and file.endswith(".py") else file
+        for name, files in EXAMPLES.items()
+        for file in files
+    }
     there = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
     assert {name for name in there if "__pycache__" not in name} == files
 

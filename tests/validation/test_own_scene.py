@@ -248,8 +248,12 @@ def test_a_study_continues_and_its_page_is_written(tmp_path):
 )
 def test_a_study_that_is_foreign_or_changed_is_refused_by_file_and_key(change, words, tmp_path):
     (tmp_path / "out").mkdir()
-    content = {"schema": "linecontact-scene-study/2", "scene_sha256": "1", "title": "a", "solved": {BASE: {
-        "sha256": "1", "status": "converged", "reason": "", "cpu_seconds": 1.0, "answers": []}}}  # fmt: skip
+    content = {
+        "schema": "linecontact-scene-study/2",
+        "scene_sha256": "1",
+        "title": "a",
+        "solved": {BASE: {"sha256": "1", "status": "converged", "reason": "", "cpu_seconds": 1.0, "answers": []}},
+    }
     change(content)
     (tmp_path / "out" / "study.json").write_text(json.dumps(content))
     with pytest.raises(ReportError, match=words):

@@ -336,5 +336,7 @@ def test_numbers_of_a_realisation(replicated):
     assert one.final_load == pytest.approx(0.025)
     conventions = report["topics"][1]["tables"][0]["rows"]
     assert [row[0] for row in conventions if row[0]] == [
-        "normalisation of a continuous spectrum", "area factor in U_ad", "a load that an instability jumps over",
-    ]  # fmt: skip
+        "normalisation of a continuous spectrum",
+        "area factor in U_ad",
+        "a load that an instability jumps over",
+    ]

@@ -29,8 +29,11 @@ def test_the_difference_is_held_against_the_uncertainty_of_both_sides(difference
 def test_a_requirement_decides_alone_and_the_uncertainty_stands_beside_it():
     row = compared(0.31, 0.3, required=0.02, because="decides nothing in a design")
     assert (row.verdict, row.allowed, row.value_uncertainties, row.reason) == (
-        "agrees", [0.02], [3e-3], "decides nothing in a design"
-    )  # fmt: skip
+        "agrees",
+        [0.02],
+        [3e-3],
+        "decides nothing in a design",
+    )
     assert compared(0.3001, 0.3, required=1e-5, because="asked for").verdict == "deviates"
 
 

@@ -153,15 +153,32 @@ def test_a_run_without_states_has_a_page(result):
     "scene",
     [
         {**ROUGH, "layer": {"thickness": 1e-3}, "loading": {"control": "total_displacement", "targets": [1e-5]}},
-        {**ROUGH, "loading": {"control": "mean_pressure", "targets": list(range(100, 2000, 100)),
-                              "initial": "complete_contact", "flaw": 1e-5}},
-        {**ROUGH, "loading": {"control": "separation", "targets": [6e-5], "at_mean_pressures": [100.0],
-                              "stop_at_mean_pressure": 200.0}},
-        {**ROUGH, "adhesion": None, "profile": {"kind": "harmonics", "period": 1.0, "orders": [1], "amplitudes": [0.1],
-                                                "phases": [0.0]}},
+        {
+            **ROUGH,
+            "loading": {
+                "control": "mean_pressure",
+                "targets": list(range(100, 2000, 100)),
+                "initial": "complete_contact",
+                "flaw": 1e-5,
+            },
+        },
+        {
+            **ROUGH,
+            "loading": {
+                "control": "separation",
+                "targets": [6e-5],
+                "at_mean_pressures": [100.0],
+                "stop_at_mean_pressure": 200.0,
+            },
+        },
+        {
+            **ROUGH,
+            "adhesion": None,
+            "profile": {"kind": "harmonics", "period": 1.0, "orders": [1], "amplitudes": [0.1], "phases": [0.0]},
+        },
     ],
     ids=["layer", "flaw", "pressures", "harmonics"],
-)  # fmt: skip
+)
 def test_every_kind_of_scene_is_told_in_words(scene):
     words = scene_in_words(bem.parse_scene({**scene, "output": {}}).resolved())
     assert all(sentence.endswith(".") and "None" not in sentence for sentence in words)

@@ -25,8 +25,17 @@ def parts(text="text"):
     good.compare(f"area {text}", [1.0, 1.0], [1.0, 1.0005], **AREA, source=text, unit=text)
     good.compare("load", 1.0, 1.0008, **AREA | {"quantity": Quantity.PRESSURE})
     good.known("gap", 2.2, 2.0, band=(1.05, 1.2), cause=text, **AREA | {"by": Code.THEORY, "uncertainty": (0.1, 0.1)})
-    good.compare("closure", 1.0, 1.0, required=1e-9, because="its tolerance", kind="construction", of=Code.BEM,
-                 by=Code.IDENTITY, quantity=Quantity.INTENSITY)  # fmt: skip
+    good.compare(
+        "closure",
+        1.0,
+        1.0,
+        required=1e-9,
+        because="its tolerance",
+        kind="construction",
+        of=Code.BEM,
+        by=Code.IDENTITY,
+        quantity=Quantity.INTENSITY,
+    )
     good.count("steps", 12, of=Code.BEM)
     good.curves(
         f"curve {text}", text, "y", {text: ([1.0, 2.0], [1.0, 4.0])}, log="xy", below=("e", {"a": ([1, 2], [0, 1])})
@@ -44,8 +53,9 @@ def parts(text="text"):
 
 @pytest.fixture
 def written(tmp_path):
-    statements = [{"statement": "area grows linearly", "printed": 3.3, "ours": 3.4, "uncertainty": 0.2,
-                   "verdict": "reproduced"}]  # fmt: skip
+    statements = [
+        {"statement": "area grows linearly", "printed": 3.3, "ours": 3.4, "uncertainty": 0.2, "verdict": "reproduced"}
+    ]
 
     def write(text="text"):
         write_study(tmp_path, "a command", parts(text), statements=statements)
@@ -68,15 +78,47 @@ def test_kinds_of_rows_are_counted_apart_and_accuracy_makes_the_headline(written
 def test_a_row_holds_what_other_programs_read(written):
     content, _ = written()
     row = content["rows"][0]
-    assert {name: row[name] for name in ("case", "quantity", "unit", "kind", "value", "value_uncertainty", "reference",
-            "reference_uncertainty", "routes", "allowed", "reason", "verdict", "seconds")} == {
-        "case": "good", "quantity": "contact fraction", "unit": "text", "kind": "accuracy", "value": 1.0,
-        "value_uncertainty": 1e-3, "reference": 1.0005, "reference_uncertainty": 0.0, "routes": ["bem", "fem"],
-        "allowed": 1e-3, "reason": "U of both sides", "verdict": "agrees", "seconds": 0.0,
-    }  # fmt: skip
+    assert {
+        name: row[name]
+        for name in (
+            "case",
+            "quantity",
+            "unit",
+            "kind",
+            "value",
+            "value_uncertainty",
+            "reference",
+            "reference_uncertainty",
+            "routes",
+            "allowed",
+            "reason",
+            "verdict",
+            "seconds",
+        )
+    } == {
+        "case": "good",
+        "quantity": "contact fraction",
+        "unit": "text",
+        "kind": "accuracy",
+        "value": 1.0,
+        "value_uncertainty": 1e-3,
+        "reference": 1.0005,
+        "reference_uncertainty": 0.0,
+        "routes": ["bem", "fem"],
+        "allowed": 1e-3,
+        "reason": "U of both sides",
+        "verdict": "agrees",
+        "seconds": 0.0,
+    }
     assert content["statements"][0]["verdict"] == "reproduced"
-    assert content["costs"][0] == {"problem": "smooth wave", "route": "bem", "setting": "1e-6", "error": 1e-7,
-                                   "seconds": 0.25, "spread": 0.01}  # fmt: skip
+    assert content["costs"][0] == {
+        "problem": "smooth wave",
+        "route": "bem",
+        "setting": "1e-6",
+        "error": 1e-7,
+        "seconds": 0.25,
+        "spread": 0.01,
+    }
     assert content["provenance"]["commit"]
 
 

@@ -72,12 +72,12 @@ class Comparison:
         for each in self.differences:
             rows.compare(prefix + each.name, each.bem, each.fem, of=Code.BEM, by=Code.FEM, quantity=each.quantity,
                          unit=each.unit, uncertainty=(each.bem_uncertainty, each.fem_uncertainty),
-                         source=source)  # fmt: skip
+                         source=source)
 
     def share(self) -> float:
         """Return the largest difference over its combined uncertainty; nan without a state."""
         shares = [np.max(np.abs(d.bem - d.fem)) / np.hypot(d.bem_uncertainty, d.fem_uncertainty)
-                  for d in self.differences]  # fmt: skip
+                  for d in self.differences]
         return float(max(shares, default=np.nan))
 
 
@@ -119,7 +119,7 @@ def differences(scene: Scene, fem: Result, elastic: bem.ContactState, state: Sta
     scale = float(np.max(np.abs(middle)))
 
     def difference(name: str, quantity: Quantity, unit: str, ours: ArrayLike, theirs: ArrayLike, own: float,
-                   uncertainty: Any, scale: float) -> Difference:  # fmt: skip
+                   uncertainty: Any, scale: float) -> Difference:
         spread = max(float(np.max(uncertainty)), ROUNDING * scale)
         return Difference(name, quantity, unit, np.ravel(ours), np.ravel(theirs), own, spread, scale)
 
@@ -129,34 +129,34 @@ def differences(scene: Scene, fem: Result, elastic: bem.ContactState, state: Sta
         pressure = max(pressure, state.error_estimate.mean_pressure or 0.0)
         yield difference("edges", Quantity.EDGES, "m", state.edges, fem.edges, own * period, known["edges"], period)
         yield difference("contact fraction", Quantity.AREA, "", state.contact_fraction, fem.contact_fraction, own,
-                         known["contact_fraction"], 1.0)  # fmt: skip
+                         known["contact_fraction"], 1.0)
         for key in ("penetration", "total_displacement"):
             if key != prescribed and getattr(state, key) is not None:
                 yield difference(key.replace("_", " "), Quantity.LENGTH, "m", getattr(state, key), getattr(fem, key),
-                                 tolerance * height, known[key], height)  # fmt: skip
+                                 tolerance * height, known[key], height)
     if prescribed != "mean_pressure":
         ours = elastic.mean_pressure if state is None else state.mean_pressure
         yield difference("mean pressure", Quantity.PRESSURE, "Pa", ours, fem.mean_pressure, pressure,
-                         known["mean_pressure"], scale)  # fmt: skip
+                         known["mean_pressure"], scale)
     yield difference("pressure away from the edges", Quantity.POINTS, "Pa", middle, fem.middle_pressure,
-                     tolerance * scale, known["middle_pressure"], scale)  # fmt: skip
+                     tolerance * scale, known["middle_pressure"], scale)
     if state is None:
         root, energy = scale * float(np.sqrt(period)), elastic.elastic_energy
         yield difference("stress intensity", Quantity.INTENSITY, "Pa m^1/2", elastic.stress_intensity,
-                         fem.stress_intensity, tolerance * root, known["stress_intensity"], root)  # fmt: skip
+                         fem.stress_intensity, tolerance * root, known["stress_intensity"], root)
         yield difference("elastic energy per period", Quantity.ENERGY, "J/m", energy, fem.elastic_energy,
-                         tolerance * abs(energy), known["elastic_energy"], abs(energy))  # fmt: skip
+                         tolerance * abs(energy), known["elastic_energy"], abs(energy))
     else:
         energy = abs(state.elastic_energy)
         for key in ("elastic_energy", "total_energy") if scene.adhesion is not None else ("elastic_energy",):
             yield difference(key.replace("_", " "), Quantity.ENERGY, "J/m^2", getattr(state, key),
                              getattr(fem, key) / period, tolerance * energy, np.asarray(known[key]) / period,
-                             energy)  # fmt: skip
+                             energy)
     x = away_from_edges(fem)
     spread = float(np.max(fem.uncertainty_at("displacement", x))) + 2 * uncertain(fem, "penetration")
     yield difference("displacement away from the edges", Quantity.POINTS, "m", elastic.displacement(x),
                      fem.displacement(x) - (fem.total_displacement - fem.penetration), tolerance * height, spread,
-                     height)  # fmt: skip
+                     height)
 
 
 def away_from_edges(fem: Result) -> FloatArray:
@@ -179,4 +179,4 @@ def figure(rows: Rows, title: str, comparison: Comparison) -> None:
     shown, on = np.abs(theirs) < 1.5 * scale, np.abs(ours) < 1.5 * scale  # pressures are infinite at edges
     rows.curves(title, "x / mm", "pressure / kPa",
                 {"boundary elements": (line[on] * 1e3, ours[on] / 1e3),
-                 "finite elements": (x[shown] * 1e3, theirs[shown] / 1e3)})  # fmt: skip
+                 "finite elements": (x[shown] * 1e3, theirs[shown] / 1e3)})

@@ -57,7 +57,7 @@ def judge(rows: Rows, drawn: Drawn, folder: Path) -> None:
     soft = [ROUNDINGS * surface.highest * abs(state.contact_stiffness or 0.0) for state in met]
     accuracy = drawn.tables["accuracy"] | {"max_increment": scene.accuracy.max_increment / FINER}
     again = [s for s in bem.solve(parse_scene(drawn.tables | {"accuracy": accuracy}, folder)).targets
-             if s.status == "converged"]  # fmt: skip
+             if s.status == "converged"]
     known = [by_dense_algebra(scene, surface, state) for state in met]
     confirmed = [(k, each) for k, each in enumerate(known) if each is not None]
     for name, (quantity, unit) in COLUMNS.items():
@@ -70,18 +70,18 @@ def judge(rows: Rows, drawn: Drawn, folder: Path) -> None:
             own = np.maximum(own, [getattr(state.error_estimate, name) or 0.0 for state in again])
         rows.compare(f"{name.replace('_', ' ')} at a third of the increment", values, other, of=Code.BEM,
                      by=Code.IDENTITY, quantity=quantity, unit=unit, kind="construction",
-                     required=2 * (own + rounding), because="errors that both estimate")  # fmt: skip
+                     required=2 * (own + rounding), because="errors that both estimate")
         if confirmed:
             at = [k for k, _ in confirmed]
             rows.compare(name.replace("_", " "), values[at], [each[name] for _, each in confirmed], of=Code.BEM,
                          by=Code.DENSE, quantity=quantity, unit=unit, source="equilibrium next to the edges",
-                         uncertainty=(own[at], rounding[at]))  # fmt: skip
+                         uncertainty=(own[at], rounding[at]))
 
 
 def ending(rows: Rows, words: str, expected: bool) -> None:
     """Add the row of how a scene ended."""
     rows.compare("ended otherwise than it may", float(not expected), 0.0, of=Code.BEM, by=Code.IDENTITY,
-                 quantity=Quantity.COUNT, kind="construction", required=0.5, because=words)  # fmt: skip
+                 quantity=Quantity.COUNT, kind="construction", required=0.5, because=words)
 
 
 def natural(scene: Scene, surface: Waves) -> dict[str, float]:
@@ -89,7 +89,7 @@ def natural(scene: Scene, surface: Waves) -> dict[str, float]:
     modulus = scene.solid.youngs_modulus / (1 - scene.solid.poisson_ratio**2)
     rms = surface.rms_height or surface.period
     return {"contact_fraction": 1.0, "mean_pressure": np.pi * modulus * rms / surface.period,
-            "elastic_energy": modulus * rms**2 / surface.period, "penetration": max(surface.highest, rms)}  # fmt: skip
+            "elastic_energy": modulus * rms**2 / surface.period, "penetration": max(surface.highest, rms)}
 
 
 def by_dense_algebra(scene: Scene, surface: Waves, state: State) -> dict[str, float] | None:

@@ -41,7 +41,7 @@ def test_one_profile(rows):
     rows.known("contact fraction without adhesion over the theory, 0.002 to 0.02 E*", areas, expected,
                band=(1.25, 1.85), of=Code.BEM, by=Code.THEORY, quantity=Quantity.AREA, cause=CAUSE,
                source="Persson 2001",
-               uncertainty=(estimates(states, "contact_fraction"), NUMERICS * expected))  # fmt: skip
+               uncertainty=(estimates(states, "contact_fraction"), NUMERICS * expected))
     path = solved("rough_100", profile=fewer, loading={"targets": [30e-6]})
     wet = [state for state in path.states if state.mean_pressure > 0]
     along = np.geomspace(0.001, 0.03, 7)
@@ -50,7 +50,7 @@ def test_one_profile(rows):
                                                  values(wet, "contact_fraction")),
                  "theory, adhesion": (along, theory(adhesive, along * MODULUS)),
                  "boundary elements, no adhesion": (loads, areas),
-                 "theory, no adhesion": (along, theory(without, along * MODULUS))})  # fmt: skip
+                 "theory, no adhesion": (along, theory(without, along * MODULUS))})
 
 
 @pytest.mark.standard
@@ -67,18 +67,18 @@ def test_paper_profile(rows):
     rows.known("contact fraction over the theory with adhesion, 0.0025 to 0.02 E*", areas, expected, band=(1.7, 2.9),
                of=Code.BEM, by=Code.THEORY, quantity=Quantity.AREA, source=PAPER,
                cause=f"{CAUSE}; at small loads this realisation touches near its highest crest only",
-               uncertainty=(estimates(states, "contact_fraction"), NUMERICS * expected))  # fmt: skip
+               uncertainty=(estimates(states, "contact_fraction"), NUMERICS * expected))
     rows.count("evaluations", sum(state.evaluations for state in result.states), of=Code.BEM)
     rows.count("patches at 0.02 E*", states[-1].n_patches, within=0.0, of=Code.BEM)
     height = persson_spectrum(scene).h_rms
     pressed = [state for state in result.states if state.n_patches and state.mean_pressure > 0]
     rows.curves("Contact area of the paper's profile", "mean pressure / E*", "contact fraction",
                 {"boundary elements": (values(pressed, "mean_pressure") / MODULUS, values(pressed, "contact_fraction")),
-                 "theory with adhesion": (loads, expected)})  # fmt: skip
+                 "theory with adhesion": (loads, expected)})
     rows.curves("Separation of the mean planes", "separation / h_rms", "mean pressure / E*",
                 {"boundary elements": (values(pressed, "separation") / height,
                                        values(pressed, "mean_pressure") / MODULUS),
-                 "theory with adhesion": (values(contacts, "separation") / height, loads)}, log="y")  # fmt: skip
+                 "theory with adhesion": (values(contacts, "separation") / height, loads)}, log="y")
 
 
 def realisation(hurst, seed, adhesive):
@@ -90,7 +90,7 @@ def realisation(hurst, seed, adhesive):
         return {"profile": profile, "loading": loading, "adhesion": None}, pressures
     # by separation, because contact jumps under load control
     loading = {"control": "separation", "targets": [1e-6], "at_mean_pressures": pressures[:-1],
-               "stop_at_mean_pressure": pressures[-1]}  # fmt: skip
+               "stop_at_mean_pressure": pressures[-1]}
     return {"profile": profile, "loading": loading}, pressures
 
 
@@ -107,19 +107,19 @@ def areas_of(hurst, seed, adhesive):
     ("adhesive", "seeds", "bands"),
     [pytest.param(False, range(8), ((1.36, 1.76), (1.25, 1.66), (1.22, 1.55), (1.16, 1.39)), id="no adhesion"),
      pytest.param(True, range(2), ((1.9, 3.7), (1.65, 2.6), (1.6, 2.1), (1.35, 1.66)), id="adhesion")],
-)  # fmt: skip
+)
 def test_hurst_exponents(rows, adhesive, seeds, bands):
     """How does the mean area of realisations compare with the theory over loads and Hurst exponents?"""
     areas = np.array([[areas_of(hurst, seed, adhesive) for seed in seeds] for hurst in HURST])
     expected = np.array([theory(posed("rough_100", **tables), pressures)
-                         for tables, pressures in (realisation(hurst, 0, adhesive) for hurst in HURST)])  # fmt: skip
+                         for tables, pressures in (realisation(hurst, 0, adhesive) for hurst in HURST)])
     means, spread = areas.mean(axis=1), 2 * areas.std(axis=1, ddof=1) / np.sqrt(len(seeds))
     for place, (load, band) in enumerate(zip(LOADS, bands, strict=True)):
         rows.known(f"mean contact fraction over the theory at {load:g} E* h'_rms, H = 0.3, 0.5, 0.7, 0.9",
                    means[:, place], expected[:, place], band=band, of=Code.BEM, by=Code.THEORY, quantity=Quantity.AREA,
                    cause=f"{CAUSE}; {len(seeds)} realisations scatter", source=PAPER,
-                   uncertainty=(spread[:, place], NUMERICS * expected[:, place]))  # fmt: skip
+                   uncertainty=(spread[:, place], NUMERICS * expected[:, place]))
     rows.curves("Contact fraction over load and Hurst exponent", "mean pressure / (E* h'_rms)", "contact fraction",
                 {f"boundary elements, H = {hurst:g}": (LOADS, mean) for hurst, mean in zip(HURST, means, strict=True)}
                 | {f"theory, H = {hurst:g}": (LOADS, line) for hurst, line in zip(HURST, expected, strict=True)},
-                log="xy")  # fmt: skip
+                log="xy")

@@ -16,7 +16,7 @@ from validation.routes.boundary_elements import solve
 
 LONG = ("paper-profile", "rough-1000", "steep")
 NAMES = [pytest.param(path.name, marks=pytest.mark.full if path.name in LONG else pytest.mark.standard)
-         for path in sorted(FOLDER.iterdir()) if path.is_dir()]  # fmt: skip
+         for path in sorted(FOLDER.iterdir()) if path.is_dir()]
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -40,9 +40,9 @@ def complete(orders, amplitudes, phases, thickness, poisson_ratio):
 def solve_waves(orders, amplitudes, phases, control, targets, thickness=None, poisson_ratio=0.5):
     """Solve waves without adhesion and return the states at the targets."""
     profile = {"kind": "harmonics", "period": PERIOD, "orders": list(orders), "amplitudes": list(amplitudes),
-               "phases": list(phases)}  # fmt: skip
+               "phases": list(phases)}
     scene = {"solid": {"youngs_modulus": E, "poisson_ratio": poisson_ratio}, "profile": profile,
-             "loading": {"control": control, "targets": list(targets)}}  # fmt: skip
+             "loading": {"control": control, "targets": list(targets)}}
     result = bem.solve(scene if thickness is None else scene | {"layer": {"thickness": thickness}})
     assert all(state.certificate.ok for state in result.targets)
     return result.targets
@@ -61,11 +61,11 @@ def test_rough_profile(rows):
     exact = rows.between(Code.BEM, Code.EXACT, "every wave carries E* m q0 h_m / 2")
     exact.compare("contact fraction below and above the pressure of complete contact",
                   [before.contact_fraction < 1, last.contact_fraction == 1], [1, 1], quantity=Quantity.AREA,
-                  uncertainty=0.0, required=0.5, because="yes or no")  # fmt: skip
+                  uncertainty=0.0, required=0.5, because="yes or no")
     energy = float(np.sum(amplitudes * surface.amplitudes)) / 4
     exact.compare("elastic energy", last.elastic_energy, energy, quantity=Quantity.ENERGY, unit="J/m^2",
                   required=1e-12 * energy, because="rounding: both are the same sum of 100 terms",
-                  kind="construction")  # fmt: skip
+                  kind="construction")
 
 
 @pytest.mark.quick
@@ -73,12 +73,12 @@ def test_adhesive_wave(rows):
     """Has an adhesive wave in complete contact the energies p* D / 4 and -w?"""
     wave = Sinusoid(DEPTH, PERIOD, E, 0.5, 0.3)
     loading = {"control": "mean_pressure", "targets": [1.2 * wave.full_contact_pressure],
-               "initial": "complete_contact", "flaw": 1e-5}  # fmt: skip
+               "initial": "complete_contact", "flaw": 1e-5}
     (state,) = solved("sinusoid", adhesion={"work_of_adhesion": wave.work_of_adhesion}, loading=loading).targets
     rows.compare("elastic energy and energy of adhesion", [state.elastic_energy, state.adhesion_energy],
                  [wave.full_contact_pressure * DEPTH / 4, -wave.work_of_adhesion], of=Code.BEM, by=Code.EXACT,
                  quantity=Quantity.ENERGY, unit="J/m^2", required=1e-12 * wave.work_of_adhesion, because="rounding",
-                 kind="construction", source="one term each")  # fmt: skip
+                 kind="construction", source="one term each")
 
 
 @pytest.mark.quick
@@ -89,18 +89,18 @@ def test_compressible_layer(rows):
     profile = NOT_SELF_AFFINE | {"kind": "harmonics", "orders": orders, "amplitudes": amplitudes, "phases": phases}
     (state,) = solved("rough_100", adhesion=None, solid={"poisson_ratio": nu}, profile=profile,
                       layer={"thickness": thickness},
-                      loading={"control": "mean_pressure", "targets": [pressure]}).targets  # fmt: skip
+                      loading={"control": "mean_pressure", "targets": [pressure]}).targets
     compliance = layer_compliance(2 * np.pi * np.array(orders) / PERIOD, thickness, E, nu)
     highest = Waves(PERIOD, np.array(orders), np.array(amplitudes), np.array(phases)).highest
     carbone = rows.between(Code.BEM, Code.EXACT, "Carbone and Mangialardi 2008, wave by wave")
     energy = float(np.sum(np.square(amplitudes) / compliance)) / 4
     carbone.compare("elastic energy", state.elastic_energy, energy, quantity=Quantity.ENERGY, unit="J/m^2",
                     uncertainty=state.error_estimate.elastic_energy, required=1e-10 * energy,
-                    because=TEN_DIGITS)  # fmt: skip
+                    because=TEN_DIGITS)
     uniform = thickness * (1 - 2 * nu) * (1 + nu) / (E * (1 - nu))
     carbone.compare("displacement of the plate", state.total_displacement, highest + uniform * pressure, unit="m",
                     quantity=Quantity.LENGTH, uncertainty=1e-12 * highest, required=1e-10 * highest,
-                    because=TEN_DIGITS, source="h_max + c(0) p")  # fmt: skip
+                    because=TEN_DIGITS, source="h_max + c(0) p")
 
 
 @pytest.mark.quick
@@ -114,7 +114,7 @@ def test_pressure_that_closes_a_thin_layer(rows, poisson_ratio):
     rows.compare("complete contact below and above that pressure (1: yes)",
                  [state.status == "complete_contact" for state in states], [0, 1], of=Code.BEM, by=Code.EXACT,
                  quantity=Quantity.AREA, uncertainty=0.0, required=0.5, because="yes or no",
-                 source="compliance of a bonded layer")  # fmt: skip
+                 source="compliance of a bonded layer")
 
 
 @pytest.mark.quick
@@ -136,9 +136,9 @@ def test_last_gap_of_one_wave(rows):
          (values(by_load, "separation") / separations - 1) * missing, Quantity.LENGTH),
         ("at given separation: error of the contact fraction",
          values(by_separation, "contact_fraction") - (1 - gaps), Quantity.AREA),
-    ):  # fmt: skip
+    ):
         westergaard.compare(name, error, 0.0, quantity=quantity, uncertainty=2e-16, required=4e-15,
-                            because="twenty roundings: loads and contact fractions round to 2e-16 of one")  # fmt: skip
+                            because="twenty roundings: loads and contact fractions round to 2e-16 of one")
 
 
 @pytest.mark.quick
@@ -148,7 +148,7 @@ def test_last_gap_of_one_wave(rows):
      pytest.param([2, 3], None, None, 0.5, id="orders 2 and 3"),
      pytest.param(None, 1, None, 0.5, id="100 harmonics"),
      pytest.param([1, 2], None, 5e-4, 0.3, id="layer of 0.05 periods")],
-)  # fmt: skip
+)
 def test_isolated_cracks(rows, orders, seed, thickness, poisson_ratio):
     """Close the last gaps as isolated cracks: their number, widths, separation, and the load at that separation?"""
     if seed is None:
@@ -170,9 +170,9 @@ def test_isolated_cracks(rows, orders, seed, thickness, poisson_ratio):
         ("separation", state.separation, separation, Quantity.LENGTH, "m", state.error_estimate.separation),
         ("missing load at that separation", highest - back.mean_pressure, highest - load, Quantity.PRESSURE, "Pa",
          back.error_estimate.mean_pressure),
-    ):  # fmt: skip
+    ):
         cracks.compare(name, value, reference, quantity=quantity, unit=unit, uncertainty=own,
                        required=1e-6 * reference,
-                       because="the limit leaves out a hundred times the missing load 1e-8")  # fmt: skip
+                       because="the limit leaves out a hundred times the missing load 1e-8")
     cracks.compare("gaps at given load and at given separation", [state.n_patches, back.n_patches], lowest.size,
-                   quantity=Quantity.COUNT, uncertainty=0.0, required=0.5, because="a count")  # fmt: skip
+                   quantity=Quantity.COUNT, uncertainty=0.0, required=0.5, because="a count")

@@ -59,7 +59,7 @@ def test_nodes_of_dense_algebra(rows):
     exact = float(WAVE.mean_pressure(psi))
     intensity = [float(np.max(np.abs(state.stress_intensity / (2 * np.sqrt(gamma)) - 1))) for state in states]
     load = [max(abs(state.load / (2 * np.pi) * stress - exact) / WAVE.full_contact_pressure, 2.0**-53)
-            for state in states]  # fmt: skip
+            for state in states]
     z = 1 + 2 * (1 - fraction) / fraction
     rho = z + np.sqrt(z * z - 1)
     for name, errors, predicted in (("stress intensity", intensity, rho), ("load", load, rho**2)):
@@ -67,20 +67,20 @@ def test_nodes_of_dense_algebra(rows):
         rows.compare(f"factor per node: {name}", observed, predicted, of=Code.DENSE, by=Code.RATE,
                      quantity=Quantity.RATE, uncertainty=spread, required=0.15 * predicted,
                      because="the singularity at the next edge is integrable: a little faster than rho",
-                     source=f"ellipse through the next edge, rho = {rho:.3f}")  # fmt: skip
+                     source=f"ellipse through the next edge, rho = {rho:.3f}")
         rows.compare(f"plateau of the {name}, relative", plateau, 0.0, of=Code.DENSE, by=Code.EXACT,
                      quantity=Quantity.INTENSITY if name != "load" else Quantity.PRESSURE, uncertainty=1e-14,
-                     required=1e-12, because="rounding of 48 nodes", source="Johnson 1995")  # fmt: skip
+                     required=1e-12, because="rounding of 48 nodes", source="Johnson 1995")
     rows.curves("Errors of dense algebra at Johnson's edges, contact fraction 0.9", "nodes", "relative error",
                 {"stress intensity": (sizes, intensity), "load": (sizes, load),
-                 "rho^-n": (sizes, [intensity[2] * rho ** (sizes[2] - n) for n in sizes])}, log="y")  # fmt: skip
+                 "rho^-n": (sizes, [intensity[2] * rho ** (sizes[2] - n) for n in sizes])}, log="y")
 
 
 def load_by_elements(order, cells, graded):
     """Return the error of the load, over p*, at the edges of the contact fraction 0.5 on a layer of two periods."""
     psi, depth = np.pi / 4, 2.0
     problem = problem_of(WAVE.youngs_modulus, WAVE.poisson_ratio, depth * WAVE.wavelength, WAVE.wavelength,
-                         ([1], [WAVE.amplitude], [0.0]), WAVE.work_of_adhesion, False)  # fmt: skip
+                         ([1], [WAVE.amplitude], [0.0]), WAVE.work_of_adhesion, False)
     control, half = control_of(problem, "penetration", float(WAVE.penetration(psi))), WAVE.wavelength / 4
     resolution = Resolution(order, cells, 4)
     if graded:  # 8 or 14 halvings at the edges with 8 cells; the tip keeps pace
@@ -93,7 +93,7 @@ def load_by_elements(order, cells, graded):
         y[-1] = depth
         triangles = crisscross(np.linspace(0.0, 1.0, cells + 1), y)
         mesh = LayerMesh(triangles, triangles.p, np.array([[0.25, 0.75]]), np.array([[-0.25, 0.25]]), seam=0.5,
-                         depth=depth)  # fmt: skip
+                         depth=depth)
     load = float(quantities(evaluate(problem, mesh, resolution, control))["mean_pressure"])
     return abs(load - float(WAVE.mean_pressure(psi))) / WAVE.full_contact_pressure
 
@@ -105,7 +105,7 @@ def load_by_elements(order, cells, graded):
      pytest.param(2, True, (4, 8, 16, 32), marks=pytest.mark.full, id="P2 graded, four meshes"),
      pytest.param(4, True, (4, 6, 8, 12), marks=pytest.mark.full, id="P4 graded, four meshes"),
      pytest.param(2, False, (16, 32, 64), marks=pytest.mark.full, id="P2 uniform")],
-)  # fmt: skip
+)
 def test_cells_of_finite_elements(rows, order, graded, cells):
     """Do graded meshes win back the order that the edges cost finite elements on uniform ones?"""
     errors = [load_by_elements(order, count, graded) for count in cells]
@@ -113,7 +113,7 @@ def test_cells_of_finite_elements(rows, order, graded, cells):
     rows.order(f"load, P{order}, {'graded' if graded else 'uniform'} meshes", cells, errors,
                2.0 * order if graded else 1.0, of=Code.FEM, required=required,
                because=HALF_ORDER if graded else "a tenth: the order of the singularity, whatever the elements",
-               source="energy norm h^m graded, h^(1/2) uniform (Strang and Fix 1973)")  # fmt: skip
+               source="energy norm h^m graded, h^(1/2) uniform (Strang and Fix 1973)")
 
 
 @pytest.mark.quick
@@ -129,11 +129,11 @@ def test_diffusion_of_the_theory(rows):
 
     cells, steps = (25, 50, 100, 200, 400), (6, 12, 25, 50, 100)
     rows.order("area against cells in stress", cells, [error(n, 400, 1e-3) for n in cells], 2.0, of=Code.THEORY,
-               required=0.5, because=HALF_ORDER, source="central differences")  # fmt: skip
+               required=0.5, because=HALF_ORDER, source="central differences")
     errors, floor = np.array([error(1600, n, 1e-2) for n in steps]), error(1600, 1600, 1e-2)
     falling = errors > PLATEAU * floor
     rows.order("area against steps in the variance", np.array(steps)[falling], errors[falling], 3.0, of=Code.THEORY,
-               required=0.5, because=HALF_ORDER, source="Runge-Kutta of third order")  # fmt: skip
+               required=0.5, because=HALF_ORDER, source="Runge-Kutta of third order")
 
 
 @pytest.mark.quick
@@ -144,7 +144,7 @@ def test_cells_of_the_papers_method(rows):
     states = [solve(surface, depth, [[-0.0025, 0.0025]], n, allowed_residual=1e-8) for n in (8, 16, 32, 64)]
     rows.order("contact fraction", [state.unknowns for state in states],
                [abs(state.contact_fraction - 0.6) for state in states], 2.0, of=Code.PAPER, required=0.5,
-               because=HALF_ORDER, source="cells of uniform pressure, graded to the edges; Johnson 1995")  # fmt: skip
+               because=HALF_ORDER, source="cells of uniform pressure, graded to the edges; Johnson 1995")
 
 
 @pytest.mark.standard
@@ -159,6 +159,6 @@ def test_mean_of_an_ensemble(rows):
     spread = [float(np.std(areas[: count // n * n].reshape(-1, n).mean(axis=1), ddof=1)) / areas.mean() for n in sizes]
     rows.order("spread of means of n areas", sizes, spread, 0.5, of=Code.BEM, required=0.2,
                because="two standard deviations of the fit, 1.6 / sqrt(64)",
-               source="independent realisations")  # fmt: skip
+               source="independent realisations")
     rows.table(f"Contact fraction at a separation of 0.8 h_rms, {count} realisations", ["mean", "standard error"],
-               [[float(areas.mean()), float(areas.std(ddof=1)) / count**0.5]])  # fmt: skip
+               [[float(areas.mean()), float(areas.std(ddof=1)) / count**0.5]])

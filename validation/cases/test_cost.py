@@ -82,12 +82,12 @@ def rows_of_bem(rows, measured, exact, source, by, u_reference):
         rows.compare(f"contact fraction at tolerance {tolerance:g}", state.contact_fraction, exact, of=Code.BEM, by=by,
                      quantity=Quantity.AREA, uncertainty=(state.error_estimate.contact_fraction or 0.0, u_reference),
                      required=max(tolerance, 1e-11) * exact, because="the tolerance asked for",
-                     source=source)  # fmt: skip
+                     source=source)
         work.append(sum(each.evaluations for each in result.states))
         rows.count(f"evaluations at tolerance {tolerance:g}", work[-1], of=Code.BEM)
     dearer = [f"{t:g}" for t, few, more in zip(TOLERANCES, work, work[1:], strict=False) if few > 1.2 * more]
     rows.table("Tolerances that cost more evaluations than the next finer one", ["tolerance"],
-               [[t] for t in dearer] or [["none"]])  # fmt: skip
+               [[t] for t in dearer] or [["none"]])
 
 
 @pytest.mark.standard
@@ -97,9 +97,9 @@ def test_smooth_wave(rows):
     ours = timed(runs)
     rows_of_bem(rows, ours, 0.5, "Johnson 1995", Code.EXACT, 0.0)
     given = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "period": 0.01, "harmonics": ([1], [50e-6], [0.0]),
-             "work_of_adhesion": WAVE.work_of_adhesion, "control": "mean_pressure", "value": LOAD} | THICK  # fmt: skip
+             "work_of_adhesion": WAVE.work_of_adhesion, "control": "mean_pressure", "value": LOAD} | THICK
     meshes = timed({"P{}, {} cells, {} halvings".format(*at): lambda at=at: fem_reference.solve(
-        **given, resolution=fem_reference.Resolution(*at)) for at in MESHES})  # fmt: skip
+        **given, resolution=fem_reference.Resolution(*at)) for at in MESHES})
     problem = problem_of(bem.parse_scene(SMOOTH), "dense algebra", "adhesion")
     problem = Problem(
         **vars(problem) | {"control": "penetration", "targets": (DEPTH,), "asked": {"contact_fraction": {}}}
@@ -117,12 +117,12 @@ def test_smooth_wave(rows):
         "boundary elements": price(rows, name, Code.BEM, ours, lambda r: of_state(r.targets[-1])),
         "finite elements": price(rows, name, Code.FEM, meshes, of_state),
         "dense algebra at a given penetration": price(rows, name, Code.DENSE, nodes, of_grid),
-    }  # fmt: skip
+    }
     if find_spec("Adhesion") and find_spec("ContactMechanics"):
         curves["grid method (extra peers)"] = price(rows, name, Code.GRID, peers(problem), of_grid)
     rows.curves("Smooth adhesive wave: CPU seconds against true error", "relative error of the contact fraction",
                 "CPU seconds", {label: (*points, "points") for label, points in curves.items()}, log="xy",
-                front=True)  # fmt: skip
+                front=True)
 
 
 def peers(problem):
@@ -139,25 +139,25 @@ def test_rough_adhesive(rows):
     finest = bem.solve(rough(accuracy={"tolerance": 1e-11}))
     exact, finer = (dense_algebra.reference(rough(), finest.targets[-1], k)["contact_fraction"] for k in (1, 2))
     rows_of_bem(rows, ours, finer, "dense algebra next to the edges of the finest run", Code.DENSE,
-                abs(exact - finer) + 1e-13)  # fmt: skip
+                abs(exact - finer) + 1e-13)
     theory = timed({f"resolution {r:g}": lambda r=r: theory_area(r, finest.targets[-1].mean_pressure)
-                    for r in RESOLUTIONS})  # fmt: skip
+                    for r in RESOLUTIONS})
     own = theory_area(4.0, finest.targets[-1].mean_pressure)
     curves = {
         "boundary elements": price(rows, "rough adhesive", Code.BEM, ours,
                                    lambda r: abs(r.targets[-1].contact_fraction / finer - 1)),
         "theory against its own limit": price(rows, "rough adhesive", Code.THEORY, theory, lambda a: abs(a / own - 1)),
-    }  # fmt: skip
+    }
     rows.curves("Rough adhesive contact: CPU seconds against true error", "relative error of the contact fraction",
                 "CPU seconds", {label: (*points, "points") for label, points in curves.items()}, log="xy",
-                front=True)  # fmt: skip
+                front=True)
 
 
 def theory_area(resolution, pressure):
     """Return the contact fraction of Persson's theory of the rough profile at a mean pressure."""
     return persson.solve(persson.DiscreteSpectrum.of_profile(rough().surface()), pressure, youngs_modulus=1e6,
                          poisson_ratio=0.5, work_of_adhesion=0.03, with_separation=False,
-                         resolution=resolution).contact_fraction  # fmt: skip
+                         resolution=resolution).contact_fraction
 
 
 STICKY = {"adhesion": {"work_of_adhesion": 0.03, "slope_term": True}}
@@ -192,8 +192,8 @@ def test_price_of_effects(rows):
         times = seconds / measured[base][1] if base else None
         lines.append([name, base or "–", seconds, spread, times, work])
     rows.table("Price of every effect on a rough scene of 20 harmonics", ["effect", "on top of", "CPU seconds",
-               "spread", "times the scene without it", "evaluations"], lines)  # fmt: skip
+               "spread", "times the scene without it", "evaluations"], lines)
     words = subprocess.run([sys.executable, "-c", LOADED % (ABSENT,)], capture_output=True, text=True, check=True)
     rows.compare("modules of absent effects that a bare scene loads", len(words.stdout.split()), 0.0, of=Code.BEM,
                  by=Code.IDENTITY, quantity=Quantity.COUNT, kind="construction", required=0.5,
-                 because=words.stdout.strip() or "none is loaded")  # fmt: skip
+                 because=words.stdout.strip() or "none is loaded")

@@ -63,7 +63,7 @@ def scenes(tolerance):
         "rough": (at("rough_100", "separation", ROUGH, profile=fewer), None),
         "rough, no adhesion": (at("rough_100", "separation", ROUGH, profile=fewer, adhesion=None), None),
         "rough under load": (at("rough_100", "mean_pressure", [1e3, 4e3, 9e3], profile=fewer, adhesion=None), None),
-    }  # fmt: skip
+    }
 
 
 def exact(scene, state, wave):
@@ -103,7 +103,7 @@ def distance(scene, states, tight):
     least = 1e-3 * surface.rms_slope * scene.solid.youngs_modulus / (1 - scene.solid.poisson_ratio**2)
     return max(max(abs(state.contact_fraction - other.contact_fraction),
                    abs(state.mean_pressure - other.mean_pressure) / max(abs(other.mean_pressure), least))
-               for state, other in zip(states, tight, strict=True))  # fmt: skip
+               for state, other in zip(states, tight, strict=True))
 
 
 @pytest.fixture(scope="module")
@@ -111,7 +111,7 @@ def solved():
     """Return scene, closed form and targets by tolerance and name of the scene."""
     return {tolerance: {name: (scene, wave, bem.solve(scene).targets)
                         for name, (scene, wave) in scenes(tolerance).items()}
-            for tolerance in (*TOLERANCES, TIGHT)}  # fmt: skip
+            for tolerance in (*TOLERANCES, TIGHT)}
 
 
 @pytest.mark.quick
@@ -124,19 +124,19 @@ def test_estimates_bound_true_errors(rows, solved):
     for name, several in of.items():
         rows.compare(f"share of bounded errors: {name.replace('_', ' ')}", np.mean([n.bounded for n in several]), 1.0,
                      of=Code.BEM, by=Code.EXACT, quantity=Quantity.COUNT, uncertainty=0.0, required=0.05,
-                     because="estimates claim 95 %", source=f"{len(several)} numbers")  # fmt: skip
+                     because="estimates claim 95 %", source=f"{len(several)} numbers")
     close = np.mean([number.ratio <= ORDERS for number in every])
     rows.compare("share of estimates at most a hundred times the true error", close, 1.0, of=Code.BEM, by=Code.EXACT,
-                 quantity=Quantity.COUNT, uncertainty=0.0, required=0.05, because="estimates claim 95 %")  # fmt: skip
+                 quantity=Quantity.COUNT, uncertainty=0.0, required=0.05, because="estimates claim 95 %")
     assert max(number.true / number.estimate for number in every) <= 4  # no true error is far above its estimate
     rows.curves("Estimated against true errors, over the largest value", "true error (1e-14: or less)",
                 "estimated error",
                 {name.replace("_", " "): ([max(n.true, RESOLUTION) for n in several], [n.estimate for n in several])
-                 for name, several in of.items()}, log="xy")  # fmt: skip
+                 for name, several in of.items()}, log="xy")
     ratios = {name: [number.ratio for number in several] for name, several in of.items()}
     rows.table("Estimated over true errors", ["quantity", "numbers", "bounded", "median", "largest"],
                [[name, len(several), sum(n.bounded for n in several), float(np.median(ratios[name])),
-                 max(ratios[name])] for name, several in of.items()])  # fmt: skip
+                 max(ratios[name])] for name, several in of.items()])
 
 
 @pytest.mark.quick
@@ -144,7 +144,7 @@ def test_tolerance_is_met(rows, solved):
     """Are contact fraction and mean pressure at targets as accurate as the scene asks for?"""
     for tolerance in TOLERANCES:
         error = max(distance(scene, states, solved[TIGHT][name][2])
-                    for name, (scene, _, states) in solved[tolerance].items())  # fmt: skip
+                    for name, (scene, _, states) in solved[tolerance].items())
         rows.compare(f"largest error at tolerance {tolerance:g}", error, 0.0, of=Code.BEM, by=Code.IDENTITY,
                      quantity=Quantity.AREA, kind="construction", required=tolerance, because="the tolerance",
-                     source=f"the same path at tolerance {TIGHT:g}")  # fmt: skip
+                     source=f"the same path at tolerance {TIGHT:g}")

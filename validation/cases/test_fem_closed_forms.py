@@ -33,7 +33,7 @@ GIVEN = {2: Resolution(2, 10, 12), 4: Resolution(4, 10, 22)}
 def raw(wave, thickness):
     """Return a wave on a layer as `fem_reference.solve` takes it: raw numbers, without adhesion."""
     return {"youngs_modulus": wave.youngs_modulus, "poisson_ratio": wave.poisson_ratio, "thickness": thickness,
-            "period": wave.wavelength, "harmonics": ([1], [wave.amplitude], [0.0])}  # fmt: skip
+            "period": wave.wavelength, "harmonics": ([1], [wave.amplitude], [0.0])}
 
 
 def even_order(sizes, errors):
@@ -52,23 +52,23 @@ def test_complete_contact(rows, order, poisson_ratio):
     asymptotic = order == 2 or poisson_ratio < 0.4  # else P4 meets rounding, 1e-11, before its asymptotic range
     ladder = companions(Resolution(order, 24 if asymptotic else 16, 10))  # 14, 18 and 24 cells
     result = fem_reference.refine(**raw(Sinusoid(AMPLITUDE, PERIOD, E, poisson_ratio, 0.0), HALVED),
-                                  control="mean_pressure", value=0.0, edges="complete", resolutions=ladder)  # fmt: skip
+                                  control="mean_pressure", value=0.0, edges="complete", resolutions=ladder)
     energy = result.estimates["strain_energy"]
     rows.compare("elastic energy", float(energy.value) / PERIOD, exact, of=Code.FEM, by=Code.EXACT,
                  quantity=Quantity.ENERGY, unit="J/m^2", source="Carbone and Mangialardi 2008",
-                 uncertainty=max(float(np.max(energy.uncertainty)) / PERIOD, 1e-11 * exact))  # fmt: skip
+                 uncertainty=max(float(np.max(energy.uncertainty)) / PERIOD, 1e-11 * exact))
     rows.count("unknowns", result.result.unknowns, of=Code.FEM)
     errors = [abs(float(level) / PERIOD / exact - 1) for level in energy.levels]
     cells = [resolution.cells for resolution in ladder]
     rows.curves("Relative error of the elastic energy in complete contact", "cells per period", "error",
-                {f"P{order}, nu = {poisson_ratio:g}": (cells, errors)}, log="xy")  # fmt: skip
+                {f"P{order}, nu = {poisson_ratio:g}": (cells, errors)}, log="xy")
     if asymptotic:
         observed = even_order([1 / count for count in cells], errors)
         pairwise = np.log(errors[1] / errors[2]) / np.log(cells[2] / cells[1])
         rows.compare("order of the elastic energy", observed, 2.0 * order, of=Code.FEM, by=Code.RATE,
                      quantity=Quantity.RATE, uncertainty=abs(observed - pairwise), required=0.5,
                      because="half an order; the next elements differ by two",
-                     source="energy norm of order m, squared")  # fmt: skip
+                     source="energy norm of order m, squared")
 
 
 def patch(fraction, poisson_ratio, alpha, resolution, *, given):
@@ -77,13 +77,13 @@ def patch(fraction, poisson_ratio, alpha, resolution, *, given):
     state = fem_reference.solve(**raw(wave, 2 * PERIOD), control="penetration", resolution=resolution,
                                 value=float(wave.penetration(fraction * np.pi / 2)),
                                 work_of_adhesion=wave.work_of_adhesion,
-                                edges=[[-half, half]] if given else None)  # fmt: skip
+                                edges=[[-half, half]] if given else None)
     assert given or state.status == "converged", state.message
     return wave, state
 
 
 at_both_orders = pytest.mark.parametrize("order", [pytest.param(2, marks=pytest.mark.quick),
-                                                   pytest.param(4, marks=pytest.mark.standard)])  # fmt: skip
+                                                   pytest.param(4, marks=pytest.mark.standard)])
 
 
 @at_both_orders
@@ -95,9 +95,9 @@ def test_given_edges(rows, order, fraction, poisson_ratio, alpha):
     star, critical = wave.full_contact_pressure, wave.alpha * wave.full_contact_pressure * np.sqrt(PERIOD)
     johnson.compare("mean pressure", state.mean_pressure, float(wave.mean_pressure(fraction * np.pi / 2)),
                     quantity=Quantity.PRESSURE, unit="Pa",
-                    uncertainty=(uncertain(state, "mean_pressure"), HALF_SPACE * star))  # fmt: skip
+                    uncertainty=(uncertain(state, "mean_pressure"), HALF_SPACE * star))
     johnson.compare("stress intensity", state.stress_intensity, critical, quantity=Quantity.INTENSITY, unit="Pa m^1/2",
-                    uncertainty=(np.ravel(state.uncertainty["stress_intensity"]), HALF_SPACE * critical))  # fmt: skip
+                    uncertainty=(np.ravel(state.uncertainty["stress_intensity"]), HALF_SPACE * critical))
 
 
 @at_both_orders
@@ -107,11 +107,11 @@ def test_closure(rows, order, fraction, poisson_ratio, alpha):
     wave, state = patch(fraction, poisson_ratio, alpha, CLOSURE[order], given=False)
     johnson = rows.between(Code.FEM, Code.EXACT, "Johnson 1995")
     johnson.compare("contact fraction", state.contact_fraction, fraction, quantity=Quantity.AREA,
-                    uncertainty=(uncertain(state, "contact_fraction"), HALF_SPACE))  # fmt: skip
+                    uncertainty=(uncertain(state, "contact_fraction"), HALF_SPACE))
     johnson.compare("mean pressure", state.mean_pressure, float(wave.mean_pressure(fraction * np.pi / 2)),
                     quantity=Quantity.PRESSURE, unit="Pa",
                     uncertainty=(uncertain(state, "mean_pressure"),
-                                 HALF_SPACE * wave.full_contact_pressure))  # fmt: skip
+                                 HALF_SPACE * wave.full_contact_pressure))
 
 
 WAVE = Sinusoid(amplitude=1e-4, wavelength=PERIOD, youngs_modulus=E, poisson_ratio=0.3, alpha=0.3)
@@ -139,28 +139,28 @@ def test_modulus_of_the_closure(rows):
     fractions = (0.3, 0.5, 0.7)
     states = [fem_reference.solve(**raw(WAVE, 2 * PERIOD), control="penetration", resolution=CLOSURE[2],
                                   value=float(WAVE.penetration(fraction * np.pi / 2)),
-                                  work_of_adhesion=WAVE.work_of_adhesion) for fraction in fractions]  # fmt: skip
+                                  work_of_adhesion=WAVE.work_of_adhesion) for fraction in fractions]
     critical = float(np.sqrt(2 * WAVE.modulus * WAVE.work_of_adhesion))
     rows.compare("stress intensity at the edges found", np.concatenate([s.stress_intensity.ravel() for s in states]),
                  critical, of=Code.FEM, by=Code.EXACT, quantity=Quantity.INTENSITY, unit="Pa m^1/2",
                  uncertainty=max(uncertain(state, "stress_intensity") for state in states), required=1e-8 * critical,
-                 because="the closure ends below 1e-8", source="sqrt(2 E* gamma)")  # fmt: skip
+                 because="the closure ends below 1e-8", source="sqrt(2 E* gamma)")
     exact = np.array([min(stiffness(fraction * np.pi / 2)) for fraction in fractions])
     rows.compare("smallest eigenvalue of the energy", [state.min_eigenvalue for state in states], exact, of=Code.FEM,
                  by=Code.EXACT, quantity=Quantity.STIFFNESS, unit="J/m^3", uncertainty=0.01 * exact,
                  required=0.01 * exact, because="differences on the scouting mesh decide the sign only",
-                 source="Johnson's state, moved edges")  # fmt: skip
+                 source="Johnson's state, moved edges")
     profile = bem.Profile.from_harmonics(PERIOD, [1], [WAVE.amplitude])
     by_bem = []
     for fraction in fractions:
         half, adhesion = fraction * PERIOD / 2, bem.Adhesion(WAVE.work_of_adhesion)
         state = bem.ContactState(profile, bem.Solid(E, 0.3), [[-half, half]],
-                                 float(WAVE.penetration(fraction * np.pi / 2)), adhesion=adhesion)  # fmt: skip
+                                 float(WAVE.penetration(fraction * np.pi / 2)), adhesion=adhesion)
         by_bem.append([float(motion @ state.hessian @ motion) / 2 for motion in np.array([[-1, 1], [1, 1]])])
     closed = np.ravel([stiffness(fraction * np.pi / 2) for fraction in fractions])
     rows.compare("d2U outwards and to one side", np.ravel(by_bem), closed, of=Code.BEM, by=Code.EXACT,
                  quantity=Quantity.STIFFNESS, unit="J/m^3", uncertainty=1e-10 * closed, required=1e-9 * closed,
-                 because="nine digits of a derivative", source="Johnson's state, moved edges")  # fmt: skip
+                 because="nine digits of a derivative", source="Johnson's state, moved edges")
 
 
 @pytest.mark.quick
@@ -173,7 +173,7 @@ def test_two_given_patches_on_a_layer(rows):
     state = bem.ContactState(profile, solid, edges, penetration, layer=layer)
     fem = fem_reference.solve(youngs_modulus=E, poisson_ratio=nu, thickness=thickness, period=PERIOD,
                               harmonics=harmonics, control="penetration", value=penetration, edges=edges,
-                              resolution=Resolution(4, 6, 9))  # fmt: skip
+                              resolution=Resolution(4, 6, 9))
     total = layer.total_displacement(solid, penetration, state.mean_pressure)
     both = rows.between(Code.BEM, Code.FEM, "P4/P3, 6 cells, given edges")
     for name, quantity, unit, value in (
@@ -183,8 +183,8 @@ def test_two_given_patches_on_a_layer(rows):
         ("total_displacement", Quantity.LENGTH, "m", total),
     ):
         both.compare(name.replace("_", " "), value, np.ravel(getattr(fem, name)), quantity=quantity, unit=unit,
-                     uncertainty=(1e-9 * np.max(np.abs(value)), uncertain(fem, name)))  # fmt: skip
+                     uncertainty=(1e-9 * np.max(np.abs(value)), uncertain(fem, name)))
     mean = uniform_compliance(thickness, E, nu) * fem.mean_pressure
     rows.compare("mean displacement of the face", fem.total_displacement - fem.penetration, mean, of=Code.FEM,
                  by=Code.EXACT, quantity=Quantity.LENGTH, unit="m", uncertainty=1e-11 * mean, required=1e-10 * mean,
-                 because="holds on any mesh, to rounding of the solution", source="Betti: c(0) p")  # fmt: skip
+                 because="holds on any mesh, to rounding of the solution", source="Betti: c(0) p")

@@ -41,11 +41,11 @@ SCENES = {  # scene, patches, changes
 RUNS = {"quick": (("two patches", "P2/P1"), ("without adhesion", "P2/P1")),
         "standard": (("two patches, thin", "P4/P3"), ("without adhesion", "P4/P3"), ("three patches", "P2/P1")),
         "full": (("three patches", "P4/P3"), ("two patches under load", "P4/P3"),
-                 ("three patches under load", "P4/P3"))}  # fmt: skip
+                 ("three patches under load", "P4/P3"))}
 
 
 @pytest.mark.parametrize(("name", "elements"), [pytest.param(*run, marks=getattr(pytest.mark, level))
-                                                for level, runs in RUNS.items() for run in runs])  # fmt: skip
+                                                for level, runs in RUNS.items() for run in runs])
 def test_unequal_crests(rows, name, elements):
     """Do both codes find the same equilibrium of unequal patches?"""
     scene, patches, changes = SCENES[name]
@@ -55,7 +55,7 @@ def test_unequal_crests(rows, name, elements):
 
 
 @pytest.mark.parametrize("elements", [pytest.param("P2/P1", marks=pytest.mark.quick),
-                                      pytest.param("P4/P3", marks=pytest.mark.standard)])  # fmt: skip
+                                      pytest.param("P4/P3", marks=pytest.mark.standard)])
 @pytest.mark.parametrize(("thickness", "ratio"), [(0.1, 0.49), (0.5, 0.3)])
 def test_given_edges(rows, thickness, ratio, elements):
     """Do both codes find the same load, energy, stress intensities and fields at given edges?"""
@@ -98,7 +98,7 @@ def in_matrix(k):
     [pytest.param((3, 340, 577), "P2/P1", id="few", marks=pytest.mark.quick),  # 1, 2, 1 patches, past 5, 2, 1 events
      pytest.param((111, 160, 568), "P4/P3", id="some", marks=pytest.mark.standard),  # 6, 1, 3 patches
      pytest.param(None, "P4/P3", id="all", marks=[pytest.mark.full, pytest.mark.timeout(3600)])],
-)  # fmt: skip
+)
 def test_random_scenes(rows, scenes, elements):
     """Do both codes find the same equilibria of random scenes, past events, whatever layer, adhesion and control?"""
     shares, stable = [], []
@@ -107,12 +107,12 @@ def test_random_scenes(rows, scenes, elements):
         both = compare_equilibria(scene, elements, None)
         both.add_to(rows, f"scene {k}")
         shares.append([k, scene.loading.control, scene.layer.thickness / scene.surface().period,
-                       scene.solid.poisson_ratio, "yes" if scene.adhesion else "no", both.share()])  # fmt: skip
+                       scene.solid.poisson_ratio, "yes" if scene.adhesion else "no", both.share()])
         if both.fem is not None and both.fem.stable is not None:
             stable.append(float(both.fem.stable))
     if stable:
         rows.compare("adhesive states that are minima of the energy by finite elements", stable, 1.0, of=Code.BEM,
                      by=Code.FEM, quantity=Quantity.COUNT, uncertainty=(0.0, 0.0), required=0.5,
-                     because="yes or no")  # fmt: skip
+                     because="yes or no")
     rows.table(f"Scenes of seed {SEED}: |BEM - FEM| over the combined U, at most",
-               ["scene", "control", "d/period", "nu", "adhesion", "largest share"], shares)  # fmt: skip
+               ["scene", "control", "d/period", "nu", "adhesion", "largest share"], shares)

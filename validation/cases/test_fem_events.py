@@ -31,7 +31,7 @@ STAR, HALF_SPACE, TOLERANCE = WAVE.full_contact_pressure, 1e-8, 1e-9
 MANY = {"P2/P1": Resolution(2, 10, 10), "P4/P3": Resolution(4, 6, 16)}  # of many meshes: folds, moved edges
 SINGLE = {"P2/P1": Resolution(2, 10, 10), "P4/P3": Resolution(4, 8, 18)}
 QUANTITIES = {"contact_fraction": (Quantity.AREA, "", 1.0), "penetration": (Quantity.LENGTH, "m", WAVE.amplitude),
-              "mean_pressure": (Quantity.PRESSURE, "Pa", STAR)}  # fmt: skip
+              "mean_pressure": (Quantity.PRESSURE, "Pa", STAR)}
 
 
 def wave_scene(control, targets):
@@ -43,7 +43,7 @@ def wave_scene(control, targets):
 def johnson(psi):
     """Return the numbers of a state of Johnson's curve."""
     return {"contact_fraction": 2 * psi / np.pi, "penetration": float(WAVE.penetration(psi)),
-            "mean_pressure": float(WAVE.mean_pressure(psi))}  # fmt: skip
+            "mean_pressure": float(WAVE.mean_pressure(psi))}
 
 
 def least_load():
@@ -66,7 +66,7 @@ def test_state_before_pull_off(rows):
         quantity, unit, scale = QUANTITIES[name]
         rows.compare(name.replace("_", " "), getattr(state, name), exact[name], of=Code.FEM, by=Code.EXACT,
                      quantity=quantity, unit=unit, source="Johnson 1995",
-                     uncertainty=(uncertain(state, name), 10 * HALF_SPACE * scale))  # fmt: skip
+                     uncertainty=(uncertain(state, name), 10 * HALF_SPACE * scale))
 
 
 @pytest.mark.parametrize(
@@ -74,7 +74,7 @@ def test_state_before_pull_off(rows):
     [pytest.param("penetration", "P2/P1", marks=pytest.mark.quick),
      pytest.param("penetration", "P4/P3", marks=pytest.mark.standard),
      pytest.param("mean_pressure", "P2/P1", marks=pytest.mark.standard)],
-)  # fmt: skip
+)
 def test_fold(rows, control, elements):
     """Do both codes and Johnson's curve lose the contact of a wave at the same place?"""
     psi = WAVE.fold() if control == "penetration" else least_load()
@@ -86,18 +86,18 @@ def test_fold(rows, control, elements):
     for name, (quantity, unit, scale) in QUANTITIES.items():
         u_fem, by_curve = float(np.max(turned.uncertainty[name])), HALF_SPACE * scale
         rows.compare(name.replace("_", " "), turned.values[name], exact[name], of=Code.FEM, by=Code.EXACT,
-                     quantity=quantity, unit=unit, uncertainty=(u_fem, by_curve), source="Johnson 1995")  # fmt: skip
+                     quantity=quantity, unit=unit, uncertainty=(u_fem, by_curve), source="Johnson 1995")
         if name != "contact_fraction":
             own = max(getattr(event.error_estimate, name) or 0.0, TOLERANCE * scale)
             rows.compare(name.replace("_", " "), getattr(event, name), turned.values[name], of=Code.BEM, by=Code.FEM,
-                         quantity=quantity, unit=unit, uncertainty=(own, u_fem), source=elements)  # fmt: skip
+                         quantity=quantity, unit=unit, uncertainty=(own, u_fem), source=elements)
             rows.compare(name.replace("_", " "), getattr(event, name), exact[name], of=Code.BEM, by=Code.EXACT,
-                         quantity=quantity, unit=unit, uncertainty=(own, by_curve), source="Johnson 1995")  # fmt: skip
+                         quantity=quantity, unit=unit, uncertainty=(own, by_curve), source="Johnson 1995")
     near = np.linspace(0.02, 0.5, 200)
     rows.curves("Johnson's curve near pull-off and the fold by finite elements", "penetration / um",
                 "mean pressure / Pa",
                 {"Johnson": (WAVE.penetration(near) * 1e6, WAVE.mean_pressure(near)),
-                 "fold": ([turned.values["penetration"] * 1e6], [turned.values["mean_pressure"]])})  # fmt: skip
+                 "fold": ([turned.values["penetration"] * 1e6], [turned.values["mean_pressure"]])})
 
 
 @dataclass(frozen=True)
@@ -164,11 +164,11 @@ def jumps(elements):
     return [jump("first_touch", nothing, nothing, energy(first)),
             jump("new_contact", touched, before, after),
             jump("detachment", detaching, detached, energy(crests(detaching[0], elements, 1))),
-            jump("pull_off", pulled, pulled_energy, nothing)]  # fmt: skip
+            jump("pull_off", pulled, pulled_energy, nothing)]
 
 
 @pytest.mark.parametrize("elements", [pytest.param("P2/P1", marks=pytest.mark.standard),
-                                      pytest.param("P4/P3", marks=pytest.mark.full)])  # fmt: skip
+                                      pytest.param("P4/P3", marks=pytest.mark.full)])
 def test_loop(rows, elements):
     """Do both codes find the same events of a loop of loading and unloading, and the same loss?"""
     events = solved("layer_two_crests", loading={"targets": [PRESSED, APART]}).events
@@ -182,18 +182,18 @@ def test_loop(rows, elements):
             both.compare(f"{label}: penetration", event.penetration, jump.penetration[0], quantity=Quantity.LENGTH,
                          unit="m",
                          uncertainty=(max(own.penetration or 0.0, TOLERANCE * height),
-                                      jump.penetration[1]))  # fmt: skip
+                                      jump.penetration[1]))
         both.compare(f"{label}: energy released", event.energy_released, jump.released[0], quantity=Quantity.ENERGY,
                      unit="J/m^2",
-                     uncertainty=(max(own.energy_released or 0.0, TOLERANCE * loss), jump.released[1]))  # fmt: skip
+                     uncertainty=(max(own.energy_released or 0.0, TOLERANCE * loss), jump.released[1]))
     both.compare("energy lost in the loop", np.sum(values(events, "energy_released")), loss,
                  quantity=Quantity.ENERGY, unit="J/m^2",
-                 uncertainty=(TOLERANCE * loss, sum(jump.released[1] for jump in theirs)))  # fmt: skip
+                 uncertainty=(TOLERANCE * loss, sum(jump.released[1] for jump in theirs)))
     rows.table("Events of the loop, penetration in um, energy released in mJ/m^2",
                ["event", "penetration, FEM", "U", "BEM", "released, FEM", "U", "BEM"],
                [[jump.kind, *(1e6 * value for value in jump.penetration), event.penetration * 1e6,
                  *(1e3 * value for value in jump.released), (event.energy_released or 0.0) * 1e3]
-                for jump, event in zip(theirs, events, strict=True)])  # fmt: skip
+                for jump, event in zip(theirs, events, strict=True)])
 
 
 def differences_of_energy(scene, edges, penetration):
@@ -214,7 +214,7 @@ def differences_of_energy(scene, edges, penetration):
     [pytest.param("layer_sinusoid", 1, {"loading": {"targets": [20e-6]}}, "P2/P1", marks=pytest.mark.quick),
      pytest.param("layer_sinusoid", 1, {"loading": {"targets": [20e-6]}}, "P4/P3", marks=pytest.mark.standard),
      pytest.param("layer_two_crests", 2, {}, "P4/P3", marks=pytest.mark.full)],
-)  # fmt: skip
+)
 def test_energy_release_rate(rows, name, patches, changes, elements):
     """Is the energy that opening an edge releases the same by differences of both codes' energies?"""
     scene = posed(name, **changes)
@@ -230,6 +230,6 @@ def test_energy_release_rate(rows, name, patches, changes, elements):
         ("differences of energies", differences_of_energy(scene, edges, state.penetration)),
     ):
         both.compare(f"G by {words}", value, rate.ravel(), quantity=Quantity.INTENSITY,
-                     uncertainty=(2e-7 * work.ravel(), u_fem))  # fmt: skip
+                     uncertainty=(2e-7 * work.ravel(), u_fem))
     rows.compare("G by differences of energies", rate, work.ravel(), of=Code.FEM, by=Code.EXACT, unit="J/m^2",
-                 quantity=Quantity.INTENSITY, uncertainty=u_fem, source="work of adhesion at the edges")  # fmt: skip
+                 quantity=Quantity.INTENSITY, uncertainty=u_fem, source="work of adhesion at the edges")

@@ -83,7 +83,7 @@ def test_manufactured_solution(rows, order):
         rows.compare(f"order of the {name} in L2, nu = -0.5, 0.3, 0.499999, 0.5", observed[:, place],
                      order + 1.0 - place, of=Code.FEM, by=Code.RATE, quantity=Quantity.RATE, uncertainty=0.1,
                      required=0.25, because="a quarter of an order on two meshes; an error of one costs one",
-                     source="m + 1 and m on a smooth solution")  # fmt: skip
+                     source="m + 1 and m on a smooth solution")
 
 
 def arguments(wave, fraction):
@@ -92,11 +92,11 @@ def arguments(wave, fraction):
     return {"youngs_modulus": E, "poisson_ratio": wave.poisson_ratio, "thickness": 2 * PERIOD, "period": PERIOD,
             "harmonics": ([1], [AMPLITUDE], [0.0]), "work_of_adhesion": wave.work_of_adhesion,
             "control": "penetration", "value": float(wave.penetration(fraction * np.pi / 2)),
-            "edges": [[-half, half]]}  # fmt: skip
+            "edges": [[-half, half]]}
 
 
 @pytest.mark.parametrize("order", [pytest.param(2, marks=pytest.mark.quick),
-                                   pytest.param(4, marks=pytest.mark.standard)])  # fmt: skip
+                                   pytest.param(4, marks=pytest.mark.standard)])
 def test_richardson(rows, order):
     """Are graded meshes in the asymptotic range, and do GCI and stated uncertainty hold the true error?"""
     wave, fraction, predicted = Sinusoid(AMPLITUDE, PERIOD, E, 0.3, 0.3), 0.4, 2 * order
@@ -112,17 +112,17 @@ def test_richardson(rows, order):
     by_errors = np.log2(abs(values[1] - exact) / abs(values[2] - exact))
     rate.compare("observed order of the load", observed, predicted, quantity=Quantity.RATE,
                  uncertainty=abs(observed - by_errors), required=0.1 * predicted,
-                 because="a tenth: bounded on both sides")  # fmt: skip
+                 because="a tenth: bounded on both sides")
     rate.compare("ratio of differences over 2^2m", steps[0] / steps[1] / 2**predicted, 1.0, quantity=Quantity.RATE,
-                 uncertainty=0.1, required=0.1, because="a tenth: the asymptotic range")  # fmt: skip
+                 uncertainty=0.1, required=0.1, because="a tenth: the asymptotic range")
     johnson = rows.between(Code.FEM, Code.EXACT, "Johnson 1995; a layer of two periods: 1e-8", unit="Pa")
     for name, value, spread in (("load on the finest mesh, U its GCI", values[-1], index),
                                 ("load on the finest mesh, U as stated", values[-1], float(load.uncertainty)),
-                                ("Richardson's value, U its GCI", richardson, index)):  # fmt: skip
+                                ("Richardson's value, U its GCI", richardson, index)):
         johnson.compare(name, value, exact, quantity=Quantity.PRESSURE,
-                        uncertainty=(spread, 1e-8 * scale))  # fmt: skip
+                        uncertainty=(spread, 1e-8 * scale))
     rows.curves("Error of the load at given edges", "cells per period", "error / p*",
-                {f"P{order}, graded": (cells, [abs(value - exact) / scale for value in values])}, log="xy")  # fmt: skip
+                {f"P{order}, graded": (cells, [abs(value - exact) / scale for value in values])}, log="xy")
 
 
 def ratios(order, draws):
@@ -145,15 +145,15 @@ def ratios(order, draws):
 
 
 @pytest.mark.parametrize("draws", [pytest.param(8, marks=pytest.mark.quick),
-                                   pytest.param(100, marks=pytest.mark.full)])  # fmt: skip
+                                   pytest.param(100, marks=pytest.mark.full)])
 def test_coverage(rows, draws):
     """Is the true error within the uncertainty that finite elements state, in 95 % of random states?"""
     shares = ratios(2, draws)
     johnson = rows.between(Code.FEM, Code.EXACT, f"Johnson 1995, {shares.size} values of P2/P1")
     johnson.compare("share of true errors within their uncertainty", float(np.mean(shares <= 1)), 1.0,
-                    quantity=Quantity.COUNT, uncertainty=0.0, required=0.05, because="U claims 95 %")  # fmt: skip
+                    quantity=Quantity.COUNT, uncertainty=0.0, required=0.05, because="U claims 95 %")
     johnson.compare("largest true error over its uncertainty", float(shares.max()), 0.0, quantity=Quantity.COUNT,
-                    uncertainty=0.0, required=2.0, because="four standard deviations, where U is two")  # fmt: skip
+                    uncertainty=0.0, required=2.0, because="four standard deviations, where U is two")
     at = (0.1, 0.2, 0.5, 1.0, 2.0)
     rows.table("Share of true errors up to a part of the stated uncertainty", [f"{part:g} U" for part in at],
-               [[float(np.mean(shares <= part)) for part in at]])  # fmt: skip
+               [[float(np.mean(shares <= part)) for part in at]])

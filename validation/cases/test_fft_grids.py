@@ -28,7 +28,7 @@ STORED = Path(__file__).parents[1] / "corpus/fft_grids.json"
 def tables(harmonics):
     """Return the changes of the scene paper_profile: no adhesion, given loads."""
     loading = {"control": "mean_pressure", "targets": (SHARES * MODULUS).tolist(), "at_mean_pressures": None,
-               "stop_at_mean_pressure": None}  # fmt: skip
+               "stop_at_mean_pressure": None}
     return {"adhesion": None, "profile": {"seed": SEED, "harmonics": harmonics}, "loading": loading}
 
 
@@ -54,7 +54,7 @@ def stored(harmonics):
 
 
 @pytest.mark.parametrize("harmonics", [pytest.param(100, marks=pytest.mark.standard),
-                                       pytest.param(1000, marks=pytest.mark.full)])  # fmt: skip
+                                       pytest.param(1000, marks=pytest.mark.full)])
 def test_extrapolated_grids(rows, harmonics):
     """Does an FFT solver find the same separations, and the same areas once extrapolated from its grids?"""
     states = solved("paper_profile", **tables(harmonics)).targets
@@ -64,14 +64,14 @@ def test_extrapolated_grids(rows, harmonics):
     # the change of a separation by one level falls to zero by chance: the largest counts
     fft.compare("separation", values(states, "separation"), values(limits, "separation"), quantity=Quantity.LENGTH,
                 unit="m",
-                uncertainty=(estimates(states, "separation"), max(values(limits, "separation_error"))))  # fmt: skip
+                uncertainty=(estimates(states, "separation"), max(values(limits, "separation_error"))))
     lattice = 2 * np.sqrt(8) * np.sqrt(values(states, "n_patches") / 6) / POINTS[harmonics][-1]
     fft.compare("contact fraction", values(states, "contact_fraction"), values(limits, "contact_fraction"),
-                quantity=Quantity.AREA, uncertainty=(estimates(states, "contact_fraction"), lattice))  # fmt: skip
+                quantity=Quantity.AREA, uncertainty=(estimates(states, "contact_fraction"), lattice))
     rows.curves("Contact fraction on grids over that of boundary elements", "spacing / period", "ratio",
                 {f"{share:g} E*": ([1 / grid.points for grid in sequence],
                                    values(sequence, "contact_fraction") / state.contact_fraction)
-                 for share, sequence, state in zip(SHARES, grids, states, strict=True)})  # fmt: skip
+                 for share, sequence, state in zip(SHARES, grids, states, strict=True)})
 
 
 @pytest.mark.standard
@@ -80,18 +80,18 @@ def test_recorded_figures(rows):
     states = solved("paper_profile", **tables(1000)).targets
     recorded = rows.between(Code.BEM, Code.PUBLISHED, "figures recorded from an FFT solver, seed 2009")
     recorded.compare("separation", values(states, "separation"), [38.27e-6, 24.79e-6, 12.94e-6], unit="m",
-                     quantity=Quantity.LENGTH, uncertainty=(estimates(states, "separation"), 0.5e-8))  # fmt: skip
+                     quantity=Quantity.LENGTH, uncertainty=(estimates(states, "separation"), 0.5e-8))
     area = np.array([0.0415, 0.0797, 0.1533])
     recorded.compare("contact fraction", values(states, "contact_fraction"), area, quantity=Quantity.AREA,
                      uncertainty=(estimates(states, "contact_fraction"), 0.01 * area), required=0.01 * area,
-                     because="the finest grid counts whole points; its area still falls")  # fmt: skip
+                     because="the finest grid counts whole points; its area still falls")
 
 
 def record():
     """Store the grids of all problems, where the solver is installed."""
     versions = {name: metadata.version(name) for name in PACKAGES}
     problems = [asked(harmonics) | {"grids": [[asdict(grid) for grid in grids] for grids in computed(harmonics)]}
-                for harmonics in POINTS]  # fmt: skip
+                for harmonics in POINTS]
     STORED.write_text(json.dumps({"solver": versions, "problems": problems}, indent=1), "utf-8")
 
 

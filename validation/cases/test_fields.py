@@ -42,7 +42,7 @@ def displacement(fields, edges, x, period):
 def test_fields_of_two_patches(rows):
     """Are displacement and gap those of the pressure that is stored beside them?"""
     tables = {"layer": {"thickness": THICKNESS}, "loading": {"control": "separation", "targets": [APART]},
-              "output": {"shapes": [APART]}}  # fmt: skip
+              "output": {"shapes": [APART]}}
     result, scene = solved("layer_two_crests", **tables), posed("layer_two_crests", **tables).surface()
     (state,), fields = result.targets, result.fields
     surface, period, edges = Waves.of(scene), scene.period, np.array(state.edges)
@@ -53,11 +53,11 @@ def test_fields_of_two_patches(rows):
     u = displacement(fields, edges, x, period)
     gap = u - surface.height(x) + surface.highest - state.penetration
     by_pressure = rows.between(Code.BEM, Code.EXACT, "Gauss-Chebyshev's rule on the stored pressure, c(q)",
-                               "construction")  # fmt: skip
+                               "construction")
     for name, value, reference in (("displacement", "displacement_0", u), ("gap", "gap_0", gap)):
         by_pressure.compare(f"{name} in the middle of gaps", fields[value][middle], reference, unit="m",
                             quantity=Quantity.POINTS, required=1e-10 * np.max(np.abs(reference)),
-                            because=TEN_DIGITS)  # fmt: skip
+                            because=TEN_DIGITS)
 
 
 @pytest.mark.quick
@@ -66,11 +66,11 @@ def test_tail_of_the_pressure_distribution(rows):
     wave = Sinusoid(1e-4, 0.01, E, 0.5, 0.3)
     result = solved("sinusoid", adhesion={"work_of_adhesion": wave.work_of_adhesion},
                     loading={"targets": [float(wave.penetration(1.0))]},
-                    output={"pressure_distribution": True})  # fmt: skip
+                    output={"pressure_distribution": True})
     tail = 4 * wave.modulus * wave.work_of_adhesion / (np.pi * wave.wavelength)
     rows.compare("coefficient of the tail", float(result.fields["tail_coefficient_0"]), tail, of=Code.BEM,
                  by=Code.EXACT, quantity=Quantity.SPECTRUM, unit="Pa^2", uncertainty=1e-12 * tail,
-                 required=1e-10 * tail, because=TEN_DIGITS, source="Johnson 1995")  # fmt: skip
+                 required=1e-10 * tail, because=TEN_DIGITS, source="Johnson 1995")
 
 
 @pytest.mark.quick
@@ -79,7 +79,7 @@ def test_spectrum_and_distribution_of_westergaards_contact(rows):
     wave = Sinusoid(1e-4, 0.01, E, 0.5, 0.0)
     loading = {"control": "penetration", "targets": [float(wave.penetration(np.pi / 4))]}
     result = solved("sinusoid", adhesion=None, loading=loading,
-                    output={"spectra": True, "pressure_distribution": True})  # fmt: skip
+                    output={"spectra": True, "pressure_distribution": True})
     fields, star = result.fields, wave.full_contact_pressure
     spectrum = np.array([(3 / 8 * star) ** 2, (star / 8) ** 2]) / (2 * np.pi / wave.wavelength)
     levels = fields["sigma_bounds_0"]
@@ -99,7 +99,7 @@ def test_spectrum_and_distribution_of_westergaards_contact(rows):
         ("integral of the pressure distribution", float(np.sum(shares)), 0.5, "", 1.0),
     ):
         exact.compare(name, value, reference, quantity=Quantity.SPECTRUM, unit=unit, uncertainty=1e-12 * scale,
-                      required=1e-10 * scale, because=TEN_DIGITS)  # fmt: skip
+                      required=1e-10 * scale, because=TEN_DIGITS)
 
 
 @pytest.mark.quick
@@ -111,4 +111,4 @@ def test_spectra_on_a_layer(rows):
     rows.compare("displacement over pressure, orders 1 to 6", np.sqrt(fields["C_u_0"][:6] / fields["C_sigma_0"][:6]),
                  exact, of=Code.BEM, by=Code.EXACT, quantity=Quantity.SPECTRUM, unit="m/Pa",
                  uncertainty=1e-14 * exact[0], required=1e-10 * exact[0], because=TEN_DIGITS,
-                 source="Carbone and Mangialardi 2008, c(q)")  # fmt: skip
+                 source="Carbone and Mangialardi 2008, c(q)")

@@ -93,18 +93,18 @@ def test_loop_on_a_layer(rows, control):
     """Is what the work of a loop leaves the energy that its events release, whatever is controlled?"""
     highest = posed("thin_layer").surface().max_height
     targets = {"separation": SEPARATIONS, "mean_pressure": LOADS,
-               "total_displacement": [highest - place for place in PLATE]}[control]  # fmt: skip
+               "total_displacement": [highest - place for place in PLATE]}[control]
     scene = posed("thin_layer", solid={"poisson_ratio": 0.3}, layer={"thickness": 1e-3},
                   adhesion={"work_of_adhesion": 0.1}, loading={"control": control, "targets": list(targets)},
                   accuracy={"max_increment": 0.4 if control == "mean_pressure" else None,
-                            "tolerance": None})  # fmt: skip
+                            "tolerance": None})
     _, legs = ways(scene)
     loop = sum(legs[1:], legs[0])
     assert loop.events > 0
     rows.compare("energy released over the work less the growth of the potential",
                  loop.released / (loop.work - loop.growth), 1.0, of=Code.BEM, by=Code.IDENTITY,
                  quantity=Quantity.ENERGY, kind="construction", required=1e-6,
-                 because="14 nodes on branches where the load turns sharply", source="first law")  # fmt: skip
+                 because="14 nodes on branches where the load turns sharply", source="first law")
     rows.count("events", loop.events, within=0.0, of=Code.BEM)
 
 
@@ -120,7 +120,7 @@ def test_loop_and_separation_of_a_rough_profile(rows):
                  [loop.growth + loop.released for loop in loops], of=Code.BEM, by=Code.IDENTITY,
                  quantity=Quantity.ENERGY, unit="J/m^2", kind="construction",
                  required=1e-9 * max(abs(loop.work) for loop in loops), because="nine digits of 14 nodes",
-                 source="growth of U and energy released")  # fmt: skip
+                 source="growth of U and energy released")
     rows.count("events", len(result.events), within=0.0, of=Code.BEM)
     height = posed("hysteresis").surface().max_height
     shown = {way: touching(state for state in result.states if state.branch == way) for way in ("loading", "unloading")}
@@ -129,7 +129,7 @@ def test_loop_and_separation_of_a_rough_profile(rows):
                 {way: (values(states, "separation") * 1e6, values(states, "mean_pressure") / 1e3)
                  for way, states in shown.items()}
                 | {"events": ((height - values(result.events, "penetration")) * 1e6,
-                              values(result.events, "mean_pressure") / 1e3)})  # fmt: skip
+                              values(result.events, "mean_pressure") / 1e3)})
     rows.table("Events in order", ["event", "penetration / um", "mean pressure / kPa", "released / (uJ/m^2)"],
                [[event.kind, event.penetration * 1e6, event.mean_pressure / 1e3, (event.energy_released or 0.0) * 1e6]
-                for event in result.events])  # fmt: skip
+                for event in result.events])

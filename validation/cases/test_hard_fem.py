@@ -18,14 +18,14 @@ from validation.references.closed_forms import layer_compliance
 COARSE = fem_reference.Resolution(2, 10, 10)
 HALF_SPACE = 1e-10  # relative: a layer of two periods against a half-space
 LAYER = {"youngs_modulus": MODULUS, "poisson_ratio": 0.5, "thickness": 2 * PERIOD, "period": PERIOD,
-         "harmonics": ([1], [WAVE], [0.0]), "control": "penetration", "work_of_adhesion": 0.0}  # fmt: skip
+         "harmonics": ([1], [WAVE], [0.0]), "control": "penetration", "work_of_adhesion": 0.0}
 EDGES = {"edges": [[-0.05 * PERIOD, 0.08 * PERIOD]]}
 LOADED, STICKY = {"control": "mean_pressure"}, {"work_of_adhesion": WAVE_WORK}
 ORDERS = np.arange(1, 21)
 HEIGHTS = ORDERS**-1.2 * WAVE / np.sqrt(np.sum(ORDERS**-2.4) / 2)
 ROUGH = (ORDERS.tolist(), HEIGHTS.tolist(), np.random.default_rng(0).uniform(-3, 3, ORDERS.size).tolist())
 UNITS = {"youngs_modulus": MODULUS * 1e6, "thickness": 2e6 * PERIOD, "period": 1e6 * PERIOD,
-         "harmonics": ([1], [WAVE * 1e6], [0.0]), "work_of_adhesion": 1e12 * WAVE_WORK}  # fmt: skip
+         "harmonics": ([1], [WAVE * 1e6], [0.0]), "work_of_adhesion": 1e12 * WAVE_WORK}
 
 
 def depth(fraction):
@@ -54,9 +54,9 @@ HARD = {  # what differs from LAYER, the reference ("", "wave", "complete", "bem
     "narrower than the mesh": ({"edges": [[0.0, 1e-7 * PERIOD]], "value": 1e-6}, "", "edges"),
     "incompressible by displacement": (
         {"edges": "complete", "control": "total_displacement", "value": 1e-6}, "", "control"),
-}  # fmt: skip
+}
 QUICK = ("apart", "incompressible by displacement", "narrower than the mesh", "nu = -0.9", "nu = 0.5",
-         "thin incompressible layer in complete contact", "thin incompressible layer")  # fmt: skip
+         "thin incompressible layer in complete contact", "thin incompressible layer")
 
 
 @pytest.mark.parametrize(
@@ -82,7 +82,7 @@ def test_hard_fem(rows, name):
 def unexpected(rows, status, expected):
     """Add the row of a status that is not the expected one."""
     rows.compare(f"status other than {expected}", float(status != expected), 0.0, of=Code.FEM, by=Code.IDENTITY,
-                 quantity=Quantity.COUNT, kind="construction", required=0.5, because=f"it is {status}")  # fmt: skip
+                 quantity=Quantity.COUNT, kind="construction", required=0.5, because=f"it is {status}")
 
 
 def by_closed_form(rows, arguments, result):
@@ -99,7 +99,7 @@ def by_closed_form(rows, arguments, result):
         theirs = np.ptp(known) + HALF_SPACE * max(scale * length, abs(known[1]))
         rows.compare(name.replace("_", " "), getattr(result, name), known[1], of=Code.FEM, by=Code.EXACT, unit=unit,
                      quantity=quantity, uncertainty=(float(result.uncertainty[name]), theirs),
-                     source="Westergaard 1939, Johnson 1995")  # fmt: skip
+                     source="Westergaard 1939, Johnson 1995")
 
 
 def by_complete_contact(rows, arguments, result):
@@ -109,7 +109,7 @@ def by_complete_contact(rows, arguments, result):
     energy = np.sum(amplitudes**2 / (4 * layer_compliance(2 * np.pi * orders / PERIOD, *layer))) * PERIOD
     rows.compare("elastic energy", result.elastic_energy, energy, of=Code.FEM, by=Code.EXACT, quantity=Quantity.ENERGY,
                  unit="J/m", uncertainty=(float(result.uncertainty["elastic_energy"]), 1e-12 * energy),
-                 source="sum h^2 / (4 c)")  # fmt: skip
+                 source="sum h^2 / (4 c)")
 
 
 def by_boundary_elements(rows, arguments, result):
@@ -126,4 +126,4 @@ def by_boundary_elements(rows, arguments, result):
     rows.compare("mean pressure at the edges found", result.mean_pressure, pressure(0.0), of=Code.FEM, by=Code.BEM,
                  quantity=Quantity.PRESSURE, unit="Pa", source="elastic state at the same edges",
                  uncertainty=(float(result.uncertainty["mean_pressure"]),
-                              moved + 1e-11 * abs(pressure(0.0))))  # fmt: skip
+                              moved + 1e-11 * abs(pressure(0.0))))

@@ -51,7 +51,7 @@ def test_hard_scene(rows, hard):
     reached(rows, hard, result)
     rows.table(hard.why, ["target", "status", "contact fraction", "mean pressure / Pa", "patches", "unknowns"],
                [[k, state.status, state.contact_fraction, state.mean_pressure, state.n_patches, state.unknowns]
-                for k, state in enumerate(result.targets, 1)])  # fmt: skip
+                for k, state in enumerate(result.targets, 1)])
     touching = [state for state in result.targets if state.edges]
     by_dense_algebra(rows, posed, touching)
     if "wave" in hard.checks:
@@ -67,7 +67,7 @@ def test_hard_scene(rows, hard):
         state, load = result.targets[-1], hard.tables["loading"]["targets"][-1]
         for name, exact, quantity in (("mean_pressure", load, Quantity.PRESSURE), ("separation", 0.0, Quantity.LENGTH)):
             rows.compare(name.replace("_", " "), getattr(state, name), exact, of=Code.BEM, by=Code.EXACT,
-                         quantity=quantity, uncertainty=1e-13 * load, source="nothing to solve")  # fmt: skip
+                         quantity=quantity, uncertainty=1e-13 * load, source="nothing to solve")
     if "last gap" in hard.checks:
         by_last_gap(rows, posed, touching[-1])
     if "closing gaps" in hard.checks:
@@ -77,7 +77,7 @@ def test_hard_scene(rows, hard):
 def construction(rows, name, value, because="none may be there", allowed=0.5):
     """Add a row of something that must vanish."""
     rows.compare(name, float(value), 0.0, of=Code.BEM, by=Code.IDENTITY, quantity=Quantity.COUNT, kind="construction",
-                 required=allowed, because=because or "none may be there")  # fmt: skip
+                 required=allowed, because=because or "none may be there")
 
 
 def identities(rows, posed, result):
@@ -87,17 +87,17 @@ def identities(rows, posed, result):
     met = [state for state in result.states if state.status in ("converged", "separated", "complete_contact")]
     construction(rows, "states whose certificate is not ok", sum(not state.certificate.ok for state in met))
     lengths = [abs(state.separation + state.penetration - highest) / max(highest, abs(state.penetration), EPS * period)
-               for state in met]  # fmt: skip
+               for state in met]
     energies = [abs(state.elastic_energy + state.adhesion_energy - state.total_energy)
-                / max(abs(state.elastic_energy), abs(state.adhesion_energy), 1e-300) for state in met]  # fmt: skip
+                / max(abs(state.elastic_energy), abs(state.adhesion_energy), 1e-300) for state in met]
     widths = [abs(state.contact_fraction - np.sum(np.diff(state.edges, axis=1)) / period)
-              for state in met if state.edges]  # fmt: skip
+              for state in met if state.edges]
     for name, shares in (("separation + penetration", lengths), ("elastic + adhesion energy", energies),
-                         ("contact fraction and edges", widths)):  # fmt: skip
+                         ("contact fraction and edges", widths)):
         construction(rows, name, max(shares, default=0.0), "rounding", 1e-12)
     released = [-event.energy_released for event in result.events
                 if event.energy_released is not None and event.energy_released < -1e-9 * max(
-                    [abs(state.elastic_energy) for state in met] + [1e-300])]  # fmt: skip
+                    [abs(state.elastic_energy) for state in met] + [1e-300])]
     construction(rows, "events that take energy up", len(released))
 
 
@@ -134,7 +134,7 @@ def by_dense_algebra(rows, posed, states):
         theirs = np.abs(references - [each[name] for each in finer]) + 1e-12 * scale + soft
         rows.compare(name.replace("_", " "), [getattr(state, name) for state in equilibria], references, of=Code.BEM,
                      by=Code.DENSE, quantity=quantity, unit=unit, uncertainty=(own, theirs),
-                     source="equilibrium next to the edges, own nodes and derivatives")  # fmt: skip
+                     source="equilibrium next to the edges, own nodes and derivatives")
 
 
 def elastic_states(rows, posed, surface, states):
@@ -165,12 +165,12 @@ def elastic_states(rows, posed, surface, states):
     theirs = rounding + 2e-10 * scale
     rows.compare("mean pressure at the stored edges", [state.mean_pressure for state in states], loads, of=Code.BEM,
                  by=Code.DENSE, quantity=Quantity.PRESSURE, unit="Pa", uncertainty=(own, theirs),
-                 source="elastic state at given edges and penetration")  # fmt: skip
+                 source="elastic state at given edges and penetration")
     if closures:
         rows.compare("G / w at every edge", 1 + np.concatenate(closures), 1.0, of=Code.BEM, by=Code.DENSE,
                      quantity=Quantity.INTENSITY, uncertainty=(posed.accuracy.tolerance, 1e-10), required=1e-5,
                      because="closure of the edges; K loses digits as gaps close",
-                     source="K at the stored edges by dense algebra")  # fmt: skip
+                     source="K at the stored edges by dense algebra")
 
 
 def gaps(state):
@@ -208,7 +208,7 @@ def by_closed_form(rows, posed, states):
         rows.compare(name.replace("_", " "), [getattr(state, name) for state in states], known, of=Code.BEM,
                      by=Code.EXACT, quantity=quantity, unit=unit, uncertainty=own,
                      required=2e-8 * np.maximum(scale, np.abs(known)), source="Johnson 1995",
-                     because="heights known to 1e-16 leave 1e-8 at a contact fraction of 0.9999")  # fmt: skip
+                     because="heights known to 1e-16 leave 1e-8 at a contact fraction of 0.9999")
 
 
 def by_last_gap(rows, posed, state):
@@ -219,9 +219,9 @@ def by_last_gap(rows, posed, state):
     pair = rows.between(Code.BEM, Code.EXACT, "isolated crack, Tada, Paris, Irwin 2000")
     estimate = state.error_estimate
     pair.compare("mean pressure of the last gap", state.mean_pressure, pressure, quantity=Quantity.PRESSURE, unit="Pa",
-                 uncertainty=(estimate.mean_pressure or 0.0, ISOLATED * abs(pressure)))  # fmt: skip
+                 uncertainty=(estimate.mean_pressure or 0.0, ISOLATED * abs(pressure)))
     pair.compare("separation of the last gap", state.separation, separation, quantity=Quantity.LENGTH, unit="m",
-                 uncertainty=(0.0, ISOLATED * separation))  # fmt: skip
+                 uncertainty=(0.0, ISOLATED * separation))
 
 
 def by_closing_gaps(rows, posed, state):
@@ -231,9 +231,9 @@ def by_closing_gaps(rows, posed, state):
     pressure, widths = closing(replace(surface, amplitudes=amplitudes), modulus, state.separation)
     pair = rows.between(Code.BEM, Code.EXACT, "isolated cracks, Tada, Paris, Irwin 2000")
     pair.compare("mean pressure of the last gaps", state.mean_pressure, pressure, quantity=Quantity.PRESSURE,
-                 unit="Pa", uncertainty=(state.error_estimate.mean_pressure or 0.0, 2.5e-14 * pressure))  # fmt: skip
+                 unit="Pa", uncertainty=(state.error_estimate.mean_pressure or 0.0, 2.5e-14 * pressure))
     pair.compare("share without contact", 1 - state.contact_fraction, widths.sum() / surface.period,
-                 quantity=Quantity.AREA, uncertainty=(0.0, 5e-9 * widths.sum() / surface.period))  # fmt: skip
+                 quantity=Quantity.AREA, uncertainty=(0.0, 5e-9 * widths.sum() / surface.period))
     pair.compare("last gaps", state.n_patches, widths.size, quantity=Quantity.COUNT, uncertainty=0.0)
 
 
@@ -280,7 +280,7 @@ def copies():
         "another Poisson's ratio at equal E*": (
             tables | {"solid": {"youngs_modulus": 1e6 / 0.75, "poisson_ratio": 0.0}}, 1.0),
         "last target alone": (scene(rough(30), "separation", LOW[1:]), 1.0),
-    }  # fmt: skip
+    }
 
 
 @pytest.mark.parametrize("name", copies())
@@ -296,7 +296,7 @@ def test_asked_another_way(rows, name):
         values = [getattr(state, quantity) / divisor for state in other]
         known = np.array([getattr(state, quantity) for state in states])
         rows.compare(quantity.replace("_", " "), values, known, of=Code.BEM, by=Code.IDENTITY, quantity=column,
-                     kind="construction", required=1e-9 * np.abs(known), because="tolerance of the scene")  # fmt: skip
+                     kind="construction", required=1e-9 * np.abs(known), because="tolerance of the scene")
 
 
 def test_restart(rows, tmp_path):
@@ -313,4 +313,4 @@ def test_restart(rows, tmp_path):
         known = getattr(result.targets[-1], name)
         rows.compare(name.replace("_", " "), getattr(again, name), known, of=Code.BEM, by=Code.IDENTITY,
                      quantity=column, kind="construction", required=1e-9 * abs(known),
-                     because="tolerance of the scene")  # fmt: skip
+                     because="tolerance of the scene")

@@ -84,21 +84,21 @@ def test_hard_theory(rows, name):
     dry = persson.solve_nonadhesive(spectrum, pressure, **SOLID)
     exact = float(erf(np.sqrt(2) * pressure / (STAR * spectrum.slope_rms)))
     rows.compare("contact fraction without adhesion", dry.contact_fraction, exact, of=Code.THEORY, by=Code.EXACT,
-                 quantity=Quantity.AREA, uncertainty=1e-12 * exact, source="Persson 2001, erf")  # fmt: skip
+                 quantity=Quantity.AREA, uncertainty=1e-12 * exact, source="Persson 2001, erf")
     if material["work_of_adhesion"] is None:
         return None
     other = persson.solve(spectrum, pressure, route="volterra", with_separation=False, **material).contact_fraction
     rows.compare("contact fraction by two routes", contact.contact_fraction, other, of=Code.THEORY, by=Code.IDENTITY,
                  quantity=Quantity.AREA, kind="construction", required=4e-5 * other,
-                 because="what the default resolution states of one line", source="the integral equation")  # fmt: skip
+                 because="what the default resolution states of one line", source="the integral equation")
     rows.compare("area that adhesion takes away", min(contact.contact_fraction / dry.contact_fraction, 1.0), 1.0,
                  of=Code.THEORY, by=Code.IDENTITY, quantity=Quantity.AREA, kind="construction", required=4e-5,
-                 because="error of the routes")  # fmt: skip
+                 because="error of the routes")
     if contact.status not in ("branches", "below_zero"):  # statuses that say so
         excess = max(contact.separation - dry.separation, -contact.separation, 0.0) / spectrum.h_rms
         rows.compare("separation above that without adhesion, or negative, over the rms height", excess, 0.0,
                      of=Code.THEORY, by=Code.IDENTITY, quantity=Quantity.LENGTH, kind="construction", required=3e-4,
-                     because="error of the separation at the default resolution")  # fmt: skip
+                     because="error of the separation at the default resolution")
     return None
 
 
@@ -106,4 +106,4 @@ def unexpected(rows, count):
     """Add the row of a status that is not the expected one."""
     rows.compare("status other than expected", float(count), 0.0, of=Code.THEORY, by=Code.IDENTITY,
                  quantity=Quantity.COUNT, kind="construction", required=0.5,
-                 because="stated before the run")  # fmt: skip
+                 because="stated before the run")

@@ -57,20 +57,20 @@ def test_energy_release_rate(rows):
 
     center, step = state(edges, depth), STEP * float(np.min(np.diff(edges)))
     by_edge = np.array([derivative(lambda by, k=k: energy_and_gradient(
-        state(edges + by * (np.arange(4) == k).reshape(2, 2), depth)), step) for k in range(4)])  # fmt: skip
+        state(edges + by * (np.arange(4) == k).reshape(2, 2), depth)), step) for k in range(4)])
     by_depth = derivative(lambda by: state(edges, depth + by).energy, 1e-4 * profile.rms_height)
     rounding = "rounding of the energy over the step of the differences"
     identity = rows.between(Code.BEM, Code.IDENTITY, "differences of fourth order", "construction")
     largest = float(np.max(np.abs(center.gradient)))
     identity.compare("dU/d(edge)", center.gradient, by_edge[:, 0], quantity=Quantity.INTENSITY, unit="J/m^2",
-                     required=1e-9 * largest, because=rounding)  # fmt: skip
+                     required=1e-9 * largest, because=rounding)
     identity.compare("d2U/d(edge)d(edge)", center.hessian, by_edge[:, 1:], quantity=Quantity.STIFFNESS, unit="J/m^3",
-                     required=1e-8 * float(np.max(np.abs(center.hessian))), because=rounding)  # fmt: skip
+                     required=1e-8 * float(np.max(np.abs(center.hessian))), because=rounding)
     identity.compare("dU/d(penetration) = load", center.load, by_depth, quantity=Quantity.PRESSURE, unit="N/m",
-                     required=1e-9 * center.load, because=rounding)  # fmt: skip
+                     required=1e-9 * center.load, because=rounding)
     identity.compare("mean gap of given patches", mean_gap(edges, depth, profile), profile.max_height - depth,
                      quantity=Quantity.LENGTH, unit="m", required=1e-12 * profile.rms_height,
-                     because="Gauss-Legendre converges to rounding")  # fmt: skip
+                     because="Gauss-Legendre converges to rounding")
 
 
 def energy_and_gradient(state):
@@ -87,12 +87,12 @@ def test_mean_gap_and_dissipation_along_a_path(rows):
     gaps = [mean_gap(np.array(state.edges), state.penetration, profile) for state in states]
     rows.compare("mean gap", gaps, values(states, "separation"), of=Code.BEM, by=Code.IDENTITY,
                  quantity=Quantity.LENGTH, unit="m", kind="construction", source="separation",
-                 required=1e-11 * profile.rms_height, because="Gauss-Legendre converges to rounding")  # fmt: skip
+                 required=1e-11 * profile.rms_height, because="Gauss-Legendre converges to rounding")
     rows.count("evaluations", sum(state.evaluations for state in result.states), of=Code.BEM)
     ways = {way: touching(state for state in result.states if state.branch == way) for way in ("loading", "unloading")}
     rows.curves("Adhesion makes loading and unloading of a rough profile differ", "separation / um",
                 "mean pressure / kPa", {way: (values(states, "separation") * 1e6, values(states, "mean_pressure") / 1e3)
-                                        for way, states in ways.items()})  # fmt: skip
+                                        for way, states in ways.items()})
 
 
 @pytest.mark.quick
@@ -108,7 +108,7 @@ def test_where_the_period_begins(rows):
         waves = {name: getattr(moved, name).tolist() for name in ("orders", "amplitudes", "phases")}
         results.append(solved("rough_100", profile=NOT_SELF_AFFINE | {"kind": "harmonics"} | waves,
                               adhesion={"work_of_adhesion": 0.01},
-                              loading={"targets": [60e-6, 45e-6, 60e-6]}))  # fmt: skip
+                              loading={"targets": [60e-6, 45e-6, 60e-6]}))
         assert all(state.certificate.ok for state in results[-1].states)
     first, *others = results
     shifted = rows.between(Code.BEM, Code.IDENTITY, "the profile that begins elsewhere", "construction")
@@ -120,7 +120,7 @@ def test_where_the_period_begins(rows):
         shifted.compare(name.replace("_", " ").replace("n patches", "patches"),
                         [values(result.targets, name) for result in others],
                         np.tile(values(first.targets, name), len(others)), quantity=quantity, unit=unit,
-                        required=required, because=because)  # fmt: skip
+                        required=required, because=because)
     met = [[sum(event.kind == kind for event in result.events) for kind in EVENTS] for result in results]
     shifted.compare("events of each kind", met[1:], met[0] * len(others), quantity=Quantity.COUNT, required=0.5,
-                    because="a count")  # fmt: skip
+                    because="a count")

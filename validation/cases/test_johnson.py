@@ -40,7 +40,7 @@ def test_loop(rows, alpha):
     deepest, fold = float(wave.penetration(0.95 * np.pi / 2)), float(wave.penetration(wave.fold()))
     targets = [*np.linspace(0.02 * deepest, deepest, 14),
                *np.linspace(deepest, fold + 1e-3 * (deepest - fold), 16)[1:],
-               fold - 0.05 * deepest]  # fmt: skip
+               fold - 0.05 * deepest]
     result = solved("sinusoid", adhesion={"work_of_adhesion": wave.work_of_adhesion}, loading={"targets": targets})
     assert all(state.certificate.ok for state in result.states)
     states = [state for state in result.states if state.n_patches == 1]
@@ -52,18 +52,18 @@ def test_loop(rows, alpha):
     johnson = rows.between(Code.BEM, Code.EXACT, "Johnson 1995, at the contact width of the boundary elements")
     johnson.compare("mean pressure at every state", pressure, wave.mean_pressure(psi), unit="Pa",
                     quantity=Quantity.PRESSURE, uncertainty=estimates(states, "mean_pressure"),
-                    required=1e-10 * STAR, because=TEN_DIGITS)  # fmt: skip
+                    required=1e-10 * STAR, because=TEN_DIGITS)
     johnson.compare("penetration at every state", penetration, wave.penetration(psi), unit="m",
                     quantity=Quantity.LENGTH, uncertainty=estimates(states, "penetration"),
-                    required=1e-10 * DEPTH, because=TEN_DIGITS)  # fmt: skip
+                    required=1e-10 * DEPTH, because=TEN_DIGITS)
     johnson.compare("penetration at pull-off", pull_off.penetration, fold, unit="m", quantity=Quantity.LENGTH,
                     uncertainty=pull_off.error_estimate.penetration, required=1e-10 * DEPTH,
-                    because=TEN_DIGITS, source="fold of Johnson's penetration")  # fmt: skip
+                    because=TEN_DIGITS, source="fold of Johnson's penetration")
     rows.count("evaluations", sum(state.evaluations for state in result.states), of=Code.BEM)
     curve = np.linspace(0.01, 0.97, 300)
     rows.curves(f"Johnson's loop, alpha = {alpha:g}", "contact fraction", "mean pressure / p*",
                 {"boundary elements": (fraction, pressure / STAR),
-                 "Johnson": (curve, wave.mean_pressure(curve * np.pi / 2) / STAR)})  # fmt: skip
+                 "Johnson": (curve, wave.mean_pressure(curve * np.pi / 2) / STAR)})
 
 
 @pytest.mark.quick
@@ -75,10 +75,10 @@ def test_without_adhesion(rows):
     states = solved("sinusoid", adhesion=None, loading={"targets": wave.penetration(psi).tolist()}).targets
     both = rows.between(Code.BEM, Code.EXACT, "Westergaard 1939")
     both.compare("contact fraction", values(states, "contact_fraction"), fractions, quantity=Quantity.AREA,
-                 uncertainty=estimates(states, "contact_fraction"), required=1e-10, because=TEN_DIGITS)  # fmt: skip
+                 uncertainty=estimates(states, "contact_fraction"), required=1e-10, because=TEN_DIGITS)
     both.compare("mean pressure", values(states, "mean_pressure"), wave.mean_pressure(psi), unit="Pa",
                  quantity=Quantity.PRESSURE, uncertainty=estimates(states, "mean_pressure"), required=1e-10 * STAR,
-                 because=TEN_DIGITS)  # fmt: skip
+                 because=TEN_DIGITS)
     rows.count("unknowns", max(state.unknowns for state in states), of=Code.BEM)
 
 
@@ -94,23 +94,23 @@ def test_stability_and_stiffness(rows):
     stiffness = slopes / np.array([derivative(WAVE.penetration, p) for p in psi])
     johnson = rows.between(Code.BEM, Code.EXACT, "Johnson 1995: p rises with the contact width where it is stable")
     johnson.compare("stable at fixed load (1: yes)", values(states, "stable_at_fixed_load"), slopes > 0,
-                    quantity=Quantity.COUNT, uncertainty=0.0, required=0.5, because="yes or no")  # fmt: skip
+                    quantity=Quantity.COUNT, uncertainty=0.0, required=0.5, because="yes or no")
     johnson.compare("contact stiffness", values(states, "contact_stiffness"), stiffness, unit="Pa/m",
                     quantity=Quantity.STIFFNESS, uncertainty=estimates(states, "contact_stiffness"),
                     required=1e-9 * np.max(np.abs(stiffness)),
-                    because="differences of fourth order of the closed form give ten digits")  # fmt: skip
+                    because="differences of fourth order of the closed form give ten digits")
     critical = np.sqrt(2 * WAVE.modulus * WAVE.work_of_adhesion)
     johnson.compare("largest stress intensity", values(states, "stress_intensity_max"), critical, unit="Pa m^1/2",
                     quantity=Quantity.INTENSITY, required=1e-10 * critical, because=TEN_DIGITS,
-                    source="K^2 = 2 E* w", kind="construction")  # fmt: skip
+                    source="K^2 = 2 E* w", kind="construction")
     work = WAVE.work_of_adhesion * values(states, "contact_fraction")
     johnson.compare("energy of adhesion over -w times the contact fraction",
                     values(states, "adhesion_energy") / -work, 1.0, quantity=Quantity.ENERGY, required=1e-10,
-                    because=TEN_DIGITS, source="definition", kind="construction")  # fmt: skip
+                    because=TEN_DIGITS, source="definition", kind="construction")
     johnson.compare("total energy less its two parts, over the largest",
                     (values(states, "total_energy") - values(states, "elastic_energy")
                      - values(states, "adhesion_energy")) / np.max(work), 0.0, quantity=Quantity.ENERGY,
-                    required=1e-12, because="rounding", source="definition", kind="construction")  # fmt: skip
+                    required=1e-12, because="rounding", source="definition", kind="construction")
 
 
 @pytest.mark.quick
@@ -119,12 +119,12 @@ def test_stiffness_with_slope_term(rows):
     steep, step = replace(WAVE, amplitude=1e-3), 1e-6
     adhesion = {"work_of_adhesion": steep.work_of_adhesion, "slope_term": True}
     states = solved("sinusoid", profile={"amplitudes": [steep.amplitude]}, adhesion=adhesion,
-                    loading={"targets": [0.6e-3 + k * step for k in (-2, -1, 0, 1, 2)]}).targets  # fmt: skip
+                    loading={"targets": [0.6e-3 + k * step for k in (-2, -1, 0, 1, 2)]}).targets
     p = values(states, "mean_pressure")
     rows.compare("contact stiffness", states[2].contact_stiffness, (8 * (p[3] - p[1]) - (p[4] - p[0])) / (12 * step),
                  of=Code.BEM, by=Code.IDENTITY, quantity=Quantity.STIFFNESS, unit="Pa/m", kind="construction",
                  required=1e-9 * abs(states[2].contact_stiffness or 0.0), because="differences give ten digits",
-                 source="mean pressures of neighbouring states")  # fmt: skip
+                 source="mean pressures of neighbouring states")
 
 
 @pytest.mark.quick
@@ -136,13 +136,13 @@ def test_seven_equal_waves_lose_their_symmetry(rows):
         deepest = float(wave.penetration(0.9 * np.pi / 2))
         result = solved("sinusoid", profile={"orders": [order], "amplitudes": [DEPTH / order]},
                         adhesion={"work_of_adhesion": wave.work_of_adhesion},
-                        loading={"targets": [0.3 * deepest, deepest]}, accuracy={"tolerance": 1e-6})  # fmt: skip
+                        loading={"targets": [0.3 * deepest, deepest]}, accuracy={"tolerance": 1e-6})
         places = [event.penetration for event in result.events if event.kind == "bifurcation"]
         lost[order] = [wave.angle(place, wave.fold(), 1.5) * 2 / np.pi for place in places]
     assert not lost[1]
     rows.compare("contact fraction at which seven equal contacts lose their symmetry", lost[7][0], 0.76,
                  of=Code.BEM, by=Code.DENSE, quantity=Quantity.AREA, uncertainty=(1e-6, 0.01),
-                 source="smallest eigenvalue by a dense prototype, two digits: unstable above 0.76")  # fmt: skip
+                 source="smallest eigenvalue by a dense prototype, two digits: unstable above 0.76")
 
 
 @pytest.mark.quick
@@ -153,17 +153,17 @@ def test_error_against_unknowns(rows):
     load, intensity = {}, {}
     for tolerance in (0.3, *(10.0**-k for k in range(1, 14))):
         state = bem.ContactState(surface, bem.Solid(1e6, 0.5), [[-half, half]], float(WAVE.penetration(psi)),
-                                 tolerance=tolerance)  # fmt: skip
+                                 tolerance=tolerance)
         unknowns = state.evaluation.unknowns
         load[unknowns] = abs(state.mean_pressure - float(WAVE.mean_pressure(psi))) / STAR
         intensity[unknowns] = float(np.max(np.abs(state.stress_intensity / critical - 1)))
     johnson = rows.between(Code.BEM, Code.EXACT, "Johnson 1995, contact fraction 0.6, at the finest tolerance")
     johnson.compare("relative error of the mean pressure", list(load.values())[-1], 0.0, quantity=Quantity.PRESSURE,
-                    uncertainty=1e-13, required=1e-13, because="tolerance of 1e-13")  # fmt: skip
+                    uncertainty=1e-13, required=1e-13, because="tolerance of 1e-13")
     johnson.compare("relative error of the stress intensity", list(intensity.values())[-1], 0.0,
                     quantity=Quantity.INTENSITY, uncertainty=1e-13, required=1e-13,
-                    because="tolerance of 1e-13")  # fmt: skip
+                    because="tolerance of 1e-13")
     rows.count("unknowns at the finest tolerance", list(load)[-1], of=Code.BEM)
     rows.curves("Error of one adhesive contact against its unknowns", "unknowns", "relative error",
                 {name: (list(errors), [max(error, 1e-17) for error in errors.values()])
-                 for name, errors in (("mean pressure", load), ("stress intensity", intensity))}, log="y")  # fmt: skip
+                 for name, errors in (("mean pressure", load), ("stress intensity", intensity))}, log="y")

@@ -36,7 +36,7 @@ def transferred(q, thickness, youngs_modulus, poisson_ratio):
     """
     nu = poisson_ratio
     system = np.array([[0, 1, 1, 0], [-nu / (1 - nu), 0, 0, (1 - 2 * nu) / (2 - 2 * nu)],
-                       [2 / (1 - nu), 0, 0, nu / (1 - nu)], [0, 0, -1, 0]])  # fmt: skip
+                       [2 / (1 - nu), 0, 0, nu / (1 - nu)], [0, 0, -1, 0]])
     through = expm(system * q * thickness)[:, 2:]  # of the tractions where the layer is bonded
     tractions = np.linalg.solve(through[2:], [0.0, -1.0])
     return -float(through[1] @ tractions) * 2 * (1 + nu) / (youngs_modulus * q)
@@ -52,7 +52,7 @@ def test_compliance(rows, poisson_ratio):
     for code, value in ((Code.BEM, ours), (Code.DENSE, layer_compliance(q, thickness, 1e6, poisson_ratio))):
         rows.compare("c(q), relative, q d = 0.1, 0.3, 1, 3", value / exact, 1.0, of=code, by=Code.EXACT,
                      quantity=Quantity.SPECTRUM, uncertainty=(1e-15, 1e-12),
-                     source="matrix exponential of plane-strain elasticity")  # fmt: skip
+                     source="matrix exponential of plane-strain elasticity")
 
 
 @pytest.mark.quick
@@ -72,7 +72,7 @@ def test_kernel(rows, depth, poisson_ratio):
     images = np.array([np.sum(0.5 * np.log1p(1 / near**2) + np.cos(np.outer(near, k)) @ smooth) for near in places])
     rows.compare("kernel", -np.log(2 * np.sin(x / 2)) - modes, images - uniform, of=Code.DENSE, by=Code.EXACT,
                  quantity=Quantity.POINTS, uncertainty=(1e-14, 1e-12),
-                 source="Fourier integral by Gauss-Legendre, 25 images")  # fmt: skip
+                 source="Fourier integral by Gauss-Legendre, 25 images")
 
 
 @pytest.mark.standard
@@ -80,7 +80,7 @@ def test_kernel(rows, depth, poisson_ratio):
     "tables",
     [pytest.param({}, id="incompressible, adhesion"), pytest.param({"adhesion": None}, id="incompressible"),
      pytest.param(MILD, id="compressible, adhesion"), pytest.param(MILD | {"loading": PLATE}, id="by its plate")],
-)  # fmt: skip
+)
 def test_path_on_thin_layer(rows, tables):
     """Does a thin layer keep its accuracy along a whole path of loading and unloading?"""
     scene, result = posed("thin_layer", **tables), solved("thin_layer", **tables)
@@ -89,18 +89,18 @@ def test_path_on_thin_layer(rows, tables):
     known = [reference(scene, state, refinement=2) for state in states]
     dense = rows.between(Code.BEM, Code.DENSE, "same edges to start from, twice the nodes")
     for name, quantity, unit in (("contact_fraction", Quantity.AREA, ""), ("mean_pressure", Quantity.PRESSURE, "Pa"),
-                                 ("elastic_energy", Quantity.ENERGY, "J/m^2")):  # fmt: skip
+                                 ("elastic_energy", Quantity.ENERGY, "J/m^2")):
         exact = np.array([answer[name] for answer in known])
         scale = np.max(np.abs(exact))
         dense.compare(name.replace("_", " "), values(states, name), exact, quantity=quantity, unit=unit,
                       uncertainty=(estimates(states, name), 1e-12 * scale), required=1e-10 * scale,
-                      because=TEN_DIGITS)  # fmt: skip
+                      because=TEN_DIGITS)
     rows.count("evaluations", sum(state.evaluations for state in result.states), of=Code.BEM)
     shown = touching(result.states)
     rows.curves("Loading and unloading on a layer of 0.02 periods", "separation / um", "mean pressure / kPa",
                 {"boundary elements": (values(shown, "separation") * 1e6, values(shown, "mean_pressure") / 1e3),
                  "dense algebra": ([answer["separation"] * 1e6 for answer in known],
-                                   [answer["mean_pressure"] / 1e3 for answer in known])})  # fmt: skip
+                                   [answer["mean_pressure"] / 1e3 for answer in known])})
 
 
 @pytest.mark.quick
@@ -112,4 +112,4 @@ def test_thick_layer_is_left_out(rows):
     pressures = values(half_space.targets, "mean_pressure")
     rows.compare("mean pressure", values(thick.targets, "mean_pressure"), pressures, of=Code.BEM, by=Code.IDENTITY,
                  quantity=Quantity.PRESSURE, unit="Pa", kind="construction", source="the half-space",
-                 required=1e-13 * np.max(np.abs(pressures)), because="rounding")  # fmt: skip
+                 required=1e-13 * np.max(np.abs(pressures)), because="rounding")

@@ -34,7 +34,7 @@ def solve_wave(wave, control, targets, max_increment=None):
     """Solve the loading path of a rippled wave."""
     return solved("rippled_wave", profile={"orders": [1, wave.order], "amplitudes": [AMPLITUDE, wave.ripple]},
                   adhesion={"work_of_adhesion": wave.work}, loading={"control": control, "targets": list(targets)},
-                  accuracy={"max_increment": max_increment})  # fmt: skip
+                  accuracy={"max_increment": max_increment})
 
 
 def jumps_of(result, wave):
@@ -59,17 +59,17 @@ def test_contact_spreads_and_recedes(rows):
     fractions = np.array([*widths, *narrower]) / np.pi
     exact.compare("contact fraction at every load, growing then falling", values(result.targets, "contact_fraction"),
                   fractions, quantity=Quantity.AREA, uncertainty=estimates(result.targets, "contact_fraction"),
-                  required=1e-10, because=TEN_DIGITS)  # fmt: skip
+                  required=1e-10, because=TEN_DIGITS)
     exact.compare("mean pressure at every jump", values(jumps, "mean_pressure"), expected, unit="Pa",
                   quantity=Quantity.PRESSURE, uncertainty=estimates(jumps, "mean_pressure"), required=1e-9 * STRESS,
-                  because="a jump is an extremum of the load: nine digits")  # fmt: skip
+                  because="a jump is an extremum of the load: nine digits")
     exact.compare("patches of every state", values(result.targets, "n_patches"), 1.0, quantity=Quantity.COUNT,
-                  uncertainty=0.0, required=0.5, because="a count")  # fmt: skip
+                  uncertainty=0.0, required=0.5, because="a count")
     rows.count("evaluations", sum(state.evaluations for state in result.states), of=Code.BEM)
     curve = np.linspace(0.03, 0.5, 600)
     rows.curves("Contact of a rippled wave", "mean pressure / kPa", "contact fraction",
                 {"boundary elements": (np.array([*UP, *DOWN]) / 1e3, values(result.targets, "contact_fraction")),
-                 "closed form of one patch": (WAVE.patch.mean_pressure(np.pi * curve) / 1e3, curve)})  # fmt: skip
+                 "closed form of one patch": (WAVE.patch.mean_pressure(np.pi * curve) / 1e3, curve)})
 
 
 @pytest.mark.quick
@@ -83,19 +83,19 @@ def test_jumps(rows):
     exact = rows.between(Code.BEM, Code.EXACT, "closed form of one patch, order 20")
     exact.compare("contact fraction at every load", values(result.targets, "contact_fraction"),
                   np.array([*widths, *narrower]) / np.pi, quantity=Quantity.AREA, required=1e-10,
-                  uncertainty=estimates(result.targets, "contact_fraction"), because=TEN_DIGITS)  # fmt: skip
+                  uncertainty=estimates(result.targets, "contact_fraction"), because=TEN_DIGITS)
     energies, pressures = values(expected, "released"), values(expected, "pressure")
     exact.compare("energy released by every jump", released(jumps), energies, unit="J/m^2", quantity=Quantity.ENERGY,
-                  uncertainty=(estimates(jumps, "energy_released"), 1e-13 * COARSE.work))  # fmt: skip
+                  uncertainty=(estimates(jumps, "energy_released"), 1e-13 * COARSE.work))
     exact.compare("mean pressure at every jump", values(jumps, "mean_pressure"), pressures, unit="Pa",
                   quantity=Quantity.PRESSURE,
-                  uncertainty=(estimates(jumps, "mean_pressure"), 1e-13 * STRESS))  # fmt: skip
+                  uncertainty=(estimates(jumps, "mean_pressure"), 1e-13 * STRESS))
     exact.compare("energy released, to ten digits", released(jumps) / energies, 1.0, quantity=Quantity.ENERGY,
                   uncertainty=estimates(jumps, "energy_released") / energies, required=1e-10,
-                  because=TEN_DIGITS)  # fmt: skip
+                  because=TEN_DIGITS)
     kinds, touched = [event.kind for event in result.events], 2 * sum(jump.touched for jump in expected)
     exact.compare("new contacts and coalescences", [kinds.count("new_contact"), kinds.count("coalescence")], touched,
-                  quantity=Quantity.COUNT, uncertainty=0.0, required=0.5, because="a count")  # fmt: skip
+                  quantity=Quantity.COUNT, uncertainty=0.0, required=0.5, because="a count")
 
 
 @pytest.mark.quick
@@ -106,10 +106,10 @@ def test_jumps_under_separation(rows):
     fractions = [FINE.spread(FINE.highest - s) / np.pi for s in separations]
     rows.compare("contact fraction", values(usual.targets, "contact_fraction"), fractions, of=Code.BEM, by=Code.EXACT,
                  quantity=Quantity.AREA, uncertainty=estimates(usual.targets, "contact_fraction"), required=1e-10,
-                 because=TEN_DIGITS, source="closed form of one patch, order 40")  # fmt: skip
+                 because=TEN_DIGITS, source="closed form of one patch, order 40")
     rows.compare("jumps with increments of an rms height", len(jumps_of(long, FINE)), len(jumps_of(usual, FINE)),
                  of=Code.BEM, by=Code.IDENTITY, quantity=Quantity.COUNT, kind="construction", required=0.5,
-                 because="a count", source="the path with default increments")  # fmt: skip
+                 because="a count", source="the path with default increments")
 
 
 @pytest.mark.quick
@@ -117,29 +117,29 @@ def test_two_crests_merge(rows):
     """Do two patches become the one patch of the closed form, also when they merge across the end of the period?"""
     # keys: place of the dip over the period
     results = {dip: solved("merged_crests", profile={"phases": [-2 * np.pi * dip, np.pi - 4 * np.pi * dip]})
-               for dip in (0.0, 0.5)}  # fmt: skip
+               for dip in (0.0, 0.5)}
     exact = [brentq(lambda f, p=p: float(CRESTS.mean_pressure(np.pi * f)) - p, 0.4, 0.9, xtol=1e-15) for p in MERGED]
     behind = [state for result in results.values() for state in result.targets[3:]]
     patch = rows.between(Code.BEM, Code.EXACT, "closed form of one patch")
     patch.compare("contact fraction behind the coalescence", values(behind, "contact_fraction"), exact * 2,
                   quantity=Quantity.AREA, uncertainty=estimates(behind, "contact_fraction"), required=1e-10,
-                  because=TEN_DIGITS)  # fmt: skip
+                  because=TEN_DIGITS)
     patch.compare("patches at every load", [s.n_patches for r in results.values() for s in r.targets],
                   [2, 2, 2, 1, 1, 1] * 2, quantity=Quantity.COUNT, uncertainty=0.0, required=0.5,
-                  because="a count")  # fmt: skip
+                  because="a count")
     for result in results.values():
         assert sorted(event.kind for event in result.events) == ["coalescence", "first_touch", "first_touch"]
     symmetry = rows.between(Code.BEM, Code.IDENTITY, "symmetry of the profile", "construction")
     before = [values(result.targets[:3], "contact_fraction") for result in results.values()]
     symmetry.compare("contact fraction before the coalescence, dip in the middle", before[1], before[0],
-                     quantity=Quantity.AREA, required=1e-12, because="rounding")  # fmt: skip
+                     quantity=Quantity.AREA, required=1e-12, because="rounding")
     places = [[*(sum(state.edges[0]) / 2 for state in result.targets[3:]),
                *(event.position for event in result.events if event.kind == "coalescence")]
-              for result in results.values()]  # fmt: skip
+              for result in results.values()]
     off = np.array(places) / PERIOD - np.array(list(results))[:, None]
     symmetry.compare("middle of the patch and place of the coalescence, from the dip, over the period",
                      off - np.round(off), 0.0, quantity=Quantity.EDGES, required=1e-11,
-                     because="a fold is located to rounding of its neutral mode")  # fmt: skip
+                     because="a fold is located to rounding of its neutral mode")
 
 
 @pytest.mark.quick
@@ -153,4 +153,4 @@ def test_dip_opens(rows):
     states = solved("sinusoid", profile=profile, adhesion=None, loading=loading).targets
     rows.compare("patches before and after", values(states, "n_patches"), [1, 2], of=Code.BEM, by=Code.EXACT,
                  quantity=Quantity.COUNT, uncertainty=0.0, required=0.5, because="a count",
-                 source="the pressure of one patch vanishes in the dip at a = pi / 2")  # fmt: skip
+                 source="the pressure of one patch vanishes in the dip at a = pi / 2")

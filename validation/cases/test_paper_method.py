@@ -21,7 +21,7 @@ STEPS = 30  # of penetration on the rough path
 METHOD = "the paper's method: graded cells, Gauss-Seidel, Polak-Ribiere; extrapolated"
 LAYER = {"solid": {"poisson_ratio": 0.45}, "layer": {"thickness": 0.002},
          "profile": {"orders": [1, 2], "amplitudes": [2e-5, 6e-5], "phases": [0.3, 0.0]},
-         "adhesion": {"work_of_adhesion": 0.05, "slope_term": False}, "loading": {"targets": [5e-5]}}  # fmt: skip
+         "adhesion": {"work_of_adhesion": 0.05, "slope_term": False}, "loading": {"targets": [5e-5]}}
 ROUGH = {"profile": {"harmonics": 60}, "loading": {"control": "penetration", "targets": [5.8e-5]}}
 MANY = {"profile": {"harmonics": 300}, "loading": {"targets": [25e-6]}}
 
@@ -30,7 +30,7 @@ def surface_of(name, tables):
     """Return the surface as the paper's method takes it: raw numbers."""
     problem = problem_of(posed(name, **tables), "the paper's method", "layer", "adhesion")
     return Surface(problem.youngs_modulus, problem.poisson_ratio, problem.period, problem.orders, problem.amplitudes,
-                   problem.phases, problem.work_of_adhesion or 0.0, problem.slope_term, problem.thickness)  # fmt: skip
+                   problem.phases, problem.work_of_adhesion or 0.0, problem.slope_term, problem.thickness)
 
 
 def limit(coarse, middle, fine):
@@ -56,21 +56,21 @@ def audit(rows, state, surface, edges, cells):
     own, period = state.error_estimate, surface.period
     both = rows.between(Code.BEM, Code.PAPER, METHOD)
     both.compare("patches on every grid", [state.n_patches] * len(states), [len(each.edges) for each in states],
-                 quantity=Quantity.COUNT, uncertainty=(0.0, 0.0), required=0.5, because="a count")  # fmt: skip
+                 quantity=Quantity.COUNT, uncertainty=(0.0, 0.0), required=0.5, because="a count")
     for name, quantity, unit, per in (("contact_fraction", Quantity.AREA, "", 1.0),
                                       ("mean_pressure", Quantity.PRESSURE, "Pa", 1.0),
-                                      ("elastic_energy", Quantity.ENERGY, "J/m^2", period)):  # fmt: skip
+                                      ("elastic_energy", Quantity.ENERGY, "J/m^2", period)):
         value, spread = limit(*(getattr(each, name) / per for each in states))
         both.compare(name.replace("_", " "), getattr(state, name), value, quantity=quantity, unit=unit,
-                     uncertainty=(getattr(own, name), spread))  # fmt: skip
+                     uncertainty=(getattr(own, name), spread))
     value, spread = limit(*(listed(each.edges, period) for each in states))
     both.compare("edges", listed(state.edges, period), value, quantity=Quantity.EDGES, unit="m",
-                 uncertainty=(own.contact_fraction * period, float(spread.max())))  # fmt: skip
+                 uncertainty=(own.contact_fraction * period, float(spread.max())))
     sizes = [each.unknowns for each in states]
     rows.curves("Contact fraction of the paper's method less that of boundary elements", "cells", "difference",
                 {"paper's method": (sizes, [abs(each.contact_fraction - state.contact_fraction) for each in states]),
                  "second order": (sizes, [abs(states[-1].contact_fraction - state.contact_fraction)
-                                          * (sizes[-1] / n) ** 2 for n in sizes])}, log="xy")  # fmt: skip
+                                          * (sizes[-1] / n) ** 2 for n in sizes])}, log="xy")
 
 
 @pytest.mark.quick

@@ -40,18 +40,18 @@ def test_increment(rows):
         ("event", coarse.events, fine.events,
          {"penetration": (Quantity.LENGTH, "m"), "mean_pressure": (Quantity.PRESSURE, "Pa"),
           "energy_released": (Quantity.ENERGY, "J/m^2")}),
-    ):  # fmt: skip
+    ):
         for name, (quantity, unit) in names.items():
             value, reference = (np.nan_to_num(values(each, name)) for each in (states, others))
             words = name.replace("n_patches", "patches").replace("_", " ")
             finer.compare(f"{words} of every {place}", value, reference, quantity=quantity, unit=unit,
                           required=1e-9 * np.max(np.abs(reference)),
-                          because="nine digits: events are located, not stepped over")  # fmt: skip
+                          because="nine digits: events are located, not stepped over")
     rows.count("evaluations", sum(state.evaluations for state in coarse.states), of=Code.BEM)
     rows.curves("Contact fraction at targets for two increments", "separation / um", "contact fraction",
                 {f"increment {increment} rms heights": (values(result.targets, "separation") * 1e6,
                                                         values(result.targets, "contact_fraction"))
-                 for increment, result in zip(INCREMENTS, (coarse, fine), strict=True)})  # fmt: skip
+                 for increment, result in zip(INCREMENTS, (coarse, fine), strict=True)})
 
 
 @pytest.mark.quick
@@ -62,17 +62,17 @@ def test_first_state_at_a_load(rows):
     stops, spacing = (70e-6, 56e-6, 42e-6), 0.05e-6
     loads = sorted([*twice, 2000.0, 2002.0])  # the last two within one increment
     loading = {"start": stops[0], "stop": stops[2], "count": 3, "then_back_to": stops[0], "targets": None,
-               "at_mean_pressures": loads}  # fmt: skip
+               "at_mean_pressures": loads}
     states = solved("rough_100", adhesion=adhesion, loading=loading).targets
     asked = [[abs(state.mean_pressure / load - 1) < 1e-6 for load in loads] for state in states]
     at_load = np.any(asked, axis=1)
     scene = rows.between(Code.BEM, Code.IDENTITY, "the scene", "construction")
     scene.compare("mean pressures asked for, in order", values(states, "mean_pressure")[at_load],
                   [*loads, *loads[::-1]], quantity=Quantity.PRESSURE, unit="Pa", required=1e-8,
-                  because="tolerance of the scene")  # fmt: skip
+                  because="tolerance of the scene")
     scene.compare("separations asked for, in order", values(states, "separation")[~at_load],
                   [*stops, *stops[-2::-1]], quantity=Quantity.LENGTH, unit="m", required=1e-15,
-                  because="rounding")  # fmt: skip
+                  because="rounding")
     first, bracketed = [], []
     for load, middle in twice.items():
         near = (middle + spacing * np.arange(8, -9, -1)).tolist()
@@ -85,7 +85,7 @@ def test_first_state_at_a_load(rows):
         )
     scene.compare("contact fraction at loads that occur twice", first, bracketed, quantity=Quantity.AREA,
                   required=1e-3 * np.array(bracketed), because="linear between states 0.05 um apart, next to a fold",
-                  source="states between which the load is first passed")  # fmt: skip
+                  source="states between which the load is first passed")
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ class Ripples:
         """Solve the path to penetrations in m."""
         profile = {name: list(getattr(self, name)) for name in ("orders", "amplitudes", "phases")}
         return solved("sinusoid", profile=profile, adhesion={"work_of_adhesion": self.work},
-                      loading={"targets": targets}, accuracy={"max_increment": 0.02, "tolerance": None})  # fmt: skip
+                      loading={"targets": targets}, accuracy={"max_increment": 0.02, "tolerance": None})
 
     def state(self, edges, penetration):
         """Return the state of given patches, (n, 2) in m, at a penetration in m."""
@@ -138,9 +138,9 @@ def test_patch_that_stands(rows):
     rest = pairs.relaxed(pairs.relaxed(np.array(before.edges), fold - 0.02e-6), between)
     motion = rows.between(Code.BEM, Code.IDENTITY, "overdamped motion of the edges", "construction")
     motion.compare("patches before and after", [before.n_patches, last.n_patches], [5, len(rest)],
-                   quantity=Quantity.COUNT, required=0.5, because="a count")  # fmt: skip
+                   quantity=Quantity.COUNT, required=0.5, because="a count")
     motion.compare("contact fraction after", last.contact_fraction, float(np.sum(np.diff(rest))) / 0.01,
-                   quantity=Quantity.AREA, required=1e-10, because="Newton ends the motion at rounding")  # fmt: skip
+                   quantity=Quantity.AREA, required=1e-10, because="Newton ends the motion at rounding")
 
 
 @pytest.mark.quick
@@ -153,4 +153,4 @@ def test_first_of_equal_patches_detaches(rows):
     rows.compare("patches before and after", [first.n_patches, after.n_patches],
                  [7, len(equal.relaxed(edges, around[1]))], of=Code.BEM, by=Code.IDENTITY, quantity=Quantity.COUNT,
                  kind="construction", required=0.5, because="a count",
-                 source="overdamped motion of the edges")  # fmt: skip
+                 source="overdamped motion of the edges")

@@ -25,7 +25,7 @@ def tables(harmonics, seed, loads, layer=True):
     """Return the changes of the scene rough_100."""
     return {"profile": {"harmonics": harmonics, "seed": seed}, "adhesion": None, "accuracy": {"tolerance": 1e-9},
             "layer": {"thickness": 0.02} if layer else None,
-            "loading": {"control": "mean_pressure", "targets": [load * MODULUS for load in loads]}}  # fmt: skip
+            "loading": {"control": "mean_pressure", "targets": [load * MODULUS for load in loads]}}
 
 
 @pytest.mark.parametrize(
@@ -34,7 +34,7 @@ def tables(harmonics, seed, loads, layer=True):
                   marks=pytest.mark.quick),
      pytest.param(20, "P2/P1", {"contact_fraction": (1.16, 1.50), "separation": (1.05, 1.33)}, id="20",
                   marks=pytest.mark.standard)],
-)  # fmt: skip
+)
 def test_rough_profile(rows, harmonics, elements, bands):
     """What do boundary elements, finite elements and Persson's theory say of one rough profile?"""
     both = compare_equilibria(posed("rough_100", **tables(harmonics, SEED, LOADS[-1:])), elements, None)
@@ -50,11 +50,11 @@ def test_rough_profile(rows, harmonics, elements, bands):
         rows.known(f"{name.replace('_', ' ')}, mean of {REALISATIONS} realisations over the theory",
                    answers.mean(axis=0)[-1], expected[-1], band=bands[name], of=Code.BEM, by=Code.THEORY,
                    quantity=quantity, cause=CAUSE, source="Persson 2001",
-                   uncertainty=(spread[-1], 1e-6 * expected[-1]))  # fmt: skip
+                   uncertainty=(spread[-1], 1e-6 * expected[-1]))
         ratios[f"{name.replace('_', ' ')}, mean"] = LOADS, answers.mean(axis=0) / expected
         ratios[f"{name.replace('_', ' ')}, this realisation"] = LOADS, answers[SEED] / expected
         if both.fem is not None:
             ratio = float(getattr(both.fem, name)) / expected[-1]
             ratios[f"{name.replace('_', ' ')}, finite elements"] = LOADS[-1:], [ratio]
     rows.curves("Both codes over Persson's theory", "load / E*", "over the theory", ratios,
-                front=True)  # fmt: skip
+                front=True)

@@ -43,7 +43,7 @@ def test_closed_forms_without_adhesion(rows):
     m = np.arange(1, 41)
     amplitudes, load, modulus = 50e-6 * m**-1.2 / np.sqrt(np.sum(m**-2.4) / 2), 0.01, E / (1 - 0.3**2)
     contact = persson.solve_nonadhesive(persson.DiscreteSpectrum(Q0 * m, amplitudes), load * modulus, youngs_modulus=E,
-                                        poisson_ratio=0.3)  # fmt: skip
+                                        poisson_ratio=0.3)
     q, steps = Q0 * m, (Q0 * m * amplitudes) ** 2 / 2
     ends = np.cumsum(steps)
     node, weight = np.polynomial.legendre.leggauss(200)
@@ -59,7 +59,7 @@ def test_closed_forms_without_adhesion(rows):
     ):
         quadrature.compare(name.replace("_", " "), getattr(contact, name), reference, quantity=quantity, unit=unit,
                            uncertainty=1e-13 * reference, required=1e-12 * reference,
-                           because="rounding of sums of 8000 terms")  # fmt: skip
+                           because="rounding of sums of 8000 terms")
 
 
 @pytest.mark.quick
@@ -68,12 +68,12 @@ def test_two_routes(rows, spectrum):
     """Do finite volumes and the integral equation, each with its own fixed point, give the same area?"""
     loads = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2)
     volumes, integral = (np.array([adhesive(spectrum, load, route=route).contact_fraction for load in loads])
-                         for route in ("finite_volumes", "volterra"))  # fmt: skip
+                         for route in ("finite_volumes", "volterra"))
     rows.compare("contact fraction, 0.001 to 0.2 E*", volumes, integral, of=Code.THEORY, by=Code.THEORY,
                  quantity=Quantity.AREA, kind="construction", required=1e-5 * integral, because=FIVE_DIGITS,
-                 source="integral equation")  # fmt: skip
+                 source="integral equation")
     rows.curves("Area of the theory with adhesion by two routes", "load / E*", "A / A0",
-                {"finite volumes": (loads, volumes), "integral equation": (loads, integral)}, log="xy")  # fmt: skip
+                {"finite volumes": (loads, volumes), "integral equation": (loads, integral)}, log="xy")
 
 
 @pytest.mark.quick
@@ -81,12 +81,12 @@ def test_energies_by_two_routes(rows):
     """Do finite volumes and the integral equation store the same energies?"""
     spectrum = persson.DiscreteSpectrum.self_affine(Q0, 0.7, 50e-6, 30)
     volumes, integral = (adhesive(spectrum, 1e4 / MODULUS, route=route, poisson_ratio=0.3)
-                         for route in ("finite_volumes", "volterra"))  # fmt: skip
+                         for route in ("finite_volumes", "volterra"))
     for name in ("elastic_energy", "adhesion_energy"):
         reference = getattr(integral, name)
         rows.compare(name.replace("_", " "), getattr(volumes, name), reference, of=Code.THEORY, by=Code.THEORY,
                      quantity=Quantity.ENERGY, unit="J/m^2", kind="construction", required=1e-5 * abs(reference),
-                     because=FIVE_DIGITS, source="integral equation")  # fmt: skip
+                     because=FIVE_DIGITS, source="integral equation")
 
 
 @pytest.mark.quick
@@ -95,10 +95,10 @@ def test_refinement(rows, spectrum):
     """Does halving every step leave the area?"""
     loads = (0.005, 0.02, 0.1)
     default, half = (np.array([adhesive(spectrum, load, resolution=factor).contact_fraction for load in loads])
-                     for factor in (1.0, 2.0))  # fmt: skip
+                     for factor in (1.0, 2.0))
     rows.compare("contact fraction at 0.005, 0.02 and 0.1 E*", default, half, of=Code.THEORY, by=Code.THEORY,
                  quantity=Quantity.AREA, kind="construction", required=1e-5 * half, because=FIVE_DIGITS,
-                 source="every step halved")  # fmt: skip
+                 source="every step halved")
 
 
 @pytest.mark.quick
@@ -110,14 +110,14 @@ def test_load_balance(rows, spectrum):
     absorbed = np.concatenate([[0.0], np.cumsum((barrier[1:] + barrier[:-1]) / 2 * -np.diff(state.areas))]) / 0.02
     gained = PchipInterpolator(state.slope_variances, absorbed)
     orders = [m for m in (1, 3, 10, 30, 100, 200, 250, 275, 300, 400, 450, 500, 600, 700, 800, 900, 1000)
-              if m * Q0 <= spectrum.wavenumbers[-1] and spectrum.resolved_variance(m * Q0) > 0]  # fmt: skip
+              if m * Q0 <= spectrum.wavenumbers[-1] and spectrum.resolved_variance(m * Q0) > 0]
     carried = [float(state.stress_distribution(m * Q0).load[0]) / 0.02 for m in orders]
     due = [1 + float(gained(spectrum.resolved_variance(m * Q0))) for m in orders]
     rows.compare("int sigma P / sigma_0 at magnifications up to all roughness", carried, due, of=Code.THEORY,
                  by=Code.IDENTITY, quantity=Quantity.PRESSURE, kind="construction", required=1e-5,
-                 because=FIVE_DIGITS, source="stress absorbed at the barrier")  # fmt: skip
+                 because=FIVE_DIGITS, source="stress absorbed at the barrier")
     rows.curves("Stress carried at each magnification, 0.02 E*", "q / q0", "int sigma P / sigma_0",
-                {"carried": (orders, carried), "1 + absorbed": (orders, due)}, log="x")  # fmt: skip
+                {"carried": (orders, carried), "1 + absorbed": (orders, due)}, log="x")
 
 
 @pytest.mark.quick
@@ -130,4 +130,4 @@ def test_paper_case(rows):
         for words, state in (("with adhesion", wet), ("without adhesion", dry)):
             rows.count(f"contact fraction at {load} E*, {words}", state.contact_fraction, 1e-4, of=Code.THEORY)
             rows.count(f"separation over h_rms at {load} E*, {words}", state.separation / spectrum.h_rms, 1e-3,
-                       of=Code.THEORY)  # fmt: skip
+                       of=Code.THEORY)

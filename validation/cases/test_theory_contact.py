@@ -43,16 +43,16 @@ def test_magnification(rows):
                  [states[0.02].contact_fraction_at(m * Q0) for m in resolved],
                  [integral.contact_fraction_at(m * Q0) for m in resolved], of=Code.THEORY, by=Code.THEORY,
                  quantity=Quantity.AREA, kind="construction", required=1e-5, because=FIVE_DIGITS,
-                 source="integral equation")  # fmt: skip
+                 source="integral equation")
     rows.curves("Contact fraction left when wavenumbers up to zeta q0 are resolved", "zeta = q / q0", "A / A0",
                 {f"{load} E*": (zeta, [state.contact_fraction_at(z * Q0) for z in zeta])
                  for load, state in states.items()}
                 | {f"{load} E*, no adhesion": (zeta, [dry(LINES, load).contact_fraction_at(z * Q0) for z in zeta])
-                   for load in states}, log="xy")  # fmt: skip
+                   for load in states}, log="xy")
     variances = [LINES.resolved_variance(z * Q0) for z in zeta]
     rows.curves("Effective work of adhesion at each magnification", "zeta = q / q0", "gamma_eff / gamma",
                 {f"{load} E*": (zeta, np.interp(variances, s.slope_variances, s.effective_work) / s.work_of_adhesion)
-                 for load, s in states.items()}, log="x")  # fmt: skip
+                 for load, s in states.items()}, log="x")
 
 
 @pytest.mark.quick
@@ -65,7 +65,7 @@ def test_stress_distribution(rows):
     rows.compare("int P dsigma at 0.1 E*", float(states[0.1].stress_distribution().area[0]),
                  adhesive(LINES, 0.1, route="volterra").contact_fraction, of=Code.THEORY, by=Code.THEORY,
                  quantity=Quantity.AREA, kind="construction", required=1e-5, because=FIVE_DIGITS,
-                 source="A/A0 by the integral equation")  # fmt: skip
+                 source="A/A0 by the integral equation")
     lines = []
     for load, state in states.items():
         top = state.mean_pressure + 5.0 * LINES.slope_rms / 2 * MODULUS
@@ -73,14 +73,14 @@ def test_stress_distribution(rows):
         density = state.pressure_distribution(stress)
         fit = persson.fit_double_gaussian(stress, density, state.mean_pressure)
         lines.append([load, state.contact_fraction, state.detachment_stress / MODULUS, fit.detachment_stress / MODULUS,
-                      fit.diffusivity * 8 * load**2 / LINES.total_slope_variance, fit.residual])  # fmt: skip
+                      fit.diffusivity * 8 * load**2 / LINES.total_slope_variance, fit.residual])
         if load == 0.1:
             rows.curves("Stress distribution at 0.1 E* and its double Gaussian", "stress / E*", "P E*",
                         {"theory": (stress / MODULUS, density * MODULUS),
-                         "double Gaussian": (stress / MODULUS, fit(stress) * MODULUS)})  # fmt: skip
+                         "double Gaussian": (stress / MODULUS, fit(stress) * MODULUS)})
     rows.table("The double Gaussian fitted to the theory; its barrier moves, so that P is no double Gaussian",
                ["load / E*", "A / A0", "sigma_a / E*", "fitted sigma_a / E*", "fitted G / G", "residual"],
-               lines)  # fmt: skip
+               lines)
 
 
 @pytest.mark.quick
@@ -94,12 +94,12 @@ def test_work_of_the_load(rows):
     rows.compare("-dU_tot/ds over sigma_0 at 0.005 and 0.02 E*", ratios, 1.0, of=Code.THEORY, by=Code.IDENTITY,
                  quantity=Quantity.PRESSURE, kind="construction", required=1e-3,
                  because="central differences over 4 % of the load leave (0.02)^2",
-                 source="s is integrated from dU_tot / sigma")  # fmt: skip
+                 source="s is integrated from dU_tot / sigma")
     loads = np.geomspace(0.001, 0.1, 13)
     wet = np.array([adhesive(LINES, load, with_separation=True).separation for load in loads]) / LINES.h_rms
     without = np.array([dry(LINES, load).separation for load in loads]) / LINES.h_rms
     rows.curves("Load against separation of the mean planes", "separation / h_rms", "load / E*",
-                {"with adhesion": (wet, loads), "no adhesion": (without, loads)}, log="y")  # fmt: skip
+                {"with adhesion": (wet, loads), "no adhesion": (without, loads)}, log="y")
 
 
 @pytest.mark.quick
@@ -109,16 +109,16 @@ def test_power_laws(rows):
     state, without, q = adhesive(spectrum, 0.005), dry(spectrum, 0.005), spectrum.wavenumbers
     negligible = (q > 300 * Q0) & (spectrum.slope_variance < state.fields.onset())
     for name, power, exponent in (("displacement", state.displacement_power(), -2.7),
-                                  ("pressure", state.pressure_power(), -0.7)):  # fmt: skip
+                                  ("pressure", state.pressure_power(), -0.7)):
         (fitted, _), covariance = np.polyfit(np.log(q[negligible]), np.log(power[negligible]), 1, cov=True)
         rows.compare(f"exponent of the {name} spectrum", fitted, exponent, of=Code.THEORY, by=Code.RATE,
                      quantity=Quantity.RATE, uncertainty=2 * float(np.sqrt(covariance[0, 0])), required=0.02,
-                     because="the law is asymptotic: A(q) still falls towards q^-(1 - H)", source=PAPER)  # fmt: skip
+                     because="the law is asymptotic: A(q) still falls towards q^-(1 - H)", source=PAPER)
     unit = float(spectrum.power[0])
     rows.curves("Power spectra at 0.005 E*, H = 0.7", "q / q0", "C / C(q0)",
                 {"profile": (q / Q0, spectrum.power / unit),
                  "displacement, with adhesion": (q / Q0, state.displacement_power() / unit),
-                 "displacement, no adhesion": (q / Q0, without.displacement_power() / unit)}, log="xy")  # fmt: skip
+                 "displacement, no adhesion": (q / Q0, without.displacement_power() / unit)}, log="xy")
 
 
 @pytest.mark.quick
@@ -133,10 +133,10 @@ def test_contact_at_short_wavelengths(rows):
         curves[f"H = {hurst}"] = zeta, [state.contact_fraction_at(z * Q0) for z in zeta]
     rows.compare("d ln A / d ln q at 1e4 to 3e4 q0, H = 0.6 and 0.7", [slopes[0.6], slopes[0.7]], 0.0, of=Code.THEORY,
                  by=Code.RATE, quantity=Quantity.RATE, uncertainty=1e-4, required=0.03,
-                 because="a tenth of the exponent -(1 - H) without adhesion", source=PAPER)  # fmt: skip
+                 because="a tenth of the exponent -(1 - H) without adhesion", source=PAPER)
     rows.known("d ln A / d ln q at 1e4 to 3e4 q0 over -(1 - H), H = 0.3 and 0.4", [slopes[0.3], slopes[0.4]],
                [-0.7, -0.6], band=(0.85, 1.02), of=Code.THEORY, by=Code.RATE, quantity=Quantity.RATE,
                uncertainty=(1e-4, 0.0), source=PAPER,
-               cause="for H < 1/2 adhesion loses against the elastic energy of ever finer roughness")  # fmt: skip
+               cause="for H < 1/2 adhesion loses against the elastic energy of ever finer roughness")
     rows.curves("Contact fraction over magnification, h_rms = 5 um, 0.02 E*", "q / q0", "A / A0", curves,
-                log="xy")  # fmt: skip
+                log="xy")

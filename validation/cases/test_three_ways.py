@@ -53,15 +53,15 @@ def scalars(state, fem):
     own = state.error_estimate
     energy = WAVE.elastic_energy(PSI)
     yield ("contact fraction", Quantity.AREA, "", (0.5, HALF_SPACE), (state.contact_fraction, own.contact_fraction),
-           (fem.contact_fraction, uncertain(fem, "contact_fraction")))  # fmt: skip
+           (fem.contact_fraction, uncertain(fem, "contact_fraction")))
     yield ("penetration", Quantity.LENGTH, "m", (float(WAVE.penetration(PSI)), HALF_SPACE * DEPTH),
-           (state.penetration, own.penetration), (fem.penetration, uncertain(fem, "penetration")))  # fmt: skip
+           (state.penetration, own.penetration), (fem.penetration, uncertain(fem, "penetration")))
     yield ("edges", Quantity.EDGES, "m", ([-HALF, HALF], HALF_SPACE * PERIOD),
            (from_crest(state.edges[0]), own.contact_fraction * PERIOD),
-           (from_crest(fem.edges[0]), uncertain(fem, "edges")))  # fmt: skip
+           (from_crest(fem.edges[0]), uncertain(fem, "edges")))
     yield ("elastic energy", Quantity.ENERGY, "J/m^2", (energy, HALF_SPACE * energy),
            (state.elastic_energy, own.elastic_energy),
-           (fem.elastic_energy / PERIOD, uncertain(fem, "elastic_energy") / PERIOD))  # fmt: skip
+           (fem.elastic_energy / PERIOD, uncertain(fem, "elastic_energy") / PERIOD))
 
 
 @pytest.mark.quick
@@ -75,7 +75,7 @@ def test_any_two_answers_agree(rows, state, fem):
             (Code.BEM, Code.FEM, ours, theirs, by_fem),
         ):
             rows.compare(name, first[0], second[0], of=of, by=by, quantity=quantity, unit=unit, source=source,
-                         uncertainty=(first[1], second[1]))  # fmt: skip
+                         uncertainty=(first[1], second[1]))
     rows.count("unknowns", state.unknowns, of=Code.BEM)
     rows.count("unknowns", fem.unknowns, of=Code.FEM)
 
@@ -95,14 +95,14 @@ def test_fields_agree_at_points(rows, state, fem):
          fem.interface.pressure[inside], np.max(np.asarray(fem.uncertainty["pressure"])[inside])),
         ("gap", "m", DEPTH, WAVE.gap(nodes[outside], PSI), gap(x[outside]), fem.gap(x[outside]),
          np.max(np.asarray(fem.uncertainty["gap"])[outside])),
-    ):  # fmt: skip
+    ):
         rows.compare(name, ours, exact, of=Code.BEM, by=Code.EXACT, quantity=Quantity.POINTS, unit=unit,
                      uncertainty=1e-9 * scale, required=1e-10 * scale, because=TEN_DIGITS,
-                     source="Johnson 1995")  # fmt: skip
+                     source="Johnson 1995")
         rows.compare(name, theirs, exact, of=Code.FEM, by=Code.EXACT, quantity=Quantity.POINTS, unit=unit,
-                     uncertainty=(spread, HALF_SPACE * scale), source="Johnson 1995")  # fmt: skip
+                     uncertainty=(spread, HALF_SPACE * scale), source="Johnson 1995")
         rows.compare(name, ours, theirs, of=Code.BEM, by=Code.FEM, quantity=Quantity.POINTS, unit=unit,
-                     uncertainty=(1e-9 * scale, spread), source=f"P4/P3, {fem.unknowns} unknowns")  # fmt: skip
+                     uncertainty=(1e-9 * scale, spread), source=f"P4/P3, {fem.unknowns} unknowns")
     on, off = np.linspace(-0.97, 0.97, 161) * HALF, np.linspace(HALF * 1.0001, PERIOD / 2, 121)
     shown, beside = np.abs(nodes) < 0.97 * HALF, nodes > HALF * (1 + 1e-9)
     rows.curves("One adhesive wave by two codes and Johnson's closed form", "x / period, from the crest",
@@ -112,4 +112,4 @@ def test_fields_agree_at_points(rows, state, fem):
                  "pressure, Johnson": (on / PERIOD, WAVE.pressure(on, PSI) / STAR),
                  "gap, boundary elements": (off / PERIOD, gap(CREST + off) / DEPTH),
                  "gap, finite elements": (nodes[beside] / PERIOD, fem.interface.gap[beside] / DEPTH),
-                 "gap, Johnson": (off / PERIOD, WAVE.gap(off, PSI) / DEPTH)}, front=True)  # fmt: skip
+                 "gap, Johnson": (off / PERIOD, WAVE.gap(off, PSI) / DEPTH)}, front=True)

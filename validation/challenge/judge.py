@@ -24,11 +24,18 @@ from validation.report.pages import ReportError
 
 FOLDER = Path(__file__).parent / "problems"
 COLUMNS = {  # of the matrix, by the beginning of a quantity
-    "contact_fraction": Quantity.AREA, "gap_fraction": Quantity.AREA, "mean_pressure": Quantity.PRESSURE,
-    "separation": Quantity.LENGTH, "penetration": Quantity.LENGTH, "edges": Quantity.EDGES, "patches": Quantity.COUNT,
-    "elastic_energy": Quantity.ENERGY, "energy": Quantity.ENERGY, "stress_intensity": Quantity.INTENSITY,
+    "contact_fraction": Quantity.AREA,
+    "gap_fraction": Quantity.AREA,
+    "mean_pressure": Quantity.PRESSURE,
+    "separation": Quantity.LENGTH,
+    "penetration": Quantity.LENGTH,
+    "edges": Quantity.EDGES,
+    "patches": Quantity.COUNT,
+    "elastic_energy": Quantity.ENERGY,
+    "energy": Quantity.ENERGY,
+    "stress_intensity": Quantity.INTENSITY,
     "spectrum": Quantity.SPECTRUM,
-}  # fmt: skip
+}
 RUN = """
 import importlib, json, sys
 import numpy as np
@@ -70,10 +77,20 @@ def judge(rows: Rows, name: str, given: dict[str, Any], digits: float, of: Code 
             rows.not_converged(title, f"not numbers: {str(values)[:60]}", of=of, by=Code.PUBLISHED, quantity=column)
             continue
         spread, own = np.asarray(key["uncertainty"], float), of == Code.BEM and key["made"] != "closed form"
-        rows.compare(title, numbers, key["value"] if numbers.size == len(spread) else [], of=of,
-                     by=Code.PUBLISHED, quantity=column, unit=key["unit"], uncertainty=(0.0, spread.max()),
-                     required=10.0**-digits * key["scale"] + spread.max(), because=f"{digits:g} digits of the scale",
-                     source=key["made"], kind="construction" if own else "accuracy")  # fmt: skip
+        rows.compare(
+            title,
+            numbers,
+            key["value"] if numbers.size == len(spread) else [],
+            of=of,
+            by=Code.PUBLISHED,
+            quantity=column,
+            unit=key["unit"],
+            uncertainty=(0.0, spread.max()),
+            required=10.0**-digits * key["scale"] + spread.max(),
+            because=f"{digits:g} digits of the scale",
+            source=key["made"],
+            kind="construction" if own else "accuracy",
+        )
 
 
 def solved(solver: str, name: str, folder: Path, limit: float) -> dict[str, Any]:
@@ -99,8 +116,10 @@ def submitted(path: Path) -> dict[str, dict[str, Any]]:
         raise ReportError(f"--submission {path}: {error}") from error
     unknown = [name for name in content if name not in names()] if isinstance(content, dict) else []
     if not isinstance(content, dict) or not all(isinstance(answers, dict) for answers in content.values()) or unknown:
-        raise ReportError(f"--submission {path}: needs {{problem: {{quantity: number or list}}}} with problems of "
-                          f"`challenge list`{': not ' + ', '.join(unknown) if unknown else ''}")  # fmt: skip
+        raise ReportError(
+            f"--submission {path}: needs {{problem: {{quantity: number or list}}}} with problems of "
+            f"`challenge list`{': not ' + ', '.join(unknown) if unknown else ''}"
+        )
     return content
 
 
@@ -116,8 +135,11 @@ def _judge(options: argparse.Namespace) -> int:
     for name in chosen:
         rows, message, begun = Rows(), "", time.monotonic()
         try:
-            given = answers.get(name, {}) if options.solver is None else solved(
-                options.solver, name, options.out, options.time_limit)  # fmt: skip
+            given = (
+                answers.get(name, {})
+                if options.solver is None
+                else solved(options.solver, name, options.out, options.time_limit)
+            )
             judge(rows, name, given, options.digits)
         except ReportError as error:
             message = str(error)

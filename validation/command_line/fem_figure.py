@@ -30,8 +30,10 @@ def deformed_mesh(result: Result) -> Figure:
     moved = np.column_stack([x, y]) + factor * mesh.point_data["displacement"][:, :2]
     shown = y[corners].min(axis=1) < SHOWN * problem.period
     sides = np.diff(np.column_stack([x[corners], x[corners[:, :1]]]), axis=1)
-    area = 0.5 * np.abs(sides[:, 0] * (y[corners[:, 2]] - y[corners[:, 0]])
-                        - (x[corners[:, 2]] - x[corners[:, 0]]) * (y[corners[:, 1]] - y[corners[:, 0]]))  # fmt: skip
+    area = 0.5 * np.abs(
+        sides[:, 0] * (y[corners[:, 2]] - y[corners[:, 0]])
+        - (x[corners[:, 2]] - x[corners[:, 0]]) * (y[corners[:, 1]] - y[corners[:, 0]])
+    )
     order = np.argsort(stress[shown])
     share = np.cumsum(area[shown][order]) / np.sum(area[shown])
     low, high = (float(stress[shown][order][np.searchsorted(share, at)]) for at in (0.5 * BEYOND, 1 - 0.5 * BEYOND))

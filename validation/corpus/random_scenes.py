@@ -46,14 +46,20 @@ EXTREMES: Changes = {
 }
 MISTAKES: Changes = {
     "solid": {"youngs_modulus": [0.0], "poisson_ratio": [-1.0, 0.5 + 1e-15]},
-    "profile": {"period": [0.0], "hurst": [0.0, 1.0], "harmonics": [0], "seed": [-1], "orders": [[0]],
-                "file": ["absent.csv"]},
+    "profile": {
+        "period": [0.0],
+        "hurst": [0.0, 1.0],
+        "harmonics": [0],
+        "seed": [-1],
+        "orders": [[0]],
+        "file": ["absent.csv"],
+    },
     "layer": {"thickness": [0.0]},
     "adhesion": {"work_of_adhesion": [0.0]},
     "loading": {"control": ["force"], "targets": [[]], "count": [1]},
     "accuracy": {"tolerance": [0.999e-12, 1.001e-2], "max_increment": [0.0]},
     "output": {"shape": [[0.0]]},
-}  # fmt: skip
+}
 OF_KIND = {"orders": "harmonics", "file": "samples"} | dict.fromkeys(
     ("hurst", "rms_height", "seed", "harmonics"), "self_affine"
 )  # keys that only one kind of profile has

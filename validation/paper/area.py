@@ -96,8 +96,12 @@ def _straightness(evidence: Evidence) -> Statement:
     return evidence.statement(
         "text: the theory is linear up to 15 to 20 % of the nominal area",
         "A/p of the theory at A/A0 = 15 and 20 % over A/p at 0.001 E*, less 1, farthest without and with adhesion",
-        (max([*departures(dry), *departures(wet)], key=abs), 0.0), 0.0, 0.02, overlapping,
-        "excluded: areas that overlap at random")  # fmt: skip
+        (max([*departures(dry), *departures(wet)], key=abs), 0.0),
+        0.0,
+        0.02,
+        overlapping,
+        "excluded: areas that overlap at random",
+    )
 
 
 def compute(evidence: Evidence) -> Topic:
@@ -111,37 +115,80 @@ def compute(evidence: Evidence) -> Topic:
     theory_slope = line_through(load[fitted], area.wet[fitted])[1]
     statement = evidence.statement
     statements = (
-        statement("abstract: the theory underestimates the area by about 50 %",
-                  "contact area over that of Persson's theory with adhesion, mean of 0.005 to 0.025 E*",
-                  estimate((area.values / area.wet)[:, compared].mean(axis=1)), 2.0, 0.2, 1.0),
-        statement("abstract: the area is linear in the load also with adhesion",
-                  "curvature of the area over 0.005 to 0.025 E*, over the largest area", (bend, bend_error), 0.0, 0.015,
-                  curvature(load[fitted], np.sqrt(load[fitted])), "excluded: one Hertzian contact, A ~ sqrt p",
-                  zero=True),
-        statement("caption of the area figure: the theory's coefficient of proportionality is about half",
-                  "slope of the straight line over the slope of the theory with adhesion",
-                  (slope / theory_slope, slope_error / theory_slope), 2.0, 0.2, 1.0, CAUSE),
-        statement("abstract: about 50 % for any given load",
-                  "contact area over that of Persson's theory with adhesion at 0.001 E*",
-                  (float(area.mean[0] / area.wet[0]), float(area.error[0] / area.wet[0])), 2.0, 0.2, 1.0, CAUSE),
-        statement("caption: not significantly different; text: only marginal, the adhesion energy is small",
-                  "theory's contact area with adhesion over that without, mean of 0.005 to 0.025 E*",
-                  (float(np.mean((area.wet / area.dry)[compared])), 0.0), 1.0, 0.05, None, GAIN),
+        statement(
+            "abstract: the theory underestimates the area by about 50 %",
+            "contact area over that of Persson's theory with adhesion, mean of 0.005 to 0.025 E*",
+            estimate((area.values / area.wet)[:, compared].mean(axis=1)),
+            2.0,
+            0.2,
+            1.0,
+        ),
+        statement(
+            "abstract: the area is linear in the load also with adhesion",
+            "curvature of the area over 0.005 to 0.025 E*, over the largest area",
+            (bend, bend_error),
+            0.0,
+            0.015,
+            curvature(load[fitted], np.sqrt(load[fitted])),
+            "excluded: one Hertzian contact, A ~ sqrt p",
+            zero=True,
+        ),
+        statement(
+            "caption of the area figure: the theory's coefficient of proportionality is about half",
+            "slope of the straight line over the slope of the theory with adhesion",
+            (slope / theory_slope, slope_error / theory_slope),
+            2.0,
+            0.2,
+            1.0,
+            CAUSE,
+        ),
+        statement(
+            "abstract: about 50 % for any given load",
+            "contact area over that of Persson's theory with adhesion at 0.001 E*",
+            (float(area.mean[0] / area.wet[0]), float(area.error[0] / area.wet[0])),
+            2.0,
+            0.2,
+            1.0,
+            CAUSE,
+        ),
+        statement(
+            "caption: not significantly different; text: only marginal, the adhesion energy is small",
+            "theory's contact area with adhesion over that without, mean of 0.005 to 0.025 E*",
+            (float(np.mean((area.wet / area.dry)[compared])), 0.0),
+            1.0,
+            0.05,
+            None,
+            GAIN,
+        ),
         _straightness(evidence),
-        Statement("abstract: the discrepancy is larger than in 2D",
-                  "larger underestimate than for isotropic surfaces without adhesion", 1.0, np.nan, 0.0, 0.4,
-                  shortfall="roughness in two directions is not computed here"),
-    )  # fmt: skip
+        Statement(
+            "abstract: the discrepancy is larger than in 2D",
+            "larger underestimate than for isotropic surfaces without adhesion",
+            1.0,
+            np.nan,
+            0.0,
+            0.4,
+            shortfall="roughness in two directions is not computed here",
+        ),
+    )
     ends = [FITTED[0], FITTED[-1]]
     figure = drawn(
         "area-against-load",
         "Contact area against load: every realisation, their mean with its standard error and straight line, "
         "and both theories.",
-        axes("mean pressure $p/E^*$", "contact fraction $A/A_0$",
-             *scattered([one.path(AREA) for one in evidence.loading], LOADS, area.values),
-             trace(f"line through the mean, slope {slope:.3g}", ends, [intercept + slope * end for end in ends],
-                   "dashed", hue=0),
-             trace("Persson with adhesion", [0.0, *LOADS], [0.0, *area.wet], hue=1),
-             trace("Persson without adhesion", [0.0, *LOADS], [0.0, *area.dry], hue=2)),
-    )  # fmt: skip
+        axes(
+            "mean pressure $p/E^*$",
+            "contact fraction $A/A_0$",
+            *scattered([one.path(AREA) for one in evidence.loading], LOADS, area.values),
+            trace(
+                f"line through the mean, slope {slope:.3g}",
+                ends,
+                [intercept + slope * end for end in ends],
+                "dashed",
+                hue=0,
+            ),
+            trace("Persson with adhesion", [0.0, *LOADS], [0.0, *area.wet], hue=1),
+            trace("Persson without adhesion", [0.0, *LOADS], [0.0, *area.dry], hue=2),
+        ),
+    )
     return Topic("Is the area linear in the load, and twice the theory's?", statements, (), (figure,))

@@ -65,8 +65,9 @@ class Sample:
         """Of these values, or of the mean, from `start` on."""
         inside = self.centres > start
         chosen = self.mean if values is None else values
-        return fit_double_gaussian(self.centres[inside], chosen[inside], self.load, free_amplitude=free_amplitude,
-                                   logarithmic=logarithmic)  # fmt: skip
+        return fit_double_gaussian(
+            self.centres[inside], chosen[inside], self.load, free_amplitude=free_amplitude, logarithmic=logarithmic
+        )
 
     def over_theory(self, fit: DoubleGaussian) -> float:
         """Fitted sigma_a over the theory's."""
@@ -106,14 +107,23 @@ class Sample:
         of = f"double Gaussian fitted as printed, middle of all windows and weights, {self.load:g} E*"
         residuals, loads = [fit.residual for fit in fits], [fit.load / self.load for fit in fits]
         return [
-            evidence.statement("section 5: they differ, a factor of about 1.4 brings it closer",
-                               f"sigma_a of the double Gaussian fitted as printed, ln P from {START:g} E*, over the "
-                               f"theory's, {self.load:g} E*", (ratio, spread / 2), 2**0.5, NEARER - 1, 1.0, note),
-            evidence.statement(good, f"rms residual over the peak of P, {of}", _middle(residuals), 0.0, GOOD,
-                               note=CAUSE),
-            evidence.statement(good, f"load of the fit over the one carried, {of}", _middle(loads), 1.0, GOOD,
-                               note=CAUSE),
-        ]  # fmt: skip
+            evidence.statement(
+                "section 5: they differ, a factor of about 1.4 brings it closer",
+                f"sigma_a of the double Gaussian fitted as printed, ln P from {START:g} E*, over the "
+                f"theory's, {self.load:g} E*",
+                (ratio, spread / 2),
+                2**0.5,
+                NEARER - 1,
+                1.0,
+                note,
+            ),
+            evidence.statement(
+                good, f"rms residual over the peak of P, {of}", _middle(residuals), 0.0, GOOD, note=CAUSE
+            ),
+            evidence.statement(
+                good, f"load of the fit over the one carried, {of}", _middle(loads), 1.0, GOOD, note=CAUSE
+            ),
+        ]
 
 
 def _middle(values: Sequence[float]) -> tuple[float, float]:

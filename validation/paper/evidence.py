@@ -122,8 +122,9 @@ class Evidence:
         **kind: bool,
     ) -> Statement:
         """Return a statement that rests on the ensemble; `ours` is a number and its standard error."""
-        return Statement(where, quantity, printed, ours[0], 2 * ours[1], allowed, alternative, note, self.shortfall,
-                         **kind)  # fmt: skip
+        return Statement(
+            where, quantity, printed, ours[0], 2 * ours[1], allowed, alternative, note, self.shortfall, **kind
+        )
 
     def jumped(self) -> int:
         """Return how many loads of `LOADS` realisations jump over: there `value_at` interpolates."""

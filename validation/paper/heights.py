@@ -42,24 +42,45 @@ def compute(evidence: Evidence) -> Topic:
     fourth, fourth_error = _fourth_moment(evidence, first)
     where = "section 4: heights of the generated profiles are Gaussian"
     statements = (
-        evidence.statement(where, "skewness of the heights, mean over profiles", (skewness, skewness_error), 0.0, 0.2,
-                           1.0),
-        evidence.statement(where, "fourth moment of the heights, mean over profiles, against a Gaussian's 3",
-                           (excess + 3, excess_error), 3.0, 0.3, None, CAUSE),
-    )  # fmt: skip
+        evidence.statement(
+            where, "skewness of the heights, mean over profiles", (skewness, skewness_error), 0.0, 0.2, 1.0
+        ),
+        evidence.statement(
+            where,
+            "fourth moment of the heights, mean over profiles, against a Gaussian's 3",
+            (excess + 3, excess_error),
+            3.0,
+            0.3,
+            None,
+            CAUSE,
+        ),
+    )
     checks = (
         Check("largest rms height over the one asked for", max(rms), 1.0, 1e-12),
-        Check("excess kurtosis, mean over profiles, against -(3/2) sum h_m^4 / (sum h_m^2)^2 of independent phases",
-              excess, _excess(shared.amplitudes**2), max(0.25, 2 * excess_error)),
-        Check(f"fourth moment without the waves longer than order {first}, against a Gaussian's 3", fourth, 3.0,
-              max(0.17, 2 * fourth_error)),
-    )  # fmt: skip
+        Check(
+            "excess kurtosis, mean over profiles, against -(3/2) sum h_m^4 / (sum h_m^2)^2 of independent phases",
+            excess,
+            _excess(shared.amplitudes**2),
+            max(0.25, 2 * excess_error),
+        ),
+        Check(
+            f"fourth moment without the waves longer than order {first}, against a Gaussian's 3",
+            fourth,
+            3.0,
+            max(0.17, 2 * fourth_error),
+        ),
+    )
     centre, smooth = ((BOUNDS[1:] + BOUNDS[:-1]) / 2).tolist(), np.linspace(BOUNDS[0], BOUNDS[-1], 141)
-    figure = drawn("height-distribution",
-                   "Distribution of the heights: every profile, their mean with its standard error, the Gaussian.",
-                   axes("height $h/h_{rms}$", "density",
-                        *scattered([(centre, one) for one in density], centre, density, "profiles"),
-                        trace("Gaussian", smooth, np.exp(-(smooth**2) / 2) / np.sqrt(2 * np.pi), hue=1)))  # fmt: skip
+    figure = drawn(
+        "height-distribution",
+        "Distribution of the heights: every profile, their mean with its standard error, the Gaussian.",
+        axes(
+            "height $h/h_{rms}$",
+            "density",
+            *scattered([(centre, one) for one in density], centre, density, "profiles"),
+            trace("Gaussian", smooth, np.exp(-(smooth**2) / 2) / np.sqrt(2 * np.pi), hue=1),
+        ),
+    )
     return Topic("Are the heights of the profiles Gaussian?", statements, checks, (figure,))
 
 

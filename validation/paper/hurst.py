@@ -40,8 +40,9 @@ def compute(evidence: Evidence) -> Topic:
         statements.append(_statement(value, found, alone, said, evidence))
         bands = [banded(one, 16) for one in power]
         series += scattered(bands, bands[0][0], [y for _, y in bands], name=f"H = {value:g}, ", hue=hue)
-        series.append(trace(f"H = {value:g}, Persson's A(q)/A0", range(1, orders + 1), theory.contact_fractions,
-                            hue=hue))  # fmt: skip
+        series.append(
+            trace(f"H = {value:g}, Persson's A(q)/A0", range(1, orders + 1), theory.contact_fractions, hue=hue)
+        )
     figure = drawn(
         "short-wavelengths",
         "Part of the roughness that the solid follows, C_u / C, against the order in bands, for H = 0.8, level "
@@ -57,8 +58,15 @@ def _statement(value: float, found: Exponent, alone: Exponent, theory: float, ev
     note = f"over the theory's: {found.value / theory:.2f}; {found.reported()}; fitted to each realisation "
     note += f"{alone.value:.3f} +- {alone.error:.3f}"
     excluded = -(1 - 0.3) if value >= LEVEL else 0.0  # the fall of H = 0.3; level
-    return evidence.statement(where, f"exponent of C_u / C at short waves, H = {value:g}", (found.value, found.error),
-                              theory, min(0.25, abs(excluded - theory) / 2), excluded, note)  # fmt: skip
+    return evidence.statement(
+        where,
+        f"exponent of C_u / C at short waves, H = {value:g}",
+        (found.value, found.error),
+        theory,
+        min(0.25, abs(excluded - theory) / 2),
+        excluded,
+        note,
+    )
 
 
 def _followed(one: Realisation, orders: int) -> FloatArray:

@@ -28,8 +28,13 @@ def compute(evidence: Evidence) -> Topic:
     statement = Statement(
         "section 2: mean displacement of the layer",
         "mean displacement u_m of a layer over d (1 - 2 nu)(1 + nu) sigma_0 / (E (1 - nu))",
-        1.0, u_m / mean_displacement(state.mean_pressure), 0.0, 1e-14, SPREADING,
-        "excluded: a layer free to slide along its plate")  # fmt: skip
+        1.0,
+        u_m / mean_displacement(state.mean_pressure),
+        0.0,
+        1e-14,
+        SPREADING,
+        "excluded: a layer free to slide along its plate",
+    )
     checks = (
         Check("mean height of the face that is drawn over the separation", height, 1.0, 1e-3),  # 3.6e-4
         Check("separation and penetration over the highest crest", crest, 1.0, 1e-15),

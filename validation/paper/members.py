@@ -59,8 +59,10 @@ QUICK = Size(seeds=2, harmonics=64, fewer_harmonics=32, hurst_seeds=2)
 def loading(size: Size) -> list[Member]:
     """The ensemble that is loaded to the highest of `LOADS`."""
     output, pressures = {"spectra": True, "pressure_distribution": True}, [load * MODULUS for load in LOADS]
-    return [_member(f"loading-{seed:02d}", seed, HURST, size.harmonics, up_to(pressures, 1e-6), output)
-            for seed in range(size.seeds)]  # fmt: skip
+    return [
+        _member(f"loading-{seed:02d}", seed, HURST, size.harmonics, up_to(pressures, 1e-6), output)
+        for seed in range(size.seeds)
+    ]
 
 
 def shapes(size: Size) -> Member:
@@ -81,20 +83,32 @@ def high_load(size: Size) -> Member:
 def hurst(size: Size) -> dict[float, list[Member]]:
     """Profiles of the Hurst exponents `HURSTS`, to `HURST_LOAD`."""
     return {
-        exponent: [_member(f"hurst-{exponent:g}-{seed:02d}", seed, exponent, size.fewer_harmonics,
-                           up_to([HURST_LOAD * MODULUS * slope], 1e-6), {"spectra": True})
-                   for seed in range(size.hurst_seeds)]
+        exponent: [
+            _member(
+                f"hurst-{exponent:g}-{seed:02d}",
+                seed,
+                exponent,
+                size.fewer_harmonics,
+                up_to([HURST_LOAD * MODULUS * slope], 1e-6),
+                {"spectra": True},
+            )
+            for seed in range(size.hurst_seeds)
+        ]
         for exponent in HURSTS
         for slope in [Profile.self_affine(PERIOD, exponent, RMS_HEIGHT, size.fewer_harmonics, 0).rms_slope]
-    }  # fmt: skip
+    }
 
 
 def faint(size: Size) -> list[list[Member]]:
     """For every seed its profile with each of `FAINT_WORKS`, to the highest of `FAINT_AT`."""
     pressures, harmonics = [load * MODULUS for load in FAINT_AT], min(FAINT_HARMONICS, size.fewer_harmonics)
-    return [[_member(f"faint-{work:g}-{seed:02d}", seed, HURST, harmonics, up_to(pressures, 1e-6), {}, work)
-             for work in FAINT_WORKS]
-            for seed in range(size.hurst_seeds)]  # fmt: skip
+    return [
+        [
+            _member(f"faint-{work:g}-{seed:02d}", seed, HURST, harmonics, up_to(pressures, 1e-6), {}, work)
+            for work in FAINT_WORKS
+        ]
+        for seed in range(size.hurst_seeds)
+    ]
 
 
 def sketch() -> Member:

@@ -60,25 +60,40 @@ def sketches(found: Result, layer_id: str, heights_id: str) -> tuple[Figure, Fig
         layer_id,
         "The problem: an elastic layer of thickness d, bonded to a rigid plate, touches a rigid profile of period "
         f"λ in {state.n_patches} strips; adhesion pulls its face down beside them. A solution, drawn to scale.",
-        axes(r"$x/\lambda$", "height / mm", rigid,
-             _between("elastic layer", x, face, np.full(face.size, plate), 0), contact,
-             trace("rigid plate", [x[0], x[-1]], [plate * 1e3] * 2, hue=5),
-             _height("$d$", x[0] + 0.05, heights["free"], plate, 2)),
-    )  # fmt: skip
+        axes(
+            r"$x/\lambda$",
+            "height / mm",
+            rigid,
+            _between("elastic layer", x, face, np.full(face.size, plate), 0),
+            contact,
+            trace("rigid plate", [x[0], x[-1]], [plate * 1e3] * 2, hue=5),
+            _height("$d$", x[0] + 0.05, heights["free"], plate, 2),
+        ),
+    )
     described = drawn(
         heights_id,
         "Heights above the mean plane of the profile: the highest crest h_max, the mean plane of the deformed face at "
         "the separation s, the penetration Δ = h_max - s, and the mean displacement u_m of the face, which a layer "
         "that can be compressed has under its mean pressure, a half-space not.",
-        axes(r"$x/\lambda$", "height / mm", rigid, trace("face of the layer", x, face * 1e3, hue=0), contact,
-             *(trace(label, [x[0], x[-1]], [y * 1e3] * 2, "dashed", hue)
-               for label, y, hue in (("mean plane of the face", heights["face"], 0),
-                                     ("the face without pressure", heights["free"], 4))),
-             _height("$h_{max}$", x[0] + 0.05, 0.0, heights["crest"], 5),
-             _height("$s$", x[0] + 0.12, 0.0, heights["face"], 2),
-             _height(r"$\Delta$", x[0] + 0.19, heights["face"], heights["crest"], 3),
-             _height("$u_m$", x[0] + 0.26, heights["free"], heights["face"], 4)),
-    )  # fmt: skip
+        axes(
+            r"$x/\lambda$",
+            "height / mm",
+            rigid,
+            trace("face of the layer", x, face * 1e3, hue=0),
+            contact,
+            *(
+                trace(label, [x[0], x[-1]], [y * 1e3] * 2, "dashed", hue)
+                for label, y, hue in (
+                    ("mean plane of the face", heights["face"], 0),
+                    ("the face without pressure", heights["free"], 4),
+                )
+            ),
+            _height("$h_{max}$", x[0] + 0.05, 0.0, heights["crest"], 5),
+            _height("$s$", x[0] + 0.12, 0.0, heights["face"], 2),
+            _height(r"$\Delta$", x[0] + 0.19, heights["face"], heights["crest"], 3),
+            _height("$u_m$", x[0] + 0.26, heights["free"], heights["face"], 4),
+        ),
+    )
     return layer, described
 
 

@@ -100,7 +100,11 @@ def _factor(evidence: Evidence, samples: Sequence[Sample]) -> Statement:
     return evidence.statement(
         "section 5: a factor of about 1.4 brings the theory closer",
         f"loads of {len(samples)} at which the theory's P(sigma) comes closer with {FACTOR:g} sigma_a",
-        (float(closer), 0.0), float(len(samples)), 0.5, float(len(samples) - 1))  # fmt: skip
+        (float(closer), 0.0),
+        float(len(samples)),
+        0.5,
+        float(len(samples) - 1),
+    )
 
 
 def _gaussian(evidence: Evidence, sample: Sample) -> Statement:
@@ -109,8 +113,13 @@ def _gaussian(evidence: Evidence, sample: Sample) -> Statement:
     power = jackknife(lambda mean: decay_power(CENTRES[end], mean[end]), sample.values)
     return evidence.statement(
         "section 5: Gaussian tail at high pressure",
-        f"power k of ln P = a - b sigma^k at high pressure, {sample.load:g} E*", power, 2.0, 0.5, 1.0,
-        "excluded: an exponential tail")  # fmt: skip
+        f"power k of ln P = a - b sigma^k at high pressure, {sample.load:g} E*",
+        power,
+        2.0,
+        0.5,
+        1.0,
+        "excluded: an exponential tail",
+    )
 
 
 def _tensile(evidence: Evidence, load: float) -> Check:
@@ -145,9 +154,14 @@ def _figures(
             f"pressure-distribution-{sample.load:g}-{name}",
             f"Distribution of the pressure at {sample.load:g} E*, {name}: mean of the realisations with its standard "
             "error, the double Gaussian fitted to the mean, and the theory.",
-            panel(r"$\sigma/E^*$", "$P\\,E^*$",
-                  shaded("mean and standard error", CENTRES[carried], lower, (mean + error)[carried], 0),
-                  marks("mean", CENTRES[carried], mean[carried], hue=0),
-                  *(trace(label, smooth[values > least], values[values > least], style, hue)
-                    for label, values, style, hue in curves)),
-        )  # fmt: skip
+            panel(
+                r"$\sigma/E^*$",
+                "$P\\,E^*$",
+                shaded("mean and standard error", CENTRES[carried], lower, (mean + error)[carried], 0),
+                marks("mean", CENTRES[carried], mean[carried], hue=0),
+                *(
+                    trace(label, smooth[values > least], values[values > least], style, hue)
+                    for label, values, style, hue in curves
+                ),
+            ),
+        )

@@ -137,12 +137,33 @@ def _realisations(evidence: Evidence) -> Topic:
     for one in everyone:
         profile, states = one.result.scene["profile"], one.result.states
         highest = max(states, key=lambda state: state.mean_pressure)
-        lines.append([one.name, profile["seed"], profile["hurst"], profile["harmonics"], one.final_load,
-                      highest.contact_fraction, len(states), highest.n_patches, one.result.status,
-                      sum(state.cpu_seconds for state in states)])  # fmt: skip
+        lines.append(
+            [
+                one.name,
+                profile["seed"],
+                profile["hurst"],
+                profile["harmonics"],
+                one.final_load,
+                highest.contact_fraction,
+                len(states),
+                highest.n_patches,
+                one.result.status,
+                sum(state.cpu_seconds for state in states),
+            ]
+        )
     refused = sum(not state.certificate.ok for one in everyone for state in one.result.states)
-    columns = ["name", "seed", "H", "harmonics", "highest load / E*", "contact fraction there", "states", "patches",
-               "status", "CPU s"]  # fmt: skip
+    columns = [
+        "name",
+        "seed",
+        "H",
+        "harmonics",
+        "highest load / E*",
+        "contact fraction there",
+        "states",
+        "patches",
+        "status",
+        "CPU s",
+    ]
     caption = (
         "Every realisation, with its harmonics and the load it reached; phases default_rng(seed).uniform(-pi, pi)."
     )
@@ -161,8 +182,9 @@ def _conventions(evidence: Evidence) -> Topic:
     }
 
     def areas(spectrum: persson.DiscreteSpectrum | persson.ContinuousSpectrum, **options: Any) -> list[float]:
-        states = (persson.solve(spectrum, load * MODULUS, with_separation=False, **solid, **options)
-                  for load in SPECTRA_AT)  # fmt: skip
+        states = (
+            persson.solve(spectrum, load * MODULUS, with_separation=False, **solid, **options) for load in SPECTRA_AT
+        )
         return [state.contact_fraction for state in states]
 
     def change(other: list[float]) -> str:
@@ -175,14 +197,26 @@ def _conventions(evidence: Evidence) -> Topic:
     scaled = persson.ContinuousSpectrum.self_affine(wavenumbers[0], wavenumbers[-1], 0.7, lines.h_rms)
     pairs = len(evidence.loading) * len(LOADS)
     rows = [
-        ["normalisation of a continuous spectrum", "the lines themselves",
-         "C0 = <h_1^2> delta(0) / 4, the density of the lines", f"area {change(areas(same))}"],
+        [
+            "normalisation of a continuous spectrum",
+            "the lines themselves",
+            "C0 = <h_1^2> delta(0) / 4, the density of the lines",
+            f"area {change(areas(same))}",
+        ],
         ["", "", "the rms height of the lines, with another slope", f"area {change(areas(scaled))}"],
-        ["area factor in U_ad", "<sqrt(1 + h'^2)> of a slope in one direction", "the isotropic one, in two directions",
-         f"area {change(areas(lines, area_factor='isotropic_2d'))}"],
-        ["a load that an instability jumps over", "on the straight line between the states before and after",
-         "not stated", f"{evidence.jumped()} of {pairs} loads; no spectra or distributions there"],
-    ]  # fmt: skip
+        [
+            "area factor in U_ad",
+            "<sqrt(1 + h'^2)> of a slope in one direction",
+            "the isotropic one, in two directions",
+            f"area {change(areas(lines, area_factor='isotropic_2d'))}",
+        ],
+        [
+            "a load that an instability jumps over",
+            "on the straight line between the states before and after",
+            "not stated",
+            f"{evidence.jumped()} of {pairs} loads; no spectra or distributions there",
+        ],
+    ]
     caption = "Conventions, and the change of the theory's contact area with adhesion by the other choice."
     table = Table(caption=caption, columns=["what", "ours", "other, or the paper's", "change"], rows=rows)
     return Topic("Which conventions stand beside the statements?", tables=(table,))

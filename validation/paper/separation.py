@@ -53,22 +53,48 @@ def compute(evidence: Evidence) -> Topic:
     ratios = {load: estimate(found.values[:, k] / found.wet[k]) for k, load in enumerate(LOADS)}
     where = "section 5: separation in very good agreement with the theory, computed here, except at small loads"
     statements = (
-        *(evidence.statement(where, f"separation over that of Persson's theory with adhesion at {load:g} E*",
-                             ratios[load], 1.0, 0.2, 0.5, HIGH if load > 0.01 else "") for load in JUDGED),
-        evidence.statement("section 5: except at small loads",
-                           f"separation over that of the theory at {SMALL:g} E*, off by more than {DIFFERENT:.0%}",
-                           ratios[SMALL], 1.0, DIFFERENT, None, CAUSE, differs=True),
-        evidence.statement("section 5: the theory, computed here, predicts the separation very well",
-                           "length u0 of ln(p/E*) = c - s/u0, over u0 of the theory with adhesion",
-                           (length / length_of(found.wet), length_error / length_of(found.wet)), 1.0, 0.1, None, CAUSE),
-    )  # fmt: skip
+        *(
+            evidence.statement(
+                where,
+                f"separation over that of Persson's theory with adhesion at {load:g} E*",
+                ratios[load],
+                1.0,
+                0.2,
+                0.5,
+                HIGH if load > 0.01 else "",
+            )
+            for load in JUDGED
+        ),
+        evidence.statement(
+            "section 5: except at small loads",
+            f"separation over that of the theory at {SMALL:g} E*, off by more than {DIFFERENT:.0%}",
+            ratios[SMALL],
+            1.0,
+            DIFFERENT,
+            None,
+            CAUSE,
+            differs=True,
+        ),
+        evidence.statement(
+            "section 5: the theory, computed here, predicts the separation very well",
+            "length u0 of ln(p/E*) = c - s/u0, over u0 of the theory with adhesion",
+            (length / length_of(found.wet), length_error / length_of(found.wet)),
+            1.0,
+            0.1,
+            None,
+            CAUSE,
+        ),
+    )
     figure = drawn(
         "separation-against-load",
         "Separation of the mean planes against load, logarithmic in the load: every realisation, their mean "
         "with its standard error, and both theories, which adhesion hardly sets apart.",
-        semilogx("mean pressure $p/E^*$", "separation $s/h_{rms}$",
-                 *scattered([one.path(_apart) for one in evidence.loading], LOADS, found.values),
-                 trace("Persson with adhesion", LOADS, found.wet, hue=1),
-                 trace("Persson without adhesion", LOADS, found.dry, "dashed", hue=2)),
-    )  # fmt: skip
+        semilogx(
+            "mean pressure $p/E^*$",
+            "separation $s/h_{rms}$",
+            *scattered([one.path(_apart) for one in evidence.loading], LOADS, found.values),
+            trace("Persson with adhesion", LOADS, found.wet, hue=1),
+            trace("Persson without adhesion", LOADS, found.dry, "dashed", hue=2),
+        ),
+    )
     return Topic("Does the separation follow the theory?", statements, (), (figure,))

@@ -31,12 +31,15 @@ def compute(evidence: Evidence) -> Topic:
     misses = [gap / s - 1 for gap, s in zip(gaps, SHAPES_AT, strict=True)]
     # 4.3e-4 on the coarse grid of 16 harmonics; 1.2e-5 with 1000
     check = Check("mean gap of the shapes over the separation asked for, less 1", max(misses, key=abs), 0.0, 1e-3)
-    table = Table(caption=f"The profile has its highest crest at {one.surface.max_height * 1e6:.1f} um "
-                  f"(seed {one.result.scene['profile']['seed']}, {one.surface.max_order} harmonics).",
-                  columns=["s / um", "s / h_rms", "p/E*", "contact fraction", "patches"],
-                  rows=[[s * 1e6, s / RMS_HEIGHT, state.mean_pressure / MODULUS, state.contact_fraction,
-                         state.n_patches]
-                        for s, state in zip(SHAPES_AT, states, strict=True)])  # fmt: skip
+    table = Table(
+        caption=f"The profile has its highest crest at {one.surface.max_height * 1e6:.1f} um "
+        f"(seed {one.result.scene['profile']['seed']}, {one.surface.max_order} harmonics).",
+        columns=["s / um", "s / h_rms", "p/E*", "contact fraction", "patches"],
+        rows=[
+            [s * 1e6, s / RMS_HEIGHT, state.mean_pressure / MODULUS, state.contact_fraction, state.n_patches]
+            for s, state in zip(SHAPES_AT, states, strict=True)
+        ],
+    )
     return Topic(question, (), (check,), (_together(one),), (table,))
 
 

@@ -129,15 +129,33 @@ def _middle(load: float, power: FloatArray, theory: FloatArray, evidence: Eviden
     of_mean = exponent_of_mean(power, windows).value if windows else np.nan
     statement = evidence.statement
     return [
-        statement("section 5: -2.73, theory -2.7", f"exponent of C_u at {load:g} E*, middle range",
-                  (found.value, found.error), PAPERS, 0.15, FULL_CONTACT,
-                  f"{found.reported()}; fitted to the mean spectrum {of_mean:.3f}"),
-        statement("section 5: theory -2.7", f"exponent of C_u in the theory with adhesion at {load:g} E*, middle range",
-                  (said, 0.0), -2.7, 0.1, FULL_CONTACT),
-        statement("section 5: -H in the middle range",
-                  f"exponent of C_sigma at {load:g} E*, middle range (that of C_u plus 2)",
-                  (found.value + 2, found.error), -HURST, 0.15, FULL_CONTACT + 2, found.reported(2)),
-    ]  # fmt: skip
+        statement(
+            "section 5: -2.73, theory -2.7",
+            f"exponent of C_u at {load:g} E*, middle range",
+            (found.value, found.error),
+            PAPERS,
+            0.15,
+            FULL_CONTACT,
+            f"{found.reported()}; fitted to the mean spectrum {of_mean:.3f}",
+        ),
+        statement(
+            "section 5: theory -2.7",
+            f"exponent of C_u in the theory with adhesion at {load:g} E*, middle range",
+            (said, 0.0),
+            -2.7,
+            0.1,
+            FULL_CONTACT,
+        ),
+        statement(
+            "section 5: -H in the middle range",
+            f"exponent of C_sigma at {load:g} E*, middle range (that of C_u plus 2)",
+            (found.value + 2, found.error),
+            -HURST,
+            0.15,
+            FULL_CONTACT + 2,
+            found.reported(2),
+        ),
+    ]
 
 
 def _shift(load: float, power: FloatArray, theory: FloatArray, evidence: Evidence) -> list[Statement]:
@@ -147,10 +165,16 @@ def _shift(load: float, power: FloatArray, theory: FloatArray, evidence: Evidenc
     inside = slice(int(SHIFTED[0]) - 1, int(SHIFTED[1]))
     ratio = estimate((power[:, inside] / theory[inside]).mean(axis=1))
     return [
-        evidence.statement("section 5: a non-negligible shift, the exponents the same",
-                           f"C_u at {load:g} E* over that of the theory with adhesion, orders 3 to 100, off by more "
-                           f"than {NEGLIGIBLE:.0%}", ratio, 1.0, NEGLIGIBLE, differs=True)
-    ]  # fmt: skip
+        evidence.statement(
+            "section 5: a non-negligible shift, the exponents the same",
+            f"C_u at {load:g} E* over that of the theory with adhesion, orders 3 to 100, off by more "
+            f"than {NEGLIGIBLE:.0%}",
+            ratio,
+            1.0,
+            NEGLIGIBLE,
+            differs=True,
+        )
+    ]
 
 
 def _high(load: float, power: FloatArray, theory: FloatArray, evidence: Evidence) -> list[Statement]:
@@ -161,11 +185,23 @@ def _high(load: float, power: FloatArray, theory: FloatArray, evidence: Evidence
     rise = [exponent(one, HIGH) - np.mean([exponent(one, window) for window in MIDDLE]) for one in power]
     where = "section 5: from -H in the middle range to 1 - 2 H of full contact at high q"
     return [
-        evidence.statement(where, f"exponent of C_sigma at {load:g} E*, orders 250 to 1000",
-                           (found.value + 2, found.error), 1 - 2 * HURST, 0.15, -HURST),
-        evidence.statement(where, f"rise of the exponent of C_sigma to orders 250 to 1000, {load:g} E*",
-                           estimate(rise), 1 - HURST, 0.15, 0.0),
-    ]  # fmt: skip
+        evidence.statement(
+            where,
+            f"exponent of C_sigma at {load:g} E*, orders 250 to 1000",
+            (found.value + 2, found.error),
+            1 - 2 * HURST,
+            0.15,
+            -HURST,
+        ),
+        evidence.statement(
+            where,
+            f"rise of the exponent of C_sigma to orders 250 to 1000, {load:g} E*",
+            estimate(rise),
+            1 - HURST,
+            0.15,
+            0.0,
+        ),
+    ]
 
 
 def _high_load(one: Realisation, evidence: Evidence) -> tuple[Statement, Figure]:
@@ -180,10 +216,15 @@ def _high_load(one: Realisation, evidence: Evidence) -> tuple[Statement, Figure]
         series.append(trace(f"p = {load:.3g} E*, A/A0 = {fraction:.4f}", order, followed, hue=k))
         lines.append((state.separation * 1e6, load, fraction, *estimate(ratio), max(abs(v - 1) for v in followed)))
     (_, _, first, least, *_), (_, _, last, mean, error, _) = lines[0], lines[-1]
-    statement = evidence.statement("section 5: C_u tends to C at very high load",
-                                   f"C_u over C at contact fraction {last:.4f}, mean over orders", (mean, error), 1.0,
-                                   min(0.02, abs(least - 1) / 2), least,
-                                   f"excluded: its value at {first:.3f}")  # fmt: skip
+    statement = evidence.statement(
+        "section 5: C_u tends to C at very high load",
+        f"C_u over C at contact fraction {last:.4f}, mean over orders",
+        (mean, error),
+        1.0,
+        min(0.02, abs(least - 1) / 2),
+        least,
+        f"excluded: its value at {first:.3f}",
+    )
     figure = drawn(
         "high-load",
         f"C_u / C of a profile with {carried.size} harmonics as contact becomes complete, in bands of orders.",
@@ -227,12 +268,21 @@ def _figures(evidence: Evidence) -> Iterator[Figure]:
         followed += _curves(power / profile, theory.contact_fractions, name, hue)
     steep = float(displaced[1].y[0] or 1.0)
     displaced.append(trace(f"the paper's slope {PAPERS}", DRAWN, [steep * end**PAPERS for end in DRAWN], "dashed", 5))
-    yield drawn("displacement-spectrum", f"Spectrum C_u of the displacement against the order. {HOW_DRAWN}",
-                loglog("$q/q_0$", "$C_u$ / m³", *displaced))  # fmt: skip
-    yield drawn("pressure-spectrum", f"Spectrum C_sigma over E*^2 of the pressure against the order. {HOW_DRAWN}",
-                loglog("$q/q_0$", r"$C_\sigma/E^{*2}$ / m", *pressed))  # fmt: skip
-    yield drawn("displacement-over-profile", "C_u / C of the profile, in bands of orders, beside the theory's A(q)/A0.",
-                loglog("$q/q_0$", "$C_u/C$", *followed))  # fmt: skip
+    yield drawn(
+        "displacement-spectrum",
+        f"Spectrum C_u of the displacement against the order. {HOW_DRAWN}",
+        loglog("$q/q_0$", "$C_u$ / m³", *displaced),
+    )
+    yield drawn(
+        "pressure-spectrum",
+        f"Spectrum C_sigma over E*^2 of the pressure against the order. {HOW_DRAWN}",
+        loglog("$q/q_0$", r"$C_\sigma/E^{*2}$ / m", *pressed),
+    )
+    yield drawn(
+        "displacement-over-profile",
+        "C_u / C of the profile, in bands of orders, beside the theory's A(q)/A0.",
+        loglog("$q/q_0$", "$C_u/C$", *followed),
+    )
 
 
 def _curves(power: FloatArray, theory: FloatArray, name: str, hue: int) -> list[Series]:

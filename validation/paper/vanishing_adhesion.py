@@ -39,16 +39,28 @@ def compute(evidence: Evidence) -> Topic:
     statement = evidence.statement(
         "text: with vanishing adhesion, loading tends to that without adhesion",
         f"gain of contact area by {JUDGED:g} J/m^2 over that without adhesion, mean of 0.005 to 0.02 E*",
-        estimate(gains[:, place]), 0.0, 0.01, full, f"excluded: the gain of {WORKS[-1]:g} J/m^2")  # fmt: skip
-    check = Check(f"exponent of the gain of area, {fitted[0]:g} to {fitted[-1]:g} J/m^2: edges move by ~ sqrt(gamma)",
-                  power, 0.5, max(0.012, 2 * power_error))  # fmt: skip
+        estimate(gains[:, place]),
+        0.0,
+        0.01,
+        full,
+        f"excluded: the gain of {WORKS[-1]:g} J/m^2",
+    )
+    check = Check(
+        f"exponent of the gain of area, {fitted[0]:g} to {fitted[-1]:g} J/m^2: edges move by ~ sqrt(gamma)",
+        power,
+        0.5,
+        max(0.012, 2 * power_error),
+    )
     through = float(mean[place]) * np.sqrt(WORKS / JUDGED)
     figure = drawn(
         "vanishing-adhesion",
         "Gain of contact area by adhesion over that without at the same load, against the work of adhesion: every "
         "profile, the mean with its standard error, and the square root.",
-        loglog(r"work of adhesion $\gamma$ / J/m$^2$", "gain of contact area",
-               *scattered([(WORKS.tolist(), one.tolist()) for one in gains], WORKS.tolist(), gains, "profiles"),
-               trace(r"$\sqrt{\gamma}$", WORKS, through, "dashed", hue=1)),
-    )  # fmt: skip
+        loglog(
+            r"work of adhesion $\gamma$ / J/m$^2$",
+            "gain of contact area",
+            *scattered([(WORKS.tolist(), one.tolist()) for one in gains], WORKS.tolist(), gains, "profiles"),
+            trace(r"$\sqrt{\gamma}$", WORKS, through, "dashed", hue=1),
+        ),
+    )
     return Topic(question, (statement,), () if evidence.shortfall else (check,), (figure,))

@@ -22,14 +22,20 @@ def content_of(run: Mapping[str, Any]) -> dict[str, Any]:
         "headline": headline(rows, len(cases), failed, len(run["not_run"])),
         "failed": failed,
         "rows": rows,
-        "counts": {kind: {verdict: number for verdict in VERDICTS if (number := sum(
-            row["kind"] == kind and row["verdict"] == verdict for row in rows))} for kind in KINDS},
+        "counts": {
+            kind: {
+                verdict: number
+                for verdict in VERDICTS
+                if (number := sum(row["kind"] == kind and row["verdict"] == verdict for row in rows))
+            }
+            for kind in KINDS
+        },
         "quantities": [str(quantity) for quantity in Quantity],
         "statements": list(run.get("statements", [])),
         "costs": [cost for case in run["cases"] for cost in case["costs"]],
         "cases": cases,
         **{key: run[key] for key in ("level", "command", "seconds", "not_run", "provenance")},
-    }  # fmt: skip
+    }
     return _finite(content)  # type: ignore[no-any-return]
 
 

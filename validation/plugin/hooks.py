@@ -37,12 +37,22 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption("--only", metavar="TEXT", help="run the cases, of any level, whose file or name contains this text")
     group.addoption("--report", type=Path, metavar="DIR", help="write report.html, report.json and rows.jsonl")
     group.addoption("--resume", action="store_true", help="keep what passed in --report DIR with these sources")
-    group.addoption("--store", choices=("anew", "worst"), nargs="?", const="anew", help="rewrite the stored errors of "
-                    "the cases that run; with 'worst', keep the larger of old and new")  # fmt: skip
+    group.addoption(
+        "--store",
+        choices=("anew", "worst"),
+        nargs="?",
+        const="anew",
+        help="rewrite the stored errors of the cases that run; with 'worst', keep the larger of old and new",
+    )
     group.addoption("--reason", metavar="TEXT", default="", help="of --store: why the numbers change")
     group.addoption("--unstored", action="store_true", help="judge without stored errors, while a case is written")
-    group.addoption("--grace", type=float, default=15.0, metavar="SECONDS", help="after its time limit, until a case "
-                    "that does not return to Python loses its worker")  # fmt: skip
+    group.addoption(
+        "--grace",
+        type=float,
+        default=15.0,
+        metavar="SECONDS",
+        help="after its time limit, until a case that does not return to Python loses its worker",
+    )
     group.addoption("--command", metavar="TEXT", default="", help="shown in the report")
 
 

@@ -27,8 +27,18 @@ RECORD = "rows.jsonl"
 PACKAGES = ("bem", "fem_reference", "persson", "validation", "linecontact_compiled")
 SUFFIXES = (".py", ".pyx", ".h", ".so", ".pyd", ".toml", ".json", ".csv", ".npz", ".jinja")
 LIBRARIES = ("numpy", "scipy", "scikit-fem", "meshio", "pydantic")
-EMPTY: dict[str, Any] = {"question": "", "method": "", "source": "", "level": "", "rows": [], "figures": [],
-                         "tables": [], "costs": [], "stored_in": "", "key": ""}  # fmt: skip
+EMPTY: dict[str, Any] = {
+    "question": "",
+    "method": "",
+    "source": "",
+    "level": "",
+    "rows": [],
+    "figures": [],
+    "tables": [],
+    "costs": [],
+    "stored_in": "",
+    "key": "",
+}
 INTERRUPTED = 2  # exit status of pytest
 
 
@@ -88,8 +98,16 @@ class Ledger:
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
         """Record a file that cannot be imported or read as a case that failed."""
         if report.failed:
-            self._record({"case": report.nodeid, "outcome": "error", "seconds": 0.0,
-                          "message": report.longreprtext, **EMPTY, "question": report.nodeid})  # fmt: skip
+            self._record(
+                {
+                    "case": report.nodeid,
+                    "outcome": "error",
+                    "seconds": 0.0,
+                    "message": report.longreprtext,
+                    **EMPTY,
+                    "question": report.nodeid,
+                }
+            )
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Record a case that ended, could not begin, or killed its worker."""
@@ -103,8 +121,13 @@ class Ledger:
         facts = json.loads(text) if text else EMPTY | {"question": report.nodeid.rpartition("::")[2]}
         failing = any(Row(**row).verdict not in PASSING for row in facts["rows"])
         outcome = report.outcome if not report.failed else "deviates" if failing else "error"
-        message = "" if report.passed else str(report.longrepr[2]) if isinstance(report.longrepr, tuple) else \
-            report.longreprtext  # fmt: skip
+        message = (
+            ""
+            if report.passed
+            else str(report.longrepr[2])
+            if isinstance(report.longrepr, tuple)
+            else report.longreprtext
+        )
         seconds = report.duration + (self.setups.get(report.nodeid, 0.0) if report.when == "call" else 0.0)
         self._record({"case": report.nodeid, "outcome": outcome, "seconds": seconds, "message": message, **facts})
 
@@ -122,8 +145,11 @@ class Ledger:
         number, many = len(self.cases) + len(self.resumed), len(self.planned) + len(self.resumed)
         left = self._seconds_left()
         ahead = "" if left is None else f", about {left:.0f} s left"
-        print(f"[{number}/{max(many, number)}{ahead}] {case['case']}: {case['outcome']} ({case['seconds']:.1f} s)",
-              file=sys.stderr, flush=True)  # fmt: skip
+        print(
+            f"[{number}/{max(many, number)}{ahead}] {case['case']}: {case['outcome']} ({case['seconds']:.1f} s)",
+            file=sys.stderr,
+            flush=True,
+        )
         if case["outcome"] not in ("passed", "skipped"):
             print(case["message"], file=sys.stderr, flush=True)
         elif case["outcome"] == "skipped":

@@ -69,9 +69,17 @@ class SceneCase(pytest.Item):
             quantity, unit = QUANTITIES[name]
             states = targets if isinstance(known["value"], list) else targets[-1:]
             estimates = [getattr(state.error_estimate, name, None) or 0.0 for state in states]
-            rows.compare(name.replace("_", " "), [getattr(state, name) for state in states], known["value"],
-                         of=Code.BEM, by=Code.USER, quantity=quantity, unit=unit, source=str(known.get("source", "")),
-                         uncertainty=(estimates, known["uncertainty"]))  # fmt: skip
+            rows.compare(
+                name.replace("_", " "),
+                [getattr(state, name) for state in states],
+                known["value"],
+                of=Code.BEM,
+                by=Code.USER,
+                quantity=quantity,
+                unit=unit,
+                source=str(known.get("source", "")),
+                uncertainty=(estimates, known["uncertainty"]),
+            )
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
         """Show a mistake in a scene as one sentence."""

@@ -264,8 +264,20 @@ class Rows:
         if not isinstance(uncertainty, tuple) and kind == "accuracy" and by not in WITHOUT_UNCERTAINTY:
             raise TypeError(f"{name}: needs uncertainty=(of {of}, of {by}): the reference is not exact")
         sides = uncertainty if isinstance(uncertainty, tuple) else (0.0 if uncertainty is None else uncertainty, 0.0)
-        return self._compared(name, value, reference, sides, required, of=of, by=by, quantity=quantity, kind=kind,
-                              unit=unit, source=source, reason=because or "U of both sides")  # fmt: skip
+        return self._compared(
+            name,
+            value,
+            reference,
+            sides,
+            required,
+            of=of,
+            by=by,
+            quantity=quantity,
+            kind=kind,
+            unit=unit,
+            source=source,
+            reason=because or "U of both sides",
+        )
 
     def between(self, of: str, by: str, source: str = "", kind: Kind = "accuracy", **options: Any) -> Pair:
         """Return a maker of rows between two codes."""
@@ -295,8 +307,20 @@ class Rows:
         ratio = values / references
         u_value, u_reference = (np.asarray(u, float) for u in uncertainty)
         sides = u_value / np.abs(references), np.abs(ratio) * u_reference / np.abs(references)
-        return self._compared(name, ratio, (low + high) / 2, sides, (high - low) / 2, of=of, by=by, quantity=quantity,
-                              kind=kind, source=source, reason="half the band", cause=cause)  # fmt: skip
+        return self._compared(
+            name,
+            ratio,
+            (low + high) / 2,
+            sides,
+            (high - low) / 2,
+            of=of,
+            by=by,
+            quantity=quantity,
+            kind=kind,
+            source=source,
+            reason="half the band",
+            cause=cause,
+        )
 
     def order(
         self,
@@ -323,27 +347,68 @@ class Rows:
         (slope, _), covariance = np.polyfit(np.log(size), np.log(error), 1, cov="unscaled")
         line = np.polyval(np.polyfit(np.log(size), np.log(error), 1), np.log(size))
         scatter = math.sqrt(float(np.sum((np.log(error) - line) ** 2)) / (len(size) - 2) * covariance[0, 0])
-        self.curves(name, "size", "error", {"measured": (size, error), f"order {predicted:g}":
-                    (size, error[-1] * (size[-1] / size) ** predicted)}, log="xy")  # fmt: skip
-        return self._compared(name, -slope, predicted, (2 * scatter, 0.0), required, of=of, by=Code.RATE, kind=kind,
-                              quantity=Quantity.RATE, source=source, reason=because or "U of the fit")  # fmt: skip
+        self.curves(
+            name,
+            "size",
+            "error",
+            {"measured": (size, error), f"order {predicted:g}": (size, error[-1] * (size[-1] / size) ** predicted)},
+            log="xy",
+        )
+        return self._compared(
+            name,
+            -slope,
+            predicted,
+            (2 * scatter, 0.0),
+            required,
+            of=of,
+            by=Code.RATE,
+            kind=kind,
+            quantity=Quantity.RATE,
+            source=source,
+            reason=because or "U of the fit",
+        )
 
     def count(self, name: str, value: float, within: float = 0.2, *, of: str, unit: str = "") -> Row:
         """Compare an amount of work with the stored one, within a share of it (regression)."""
         __tracebackhide__ = True
         stored = (self.stored or {}).get(f"{name} [{of}, {Code.STORED}]")
         reference = value if stored is None else stored
-        return self._compared(name, value, reference, (0.0, 0.0), within * abs(reference), of=of, by=Code.STORED,
-                              kind="regression", quantity=Quantity.COUNT, unit=unit,
-                              reason=f"{within:.0%} of the stored number")  # fmt: skip
+        return self._compared(
+            name,
+            value,
+            reference,
+            (0.0, 0.0),
+            within * abs(reference),
+            of=of,
+            by=Code.STORED,
+            kind="regression",
+            quantity=Quantity.COUNT,
+            unit=unit,
+            reason=f"{within:.0%} of the stored number",
+        )
 
     def not_converged(
         self, name: str, message: str, *, of: str, by: str, quantity: str, kind: Kind = "accuracy"
     ) -> Row:
         """Add a failed row for a state that should exist and was not found, with its message."""
         __tracebackhide__ = True
-        return self._add(Row(name, str(of), str(by), str(Quantity(quantity)), kind, [], [], [], [], [], "",
-                             place=_caller(), message=message or "not converged"))  # fmt: skip
+        return self._add(
+            Row(
+                name,
+                str(of),
+                str(by),
+                str(Quantity(quantity)),
+                kind,
+                [],
+                [],
+                [],
+                [],
+                [],
+                "",
+                place=_caller(),
+                message=message or "not converged",
+            )
+        )
 
     def curves(
         self,
@@ -365,8 +430,15 @@ class Rows:
         panels = [_panel(x, y, curves, log)]
         if below is not None:
             panels.append(_panel(x, below[0], below[1], below_log))
-        self.figure(Figure(id=f"figure-{len(self.figures) + 1}", caption=title, solution=panels[0],
-                           error=panels[1] if below is not None else None), front)  # fmt: skip
+        self.figure(
+            Figure(
+                id=f"figure-{len(self.figures) + 1}",
+                caption=title,
+                solution=panels[0],
+                error=panels[1] if below is not None else None,
+            ),
+            front,
+        )
 
     def figure(self, figure: Figure, front: bool = False) -> None:
         """Add a figure that is given as data, on the first screen with `front`."""
@@ -374,8 +446,16 @@ class Rows:
 
     def cost(self, problem: str, route: str, setting: str, error: float, seconds: float, spread: float) -> None:
         """Add a measured price: CPU seconds, and half their range over repeats, of an error at a setting."""
-        self.costs.append({"problem": problem, "route": str(route), "setting": setting, "error": float(error),
-                           "seconds": float(seconds), "spread": float(spread)})  # fmt: skip
+        self.costs.append(
+            {
+                "problem": problem,
+                "route": str(route),
+                "setting": setting,
+                "error": float(error),
+                "seconds": float(seconds),
+                "spread": float(spread),
+            }
+        )
 
     def table(self, title: str, columns: Sequence[str], lines: Sequence[Sequence[str | float | int | None]]) -> None:
         """Add a table of numbers and texts."""
@@ -415,16 +495,33 @@ class Rows:
         Quantity(texts["quantity"])
         if values.size == 0 or (references.size not in (1, values.size)):
             reason = f"{values.size} values, {references.size} references"
-            row = Row(name, **texts | fields | {"reason": reason}, values=[], references=[], value_uncertainties=[],
-                      reference_uncertainties=[], allowed=[], place=place)  # fmt: skip
+            row = Row(
+                name,
+                **texts | fields | {"reason": reason},
+                values=[],
+                references=[],
+                value_uncertainties=[],
+                reference_uncertainties=[],
+                allowed=[],
+                place=place,
+            )
             return self._add(row)
         u_value, u_reference = (np.abs(np.ravel(np.asarray(side, float))) for side in sides)
         allowed = np.hypot(u_value, u_reference) if required is None else np.abs(np.ravel(np.asarray(required, float)))
         lists = [
             np.broadcast_to(of, values.shape).tolist() for of in (values, references, u_value, u_reference, allowed)
         ]
-        row = Row(name, **texts, values=lists[0], references=lists[1], value_uncertainties=lists[2],
-                  reference_uncertainties=lists[3], allowed=lists[4], place=place, **fields)  # fmt: skip
+        row = Row(
+            name,
+            **texts,
+            values=lists[0],
+            references=lists[1],
+            value_uncertainties=lists[2],
+            reference_uncertainties=lists[3],
+            allowed=lists[4],
+            place=place,
+            **fields,
+        )
         known = None if self.stored is None else self.stored.get(row.key)
         return self._add(
             Row(**vars(row) | {"stored": known, "must_be_stored": self.stored is not None and not row.cause})
@@ -443,12 +540,22 @@ class Rows:
 def _panel(x: str, y: str, curves: Mapping[str, Curve], log: str) -> Panel:
     """Return axes with curves; where no style is given, the first are points and all others lines."""
     series = [
-        Series(label=label, x=np.asarray(curve[0], float).tolist(), y=np.asarray(curve[1], float).tolist(),
-               style=curve[2] if len(curve) == 3 else "points" if number == 0 else "line", hue=number)
+        Series(
+            label=label,
+            x=np.asarray(curve[0], float).tolist(),
+            y=np.asarray(curve[1], float).tolist(),
+            style=curve[2] if len(curve) == 3 else "points" if number == 0 else "line",
+            hue=number,
+        )
         for number, (label, curve) in enumerate(curves.items())
-    ]  # fmt: skip
-    return Panel(xlabel=x, ylabel=y, series=series, xscale="log" if "x" in log else "linear",
-                 yscale="log" if "y" in log else "linear")  # fmt: skip
+    ]
+    return Panel(
+        xlabel=x,
+        ylabel=y,
+        series=series,
+        xscale="log" if "x" in log else "linear",
+        yscale="log" if "y" in log else "linear",
+    )
 
 
 def _caller() -> str:

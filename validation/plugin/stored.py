@@ -82,8 +82,11 @@ def store(file: Path, cases: Iterable[dict[str, Any]], reason: str, keep_worst: 
         table.writeheader()
         table.writerows(line for _, line in sorted(lines.items()))
     read.cache_clear()
-    return [_change(at, before.get(at), lines.get(at)) for at in sorted(before.keys() | lines.keys())
-            if at[1] != SECONDS and _changed(before.get(at), lines.get(at))]  # fmt: skip
+    return [
+        _change(at, before.get(at), lines.get(at))
+        for at in sorted(before.keys() | lines.keys())
+        if at[1] != SECONDS and _changed(before.get(at), lines.get(at))
+    ]
 
 
 def _lines(case: dict[str, Any], before: Lines, reason: str, keep_worst: bool) -> Lines:

@@ -31,11 +31,21 @@ class Part:
         """Return the part as the report holds a case."""
         failing = any(row.verdict not in PASSING for row in self.rows.rows)
         outcome = "error" if self.message else "deviates" if failing else "passed"
-        return {"case": self.name, "question": self.question, "method": self.method, "source": "", "level": "",
-                "rows": [asdict(row) for row in self.rows.rows], "figures": self.rows.figures,
-                "tables": self.rows.tables, "costs": self.rows.costs, "seconds": self.seconds, "outcome": outcome,
-                "message": self.message or "; ".join(row.described() for row in self.rows.rows
-                                                     if row.verdict not in PASSING)}  # fmt: skip
+        return {
+            "case": self.name,
+            "question": self.question,
+            "method": self.method,
+            "source": "",
+            "level": "",
+            "rows": [asdict(row) for row in self.rows.rows],
+            "figures": self.rows.figures,
+            "tables": self.rows.tables,
+            "costs": self.rows.costs,
+            "seconds": self.seconds,
+            "outcome": outcome,
+            "message": self.message
+            or "; ".join(row.described() for row in self.rows.rows if row.verdict not in PASSING),
+        }
 
 
 def write_study(

@@ -26,8 +26,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--jobs", type=int, default=cores, help=f"worker processes (default: {cores})")
     parser.add_argument("--cases", type=Path, metavar="FOLDER", help="own cases: test_*.py, case_*.toml")
     parser.add_argument("--resume", action="store_true", help="keep the cases of DIR that passed with these sources")
-    parser.add_argument("--store", choices=("anew", "worst"), nargs="?", const="anew", help="rewrite stored errors of "
-                        "the cases that run; 'worst' keeps the larger of old and new")  # fmt: skip
+    parser.add_argument(
+        "--store",
+        choices=("anew", "worst"),
+        nargs="?",
+        const="anew",
+        help="rewrite stored errors of the cases that run; 'worst' keeps the larger of old and new",
+    )
     parser.add_argument("--reason", default="", metavar="TEXT", help="of --store: why the numbers change")
     parser.add_argument("--grace", type=float, default=15.0, help=argparse.SUPPRESS)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder of the report")

@@ -111,8 +111,11 @@ def _panel(result: Result, name: str, theories: list[Theory]) -> Panel:
             yield trace(label, x, y, style, hue=hue)
 
     strokes = strokes_of(result, lambda state: float(getattr(state, name)), place if apart else None)
-    series = [one for hue, (branch, points) in enumerate(strokes.branches.items())
-              for one in line(branch, points, "line", hue)]  # fmt: skip
+    series = [
+        one
+        for hue, (branch, points) in enumerate(strokes.branches.items())
+        for one in line(branch, points, "line", hue)
+    ]
     series += line("jumps", strokes.jumps, "dashed", 3)
     targets = [state for state in states if state.target and (not apart or state.separation > 0)]
     if targets:
@@ -140,8 +143,12 @@ def _pulled_off(result: Result, factor: float, lift: float) -> Iterator[Series]:
     highest = result.states[0].penetration + result.states[0].separation
     ends = [event for event in result.events if event.kind == "pull_off" and not math.isnan(event.mean_pressure)]
     if ends:
-        yield marks("pull-off", [factor * (highest - end.penetration) for end in ends],
-                    [lift * end.mean_pressure for end in ends], hue=3)  # fmt: skip
+        yield marks(
+            "pull-off",
+            [factor * (highest - end.penetration) for end in ends],
+            [lift * end.mean_pressure for end in ends],
+            hue=3,
+        )
 
 
 def finite(error: float | None) -> float:

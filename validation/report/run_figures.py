@@ -70,8 +70,12 @@ def _shapes(result: Result) -> Iterator[Figure]:
             f" at {quantity(state.mean_pressure, 'Pa')} while {state.branch}, separation "
             f"{quantity(state.separation, 'm')}, contact fraction {state.contact_fraction:.4g}"
         )
-        above = axes(f"x / {along}", f"height / {upward}", _line("rigid profile", length * x, height * profile),
-                     _line("deformed surface", length * x, height * displacement))  # fmt: skip
+        above = axes(
+            f"x / {along}",
+            f"height / {upward}",
+            _line("rigid profile", length * x, height * profile),
+            _line("deformed surface", length * x, height * displacement),
+        )
         below = axes(f"x / {along}", f"pressure / {unit}", _line("pressure", length * x, lift * carried))
         yield drawn(f"shape-{name}", f"Shape {name} of fields.npz{where}.", above, below)
 
@@ -88,8 +92,11 @@ def distributions_of(result: Result) -> Iterator[Figure]:
             for k, (state, pair) in enumerate(zip(touching, widths, strict=True))
             for of, label, style in zip(pair, ("contacts", "gaps"), ("line", "dashed"), strict=True)
         ]
-        yield drawn("widths", "Share of the contacts and of the gaps that are not wider.",
-                    semilogx(f"width / {unit}", "share of their number", *series))  # fmt: skip
+        yield drawn(
+            "widths",
+            "Share of the contacts and of the gaps that are not wider.",
+            semilogx(f"width / {unit}", "share of their number", *series),
+        )
     fields, states = result.fields, list(stored_states(result).items())[:MOST_SHAPES]
     pressures = [(name, state) for name, state in states if f"sigma_{name}" in fields]
     if pressures:
@@ -100,8 +107,11 @@ def distributions_of(result: Result) -> Iterator[Figure]:
             sigma, density = fields[f"sigma_{name}"], fields[f"P_{name}"]
             shown = sigma >= -abs(most)  # the tail of adhesive edges goes on without bound
             series.append(trace(f"at {_where(state)}", factor * sigma[shown], density[shown] / factor))
-        yield drawn("pressures", "Distribution of the contact pressure over the nominal length, what is open left out.",
-                    axes(f"pressure / {unit}", f"density / (1/{unit})", *series))  # fmt: skip
+        yield drawn(
+            "pressures",
+            "Distribution of the contact pressure over the nominal length, what is open left out.",
+            axes(f"pressure / {unit}", f"density / (1/{unit})", *series),
+        )
 
 
 def _widths(state: State, period: float) -> tuple[Array, Array]:

@@ -34,8 +34,15 @@ DOUBTFUL = 0.1  # relative uncertainty of the input beyond which an answer is no
 FEW_EVENTS = 20  # more are folded
 SAME = 1e-6  # relative distance of the numbers of a run and of its study
 MOST_ROWS = 500  # of a table; all are in result.json
-MEASURES = ("closure", "contact_residual", "min_gap", "mean_gap_error", "min_eigenvalue", "truncation",
-            "hessian_asymmetry")  # fmt: skip
+MEASURES = (
+    "closure",
+    "contact_residual",
+    "min_gap",
+    "mean_gap_error",
+    "min_eigenvalue",
+    "truncation",
+    "hessian_asymmetry",
+)
 NOTHING: Cell = ("–", "")  # in a cell, and to be sorted by
 WORST_BELOW = ("min_gap", "min_eigenvalue")  # of which the least is the worst
 UNITS = {"min_gap": "m", "mean_gap_error": "m", "rms_height": "m", "pressure_scale": "Pa"}  # of what is no ratio
@@ -120,8 +127,13 @@ def _target(state: State) -> list[Cell]:
     count = "complete" if state.status == "complete_contact" else str(state.n_patches)
     patches = (count, state.n_patches) if state.found else NOTHING
     judged = "certified" if state.certificate.ok else "refused" if state.found else "–"
-    return [(state.branch, state.branch), *numbers, patches, (state.status.replace("_", " "), state.status),
-            (judged, judged)]  # fmt: skip
+    return [
+        (state.branch, state.branch),
+        *numbers,
+        patches,
+        (state.status.replace("_", " "), state.status),
+        (judged, judged),
+    ]
 
 
 def _events(result: Result) -> Iterator[list[Cell]]:

@@ -117,8 +117,11 @@ def _cuts(steps: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, float]]:
 def caption_of(steps: Sequence[Mapping[str, Any]]) -> str:
     """What was done to a scan, in a sentence."""
     samples = next(step["samples"] for step in steps if step["step"] == "read")
-    done = [SAID.get(step["step"], {}).get(step.get("method", ""), "").format_map(step) for step in steps
-            if step.get("count") != 0]  # fmt: skip
+    done = [
+        SAID.get(step["step"], {}).get(step.get("method", ""), "").format_map(step)
+        for step in steps
+        if step.get("count") != 0
+    ]
     for step in steps:
         if step["step"] == "filter":
             cuts = (f"{key} {quantity(step[key], 'm')}" for key in CUTOFFS if key in step)

@@ -67,9 +67,13 @@ class CohesiveGrid:
         """Gaps (n,) of this mean in m, from others, and the iterations taken; ArithmeticError after so many."""
         with redirect_stdout(io.StringIO()):  # it reports every direction of negative curvature
             found = import_module("NuMPI.Optimization").constrained_conjugate_gradients(
-                self.system.primal_objective(0.0, gradient=True), self.system.primal_hessian_product, start,
-                mean_val=separation, gtol=self.tolerance, maxiter=iterations,
-            )  # fmt: skip
+                self.system.primal_objective(0.0, gradient=True),
+                self.system.primal_hessian_product,
+                start,
+                mean_val=separation,
+                gtol=self.tolerance,
+                maxiter=iterations,
+            )
         if not found.success:
             raise ArithmeticError(f"{self.height.size} points, separation {separation:.3e} m: {found.message}")
         return np.asarray(found.x, dtype=np.float64).ravel(), int(found.nit)

@@ -111,8 +111,14 @@ def run(path: Path, folder: Path, options: Options, say: Callable[[str], None]) 
     solved = read_solved(folder, sha256, options.overwrite)
     seeds = min(options.seeds, 2) if options.quick else options.seeds
     settings = settings_of(scene, read_tables(path), path.parent, folder / PARTS, seeds)
-    head = {"schema": SCHEMA, "scene_sha256": sha256, "title": title, "scene": resolved, "provenance": provenance(),
-            "command": f"linecontact study scene {path.name} --out {folder.name}"}  # fmt: skip
+    head = {
+        "schema": SCHEMA,
+        "scene_sha256": sha256,
+        "title": title,
+        "scene": resolved,
+        "provenance": provenance(),
+        "command": f"linecontact study scene {path.name} --out {folder.name}",
+    }
 
     def store(**more: Any) -> None:
         kept = {name: asdict(one) for name, one in solved.items()}
@@ -269,8 +275,14 @@ def moves_of(
             numbers, most = _values(one), dict[str, float]()
             for key in tightest.keys() & numbers.keys() & scales.keys():
                 most[key[2]] = max(most.get(key[2], 0.0), abs(numbers[key] - tightest[key]) / scales[key])
-            tolerances.append({"tolerance": setting.name, "status": one.status, "cpu_seconds": one.cpu_seconds,
-                               "moved": dict(sorted(most.items()))})  # fmt: skip
+            tolerances.append(
+                {
+                    "tolerance": setting.name,
+                    "status": one.status,
+                    "cpu_seconds": one.cpu_seconds,
+                    "moved": dict(sorted(most.items())),
+                }
+            )
     return rows, tolerances
 
 
@@ -281,8 +293,14 @@ def _values(solved: Solved) -> dict[tuple[int | None, str, str], float]:
 def _listed(setting: Setting, solved: Solved | None) -> dict[str, Any]:
     """Return a setting as study.json lists it."""
     outcome = solved or Solved("", "does not apply", setting.reason)
-    return {"source": setting.source, "name": setting.name, "status": outcome.status.replace("_", " "),
-            "reason": outcome.reason, "cpu_seconds": outcome.cpu_seconds, "answers": len(outcome.answers)}  # fmt: skip
+    return {
+        "source": setting.source,
+        "name": setting.name,
+        "status": outcome.status.replace("_", " "),
+        "reason": outcome.reason,
+        "cpu_seconds": outcome.cpu_seconds,
+        "answers": len(outcome.answers),
+    }
 
 
 def study_page(content: Mapping[str, Any]) -> str:

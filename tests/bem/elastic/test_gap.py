@@ -215,8 +215,14 @@ def test_potential_beside_two_patches_is_the_integral_over_them():
         for which, turn in ((first, 0.0), (1 - first, TWO_PI if first == 1 else 0.0)):
             t = (place - turn - patches.center[which]) / patches.half_width[which]
             row = charges[which, : (6, 5)[which]]
-            total += quad(lambda a, t=t, row=row: math.log(abs(t - math.cos(a))) * chebval(math.cos(a), row),
-                          0, math.pi, epsabs=1e-13, epsrel=1e-13, limit=400)[0]  # fmt: skip
+            total += quad(
+                lambda a, t=t, row=row: math.log(abs(t - math.cos(a))) * chebval(math.cos(a), row),
+                0,
+                math.pi,
+                epsabs=1e-13,
+                epsrel=1e-13,
+                limit=400,
+            )[0]
             nodal = skeleton[:3] if which == 0 else skeleton[3:]
             total -= sum(y * math.log(abs(t - node)) for y, node in zip(nodal, nodes[which], strict=True))
         expected.append(total)

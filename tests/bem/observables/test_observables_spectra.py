@@ -55,8 +55,13 @@ def test_modes_are_the_bessel_series(rough, order):
 def test_modes_are_the_integral_of_the_pressure(order):
     pressure, sigma = westergaard(0.6)
     half = float(pressure.right[0])
-    exact = quad(lambda a: sigma(half * np.sin(a)) * np.cos(order * half * np.sin(a)) * half * np.cos(a),
-                 -np.pi / 2, np.pi / 2, epsabs=1e-13, limit=200)[0] / (2 * np.pi)  # fmt: skip
+    exact = quad(
+        lambda a: sigma(half * np.sin(a)) * np.cos(order * half * np.sin(a)) * half * np.cos(a),
+        -np.pi / 2,
+        np.pi / 2,
+        epsabs=1e-13,
+        limit=200,
+    )[0] / (2 * np.pi)
     assert pressure_modes(pressure, 40)[order].real == pytest.approx(exact, abs=1e-13)  # measured 2e-15
 
 

@@ -85,9 +85,12 @@ def test_gaps_at_the_ends_leave_the_digits_where_they_were(tmp_path):
 
 @settings(max_examples=60, deadline=None)
 @given(
-    st.integers(3, 60), st.floats(0.02, 5.0), st.floats(-10, 10), st.integers(0, 3),
+    st.integers(3, 60),
+    st.floats(0.02, 5.0),
+    st.floats(-10, 10),
+    st.integers(0, 3),
     st.lists(st.floats(-3, 3), max_size=3),
-)  # fmt: skip
+)
 @example(60, 0.15625, 0.0, 1, [])
 def test_equal_steps_are_those_that_a_search_finds(tmp_path_factory, count, step, start, decimals, moved):
     """Accepted if one of all lines through two positions, shifted, comes within half a digit of every position."""

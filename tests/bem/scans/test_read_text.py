@@ -67,7 +67,7 @@ DIALECTS = {
     "lines skipped": (VENDOR + table(";"), {"skip_lines": 29, **UNITS}),
     "heights alone": (alone(), {"spacing": 0.25, **UNITS}),
     "heights alone, decimal comma": ("Höhe [µm]\n" + alone(","), {"spacing": 0.25, "decimal": ",", "unit_x": "mm"}),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", DIALECTS)
@@ -141,8 +141,13 @@ LC = "Lc [mm];Ls [um]"
         pytest.param(table(";", heading=f"{LC}\nx [mm];h [um]"), UNITS, "file", "lines 1 to 2", id="settings above"),
         pytest.param(table(";", heading="NODATA;-9999\nx [mm];h [um]"), {}, "file", "lines 1 to 2", id="no data above"),
         pytest.param(table(heading="NODATA -9999\nmm um"), {}, "file", "lines 1 to 2", id="no data above units"),
-        pytest.param(f"y/x;{';'.join(map(str, X))}\n" + f"0;{';'.join(map(str, H))}\n" * 4, UNITS, "file", "line 1",
-                     id="axis that looks like a heading"),
+        pytest.param(
+            f"y/x;{';'.join(map(str, X))}\n" + f"0;{';'.join(map(str, H))}\n" * 4,
+            UNITS,
+            "file",
+            "line 1",
+            id="axis that looks like a heading",
+        ),
         pytest.param(table(heading="x/y 0.5"), UNITS, "file", "line 1", id="number in a heading"),
         pytest.param("0,1\n1,2\n2,4\n", UNITS, "decimal", "2 columns or 1 column", id="comma of either kind"),
         pytest.param(table(), UNITS | {"skip_lines": 41}, "skip_lines", "= 41", id="more skipped than there are"),
@@ -152,7 +157,7 @@ LC = "Lc [mm];Ls [um]"
         pytest.param(table(",", heading="x [px],h [um]"), UNITS, "unit_x", "'px' in line 1", id="pixels"),
         pytest.param(table(",", heading="x [mm],h [Mm]"), {}, "unit_h", "'Mm' in line 1", id="another unit"),
     ],
-)  # fmt: skip
+)
 def test_wrong_file_is_refused(text, values, key, problem, tmp_path):
     refusal = refusal_of(tmp_path, text, **values)
     assert (refusal.key, problem in refusal.problem) == (key, True), refusal

@@ -24,7 +24,7 @@ WAVE = {
     "layer": {"thickness": 0.004},
     "adhesion": {"work_of_adhesion": 0.05},
     "loading": {"control": "separation", "targets": [3e-5, 1e-5]},
-}  # fmt: skip
+}
 
 
 @pytest.fixture(scope="module")

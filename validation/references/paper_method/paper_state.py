@@ -100,8 +100,15 @@ def solve(
     depth, evaluations, sweeps = penetration / surface.unit_height, 0, 0
 
     def failed(message: str) -> PaperState:
-        return PaperState(surface=surface, penetration=penetration, status="not_converged", message=message,
-                          edges=pairs * surface.unit_length, evaluations=evaluations, sweeps=sweeps)  # fmt: skip
+        return PaperState(
+            surface=surface,
+            penetration=penetration,
+            status="not_converged",
+            message=message,
+            edges=pairs * surface.unit_length,
+            evaluations=evaluations,
+            sweeps=sweeps,
+        )
 
     for _ in range(CHANGES):
         counts = cells_for(surface, pairs, cells)
@@ -122,9 +129,20 @@ def solve(
                 return _state(surface, penetration, found, float(gaps.min()), evaluations, sweeps)
             changed = _with_contact(surface, pairs, float(where[np.argmin(gaps)]))
         if changed.size == 0:
-            return PaperState(surface=surface, penetration=penetration, status="separated", edges=np.zeros((0, 2)),
-                              contact_fraction=0.0, mean_pressure=0.0, elastic_energy=0.0, tension=True, residual=0.0,
-                              smallest_gap=-penetration, evaluations=evaluations, sweeps=sweeps)  # fmt: skip
+            return PaperState(
+                surface=surface,
+                penetration=penetration,
+                status="separated",
+                edges=np.zeros((0, 2)),
+                contact_fraction=0.0,
+                mean_pressure=0.0,
+                elastic_energy=0.0,
+                tension=True,
+                residual=0.0,
+                smallest_gap=-penetration,
+                evaluations=evaluations,
+                sweeps=sweeps,
+            )
         pairs = changed
     return failed(f"more than {CHANGES} changes of the patches")
 

@@ -111,9 +111,17 @@ def main() -> int:
         for (case, fault), answer in zip(tasks, answers, strict=True):
             failed = answer["code"] != 0
             name = f"control: {case} fails" if fault is None else f"{fault.name}: noticed"
-            rows.compare(name, float(failed), 0.0 if fault is None else 1.0, of=Code.BEM, by=Code.IDENTITY,
-                         quantity=Quantity.COUNT, kind="construction", required=0.5,
-                         because=fault.what if fault else "no fault")  # fmt: skip
+            rows.compare(
+                name,
+                float(failed),
+                0.0 if fault is None else 1.0,
+                of=Code.BEM,
+                by=Code.IDENTITY,
+                quantity=Quantity.COUNT,
+                kind="construction",
+                required=0.5,
+                because=fault.what if fault else "no fault",
+            )
             lines.append(
                 [name, case, fault.what if fault else "", "yes" if failed else "no", ", ".join(answer["verdicts"])]
             )

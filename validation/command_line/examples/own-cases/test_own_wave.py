@@ -23,5 +23,13 @@ def test_one_wave(rows, pressure):
     profile = {"kind": "harmonics"} | PROBLEM["profile"]
     state = bem.solve(solid=PROBLEM["solid"], profile=profile, loading=path).targets[-1]
     mine = solve(PROBLEM | {"path": path})["contact_fraction"][-1]
-    rows.compare("contact fraction", mine, state.contact_fraction, of=Code.USER, by=Code.BEM, quantity=Quantity.AREA,
-                 uncertainty=(1e-9, state.error_estimate.contact_fraction), source="my closed form")  # fmt: skip
+    rows.compare(
+        "contact fraction",
+        mine,
+        state.contact_fraction,
+        of=Code.USER,
+        by=Code.BEM,
+        quantity=Quantity.AREA,
+        uncertainty=(1e-9, state.error_estimate.contact_fraction),
+        source="my closed form",
+    )
