@@ -48,7 +48,7 @@ class Workers(Generic[Shared]):
         self._file = Path(name)
         with os.fdopen(descriptor, "wb") as file:
             pickle.dump(shared, file, pickle.HIGHEST_PROTOCOL)
-        self._executor = ProcessPoolExecutor(size, initializer=_begin, initargs=(name,))
+        self._executor = ProcessPoolExecutor(size, initializer=_begin, initargs=(name, os.getpid()))
         self._beginning = [self._executor.submit(os.getpid) for _ in range(size)]
 
     @property
@@ -77,12 +77,6 @@ class Workers(Generic[Shared]):
         self._file.unlink(missing_ok=True)
 
 
-def obey_parent() -> None:
-    """Leave interrupts to the parent, and end this worker with its parent."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
-
-
 def _end_with(parent: int) -> None:
     """End this worker when its parent ends; it would wait for ever for work that nobody hands out."""
     with suppress(psutil.NoSuchProcess):
@@ -90,10 +84,14 @@ def _end_with(parent: int) -> None:
     os._exit(1)
 
 
-def _begin(shared: str) -> None:
-    """Start a worker on one BLAS thread with the contents of the file `shared`."""
+def _begin(shared: str, parent: int) -> None:
+    """Start a worker of a parent on one BLAS thread with the contents of the file `shared`.
+
+    The worker leaves interrupts to its parent and ends with it, also if that ended while the worker was starting.
+    """
     global _kept
-    obey_parent()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
     _kept = pickle.loads(Path(shared).read_bytes())  # written by the parent
     threadpool_limits(limits=1, user_api="blas")
 

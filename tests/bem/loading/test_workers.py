@@ -52,14 +52,15 @@ def test_a_killed_worker_ends_the_run_with_its_reason(moment):
             list(crew.each(operator.getitem, SHARED, PARTS))
 
 
-def test_workers_end_with_a_parent_that_is_killed(tmp_path):
+@pytest.mark.parametrize("delay", [0.0, 2.0], ids=["start", "work"])
+def test_workers_end_with_a_parent_that_is_killed(tmp_path, delay):
     script = tmp_path / "script.py"
     script.write_text(SCRIPT.replace("while not crew.cpu_seconds", "while True"))
     parent = subprocess.Popen([sys.executable, script])
     limit = time.monotonic() + 60
     while len(children := workers(parent.pid)) < 2:
         assert time.monotonic() < limit, "no worker was started"
-    time.sleep(2.0)
+    time.sleep(delay)
     parent.kill()
     parent.wait()
     while any(psutil.pid_exists(child) for child in children):
