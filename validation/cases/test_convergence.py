@@ -31,6 +31,7 @@ from validation.routes.scenes import solved
 
 WAVE = Sinusoid(amplitude=1e-4, wavelength=0.01, youngs_modulus=1e6, poisson_ratio=0.5, alpha=0.3)
 HALF_ORDER = "half an order tells the predicted order from its neighbours"
+HALF_SPACE = 4e-9  # relative load: a layer of two periods for the half-space
 PLATEAU = 30.0  # errors nearer to the plateau than this many times are not fitted
 
 
@@ -108,9 +109,10 @@ def load_by_elements(order, cells, graded):
 )
 def test_cells_of_finite_elements(rows, order, graded, cells):
     """Do graded meshes win back the order that the edges cost finite elements on uniform ones?"""
-    errors = [load_by_elements(order, count, graded) for count in cells]
+    errors = np.array([load_by_elements(order, count, graded) for count in cells])
+    falling = errors > PLATEAU * HALF_SPACE
     required = 0.5 if graded else 0.1
-    rows.order(f"load, P{order}, {'graded' if graded else 'uniform'} meshes", cells, errors,
+    rows.order(f"load, P{order}, {'graded' if graded else 'uniform'} meshes", np.array(cells)[falling], errors[falling],
                2.0 * order if graded else 1.0, of=Code.FEM, required=required,
                because=HALF_ORDER if graded else "a tenth: the order of the singularity, whatever the elements",
                source="energy norm h^m graded, h^(1/2) uniform (Strang and Fix 1973)")
