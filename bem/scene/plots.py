@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
+from matplotlib import rc_context, rcParamsDefault
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -20,8 +22,21 @@ CURVES = {  # quantities against which the mean pressure is drawn: label and fac
 BRANCHES = {"loading": "o-", "unloading": "s--"}
 
 
+@contextmanager
+def own_settings(**settings: Any) -> Iterator[None]:
+    """Set Matplotlib's defaults and some settings, whatever a matplotlibrc or MPLBACKEND of the user says."""
+    defaults: dict[Any, Any] = {name: v for name, v in rcParamsDefault.items() if not name.startswith("backend")}
+    with rc_context({**defaults, **settings}):
+        yield
+
+
 class ShownFigure(Figure):
-    """Figure that a notebook shows as a picture, with or without pyplot."""
+    """Figure that a notebook shows as a picture, with or without pyplot, and that is written with own settings."""
+
+    def savefig(self, *target: Any, **options: Any) -> None:
+        """Write the figure; arguments as of Matplotlib's."""
+        with own_settings():
+            super().savefig(*target, **options)
 
     def _repr_png_(self) -> bytes:
         """Return the picture for a notebook."""
@@ -30,6 +45,7 @@ class ShownFigure(Figure):
         return drawn.getvalue()
 
 
+@own_settings()
 def curves(states: Sequence[Any], quantities: Sequence[str] = tuple(CURVES)) -> Figure:
     """Draw the mean pressure against each of some quantities of `CURVES`."""
     figure = ShownFigure(figsize=(6.4 * len(quantities), 4.8), layout="constrained")
@@ -46,6 +62,7 @@ def curves(states: Sequence[Any], quantities: Sequence[str] = tuple(CURVES)) -> 
     return figure
 
 
+@own_settings()
 def shape(fields: dict[str, NDArray[Any]], name: str) -> Figure:
     """Draw the displaced surface and the rigid profile of a stored shape, by its number in the names of the fields."""
     x, displacement, gap = (1e6 * fields[f"{quantity}_{name}"] for quantity in ("x", "displacement", "gap"))

@@ -10,6 +10,7 @@ from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
+from bem.scene.plots import ShownFigure, own_settings
 from fem_reference import Result
 from fem_reference.export import field_mesh
 
@@ -18,6 +19,7 @@ RELIEF = 0.08  # of the period: how tall the profile is drawn
 BEYOND = 0.05  # of the area: with stresses beyond the ends of the colours
 
 
+@own_settings()
 def deformed_mesh(result: Result) -> Figure:
     """The layer of a state near its face, SI units inside, micrometres on the axes."""
     problem, mesh = result.problem, field_mesh(result)
@@ -38,7 +40,7 @@ def deformed_mesh(result: Result) -> Figure:
     share = np.cumsum(area[shown][order]) / np.sum(area[shown])
     low, high = (float(stress[shown][order][np.searchsorted(share, at)]) for at in (0.5 * BEYOND, 1 - 0.5 * BEYOND))
     span = max(abs(low), abs(high), np.finfo(float).tiny)
-    figure = Figure(figsize=(9.0, 5.0), layout="constrained")
+    figure = ShownFigure(figsize=(9.0, 5.0), layout="constrained")
     axes = figure.add_subplot(xlabel="x / µm", ylabel=f"depth / µm, displacements times {factor:g}")
     triangles = Triangulation(moved[:, 0] * 1e6, moved[:, 1] * 1e6, corners[shown])
     drawn = axes.tripcolor(

@@ -52,10 +52,10 @@ WITHOUT_DATE = {
 
 
 def styled(**settings: Any) -> AbstractContextManager[None]:
-    """Matplotlib with the settings of all figures and these; it is imported where something is drawn."""
-    from matplotlib import rc_context
+    """Set the settings of all figures and some more; Matplotlib is imported where something is drawn."""
+    from bem.scene.plots import own_settings
 
-    return rc_context(SETTINGS | settings)
+    return own_settings(**SETTINGS | settings)
 
 
 def canvas_of(figure: Figure, height: float = 3.9) -> Canvas:
