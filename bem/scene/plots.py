@@ -25,8 +25,9 @@ BRANCHES = {"loading": "o-", "unloading": "s--"}
 @contextmanager
 def own_settings(**settings: Any) -> Iterator[None]:
     """Set Matplotlib's defaults and some settings, whatever a matplotlibrc or MPLBACKEND of the user says."""
-    defaults: dict[Any, Any] = {name: v for name, v in rcParamsDefault.items() if not name.startswith("backend")}
-    with rc_context({**defaults, **settings}):
+    chosen: dict[Any, Any] = {name: v for name, v in rcParamsDefault.items() if not name.startswith("backend")}
+    chosen.update(settings)
+    with rc_context(chosen):
         yield
 
 
