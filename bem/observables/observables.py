@@ -1,4 +1,4 @@
-"""Observables of a state as the arrays of fields.npz, in SI units; only requested arrays are computed.
+"""Observables of a state as the arrays of fields.npz, in SI units; only the methods asked for are imported and run.
 
 shapes:                 x_k, displacement_k, gap_k (m), pressure_k (Pa, nan outside contact), patch_k (-1 outside)
 spectra:                q (rad/m), C_h, C_u_k (m^3), C_sigma_k (Pa^2 m), two-sided per line, at q = m q0

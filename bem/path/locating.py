@@ -214,8 +214,8 @@ def _unverified(
 def settle(system: System, start: Start, on: Condition, accuracy: Accuracy) -> tuple[Balance, float] | Refused:
     """Return the state next to edges that meets a condition, evaluated in itself, and its value of the control.
 
-    The state is no farther than LONGEST_MOTION away, and at the end of a Newton step.  Forces left are below the
-    residual, or rounding that no step makes smaller.
+    The state is no farther than LONGEST_MOTION away, and at the end of a Newton step.  Forces left at its
+    edges are below the residual, or rounding that no step makes smaller.
     Short steps keep the resolution: where adhesion is weak, values of K with successive numbers of modes differ by more
     than the residual allows.
     """

@@ -14,15 +14,15 @@ A narrow gap of width g under the tension T opens by int gap dx = pi g^2 T / 8 a
 which the width at a given separation follows.
 
 Patches all round the period but for a gap below 1e-4 of it take seconds and more (the ends of one patch that nearly
-meet), so that the load at which a narrower flaw opens is that of a row of cracks, one per period, under the tension
+meet), so that a narrower flaw opens at the load of a row of cracks, one per period, under the tension
 T(x) that complete contact has there,
 
     K = sqrt(2 pi tan(g/4)) mean of T (1 -+ t) over Chebyshev nodes t = sin(x/2) / sin(g/4),
 
 (H. Tada, P. C. Paris, G. R. Irwin, The Stress Analysis of Cracks Handbook, 2000, part II, uniform T; the weight of an
-isolated crack for what varies, off by (g/8)^2 of that).  A layer changes K by a share that grows with g^2, measured at
-a resolved gap.  Measured against evaluations of the gap itself down to 1e-5 of the period, half-space and
-layers of 0.1 to 0.3 periods, 1 to 100 harmonics: 3e-9 of the load, which is the error of the evaluations.  Dimensionless.
+isolated crack for the varying part of T, off by (g/8)^2 of that part).  A layer changes K by a share that grows with
+g^2, measured at a resolved gap.  Measured against evaluations of the gap itself down to 1e-5 of the period, half-space
+and layers of 0.1 to 0.3 periods, 1 to 100 harmonics: 3e-9 of the load, the error of the evaluations.  Dimensionless.
 """
 
 from __future__ import annotations

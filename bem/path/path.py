@@ -5,8 +5,8 @@ A branch is followed as a smooth curve in steps (steps.py).  On every step the f
 closes.  From there the contact jumps (jump.py), or another branch is taken up (symmetry.py), and the curve of
 the next equilibrium is followed.  A step in which it is not clear what happens is repeated at a third of its length.
 
-A point carries all that the path needs to go on from it.  A path holds no state of its own.  Its system counts the work.
-Dimensionless.
+A point carries all that the path needs to go on from it.  A path holds no state of its own.  The system counts the
+work.  Dimensionless.
 """
 
 from __future__ import annotations
