@@ -14,7 +14,7 @@ A narrow gap of width g under the tension T opens by int gap dx = pi g^2 T / 8 a
 which the width at a given separation follows.
 
 Patches all round the period but for a gap below 1e-4 of it take seconds and more (the ends of one patch that nearly
-meet), so that a narrower flaw opens at the load of a row of cracks, one per period, under the tension
+meet), so that the opening load of a narrower flaw is computed for a row of cracks, one per period, under the tension
 T(x) that complete contact has there,
 
     K = sqrt(2 pi tan(g/4)) mean of T (1 -+ t) over Chebyshev nodes t = sin(x/2) / sin(g/4),
