@@ -1,1 +1,1 @@
-"""What every loading path has, with adhesion or without: control, increments, interface, events, error estimates."""
+"""Parts of every loading path, with adhesion or without: control, increments, interface, events, error estimates."""

@@ -1,11 +1,11 @@
-"""What an assessment says of a state: stability, stiffness, and what a finer evaluation changes of each number.
+"""Assessment of a state: stability, stiffness, and the change of each number by a finer evaluation.
 
 The finer evaluation is made by equilibrium_assessment.py with adhesion and by contact_assessment.py without: a third
 more nodes and the modes of a hundredth of the tolerance leave forces on the edges, and one Newton step on them leads to
-corrected edges.  What a reported quantity changes by is its correction, which holds the error of the edges and that of
-the quadrature; its estimated error is three times that (certified_states.py).  Dimensionless.  Limits: where the
-corrected edges overlap, corrections are infinite; an event missed on the way is no error of a state (certificate.py
-refuses the state where the missed event leaves interpenetration or an indefinite Hessian).
+corrected edges.  The change of a reported quantity is its correction, which holds the error of the edges and the error
+of the quadrature.  The estimated error is three times the correction (certified_states.py).  Dimensionless.  Limits:
+where the corrected edges overlap, corrections are infinite; an event missed on the way is no error of a state
+(certificate.py refuses the state where the missed event leaves interpenetration or an indefinite Hessian).
 
 An elastic effect that is left out of the equations acts on the finer evaluation as the field of the pressure found
 without it, which is its effect to first order; on the energy twice that, its work being half.
@@ -23,7 +23,7 @@ from bem.geometry.arrays import FloatArray
 
 @dataclass(frozen=True)
 class Quantities:
-    """Everything reported of a state that carries an error, or changes of all that, dimensionless.
+    """Reported numbers of a state that carry an error, or changes of these numbers, dimensionless.
 
     Attributes
     ----------
@@ -46,11 +46,11 @@ class Quantities:
     stiffness: float
 
     def minus(self, other: Quantities) -> Quantities:
-        """Differences, one by one."""
+        """Return the differences to another set of numbers, number by number."""
         return Quantities(*(getattr(self, f.name) - getattr(other, f.name) for f in fields(self)))
 
     def widened(self, other: Quantities) -> Quantities:
-        """Sizes and those of others together, one by one."""
+        """Return the sums of the absolute values of both sets, number by number."""
         return Quantities(*(abs(getattr(self, f.name)) + abs(getattr(other, f.name)) for f in fields(self)))
 
 
@@ -59,7 +59,7 @@ UNKNOWN = Quantities(*[np.inf] * 8)
 
 @dataclass(frozen=True, eq=False)
 class Assessment:
-    """What is reported of an equilibrium besides its edges, dimensionless.
+    """Reported properties of an equilibrium besides its edges, dimensionless.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class Assessment:
         d(load)/dDelta along the branch.
     stable_at_fixed_load : bool
     correction : Quantities
-        What the finer evaluations would add; infinite where the corrected edges overlap.
+        Changes that the finer evaluations would make; infinite where the corrected edges overlap.
     """
 
     work: FloatArray | None
@@ -86,7 +86,7 @@ class Assessment:
 
 
 def with_left_out(elastic: Elastic, state: Evaluation) -> Elastic:
-    """With the field that an effect left out adds for the pressure of a state, as background."""
+    """Return the elastic problem with the field of an effect left out, for the pressure of a state, as a background."""
     left_out, nodes, charges = elastic.left_out, state.skeleton_nodes(), state.skeleton
     if left_out is None:
         return elastic
@@ -98,9 +98,10 @@ def with_left_out(elastic: Elastic, state: Evaluation) -> Elastic:
 
 
 def stiffened(correction: Quantities, elastic: Elastic, state: Evaluation, stiffness: float) -> Quantities:
-    """With what an effect left out adds to the stiffness, the share of that of edges at rest, and to the energy.
+    """Return a correction widened by an effect left out: by its share of the stiffness, and by its energy.
 
-    As a background it moves the surfaces, but stores no energy: q . F q / (2 pi) for the charges q of the state.
+    As a background the effect moves the surfaces, but stores no energy.  The energy that is added is q . F q / (2 pi)
+    for the charges q of the state.
     """
     if elastic.left_out is None:
         return correction
@@ -116,7 +117,10 @@ def stiffened(correction: Quantities, elastic: Elastic, state: Evaluation, stiff
 
 
 def quantities_of(state: Evaluation) -> Quantities:
-    """Without adhesion no energy is the interface's, and the edges do not soften the contact."""
+    """Return the numbers of a state without adhesion.
+
+    No energy belongs to the interface, and the edges do not soften the contact.
+    """
     return Quantities(
         penetration=state.penetration,
         load=state.load,

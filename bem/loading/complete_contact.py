@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class CompleteContact:
-    """What complete contact costs and needs, dimensionless.
+    """Pressure, least load and energies of complete contact, dimensionless.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class CompleteContact:
     elastic_energy, adhesion_energy : float
         Per period, without the mean compression.
     left_out : float
-        What elastic effects that are left out would change of the elastic energy, at most.
+        Largest change of the elastic energy by elastic effects that are left out.
     """
 
     pressure: Profile
@@ -48,7 +48,7 @@ class CompleteContact:
 def complete_contact(
     profile: Profile, law: InterfaceLaw | None = None, compliance: Compliance | None = None
 ) -> CompleteContact:
-    """The closed form for a profile.
+    """Return complete contact of a profile in closed form.
 
     Parameters
     ----------
@@ -75,10 +75,10 @@ def complete_contact(
 
 
 def closing_place(complete: CompleteContact, profile: Profile, law: InterfaceLaw, near: float) -> float:
-    """Where a gap near this position closes, as the last one under adhesion.
+    """Return the position near `near` at which a gap closes, as the last one under adhesion.
 
-    Its tension grows without bound as it narrows, so that it moves to where least work of adhesion closes it; where
-    that is the same everywhere, to where the pressure of complete contact is lowest.
+    The tension of the gap grows without bound as the gap narrows, so that the gap moves to where least work of adhesion
+    closes it.  If the work of adhesion is equal everywhere, the gap moves to the lowest pressure of complete contact.
     """
     wave = profile if np.any(law.work_and_gradient(profile.grid[0])[1]) else complete.pressure
     places = wave.valleys[0]
@@ -86,6 +86,6 @@ def closing_place(complete: CompleteContact, profile: Profile, law: InterfaceLaw
 
 
 def _stiffening(profile: Profile, kernel: KernelSeries) -> float:
-    """What an effect changes of the elastic energy of complete contact, no mode against another."""
+    """Return the change of the elastic energy of complete contact by an effect, modes added by absolute value."""
     stiffer = np.abs(1 / kernel.ratio(profile.orders.astype(np.float64)) - 1)
     return float(np.pi / 2 * np.sum(profile.orders * profile.amplitudes**2 * stiffer))

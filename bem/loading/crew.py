@@ -27,12 +27,12 @@ class Crew(AbstractContextManager["Crew"]):
     Parameters
     ----------
     size : int
-        Processes at most; with one the work is done where it is asked for.
+        Processes at most; with one process the work is done in the calling process.
 
     Raises
     ------
     ValueError
-        No process.
+        `size` is less than 1.
     """
 
     def __init__(self, size: int = 1) -> None:

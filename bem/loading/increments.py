@@ -1,4 +1,4 @@
-"""What every path has, with adhesion or without: its accuracies, sizes of its increments and counts of its work.
+"""Accuracies, sizes of increments and counts of work of every path, with adhesion or without.
 
 Dimensionless.
 """
@@ -7,20 +7,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-SAFETY = 3.0  # errors stated over what a finer evaluation still changes
+SAFETY = 3.0  # ratio of a stated error to the change by a finer evaluation
 MAXIMUM_ITERATIONS = 400  # limit: of a loop that should end by itself; then it is a named failure
 
 
 @dataclass(frozen=True)
 class Accuracy:
-    """How accurate a state is.
+    """Accuracy of a state.
 
     Parameters
     ----------
     tolerance : float
-        Of the evaluation.
+        Tolerance of the evaluation.
     residual : float
-        Largest |G/w - 1| of an equilibrium; without adhesion largest |K| over that of a flat punch of equal load.
+        Largest |G/w - 1| of an equilibrium; without adhesion largest |K| over K of a flat punch of equal load.
     allowed : float
         Interpenetration that is not a contact, in units of the rms height.
     """
@@ -67,16 +67,16 @@ class Effort:
     Attributes
     ----------
     evaluations, local_evaluations : int
-        Of the forces on the edges of all patches, and of a few in the field of the others, which are not in results;
-        also of those that led nowhere.
+        Evaluations of the forces on the edges of all patches, and of a few patches in the field of the others, which
+        are not in results.  Evaluations that led nowhere are counted too.
     unknowns : int
-        Most of them in a state.
+        Largest number of unknowns of a state.
     accepted, rejected : int
-        Steps; those that were too long are among the rejected.
+        Steps; steps that were too long are among the rejected.
     unlocated : int
         Ends of branches that were not located.
     cpu_elsewhere : float
-        Seconds of other processes.
+        CPU seconds of other processes.
     """
 
     evaluations: int = 0

@@ -1,6 +1,6 @@
-"""What the solver asks of a loading path: path/path.py with adhesion, nonadhesive/convex_path.py without.
+"""Protocol of a loading path: path/path.py with adhesion, nonadhesive/convex_path.py without.
 
-`P` are the kinds of points that a path has, among them those of points_without_edges.py; `Q` are its own, with edges.
+`P` are the kinds of points of a path, among them the points of points_without_edges.py; `Q` are its points with edges.
 Dimensionless.
 """
 
@@ -19,24 +19,24 @@ Q = TypeVar("Q", contravariant=True)
 
 
 class LoadingPath(Protocol[P, Q]):
-    """A way through the states of a contact, driven by its control.
+    """Path through the states of a contact, driven by its control.
 
     Attributes
     ----------
     has_history : bool
-        Whether the next state depends on the last one, and not on the goal alone.
+        True if the next state depends on the last state, and not on the goal alone.
     """
 
     has_history: ClassVar[bool]
 
     @property
     def increments(self) -> Increments:
-        """Sizes of its increments, and accuracies."""
+        """Sizes of the increments of the path, and accuracies."""
         ...
 
     @property
     def effort(self) -> Effort:
-        """What it has taken so far."""
+        """Counts of the work done so far."""
         ...
 
     @property
@@ -45,39 +45,39 @@ class LoadingPath(Protocol[P, Q]):
         ...
 
     def direction(self, point: P, goal: float, separation: float | None = None) -> float:
-        """Sign of the motion from a point to a goal: 1 closer, -1 apart, 0 there."""
+        """Return the sign of the motion from a point to a goal: 1 closer, -1 apart, 0 at the goal."""
         ...
 
     def advance(self, point: P, goal: float, separation: float | None = None) -> Iterator[P]:
-        """Yield the points on the way to a value of the control; the last one is there or has failed.
+        """Yield the points on the way to a value of the control; the last point is at this value or has failed.
 
-        `separation` is the goal to its last digit, where that is what is controlled.
+        `separation` is the goal to its last digit, if the separation is controlled.
         """
         ...
 
     def refine(self, point: P, direction: float) -> P:
-        """The point at the accuracy of a target, with events that only this accuracy shows.
+        """Return the point at the accuracy of a target, with events that only this accuracy shows.
 
-        `direction` is the sign of the motion that led here.
+        `direction` is the sign of the motion that led to the point.
         """
         ...
 
     def restart(self, patches: Patches, penetration: float, value: float, separation: float | None = None) -> P:
-        """The point at the stored edges of a state; `Failed` when they are not in equilibrium."""
+        """Return the point at the stored edges of a state; `Failed` when the edges are not in equilibrium."""
         ...
 
     def assess(self, point: Q) -> Assessment:
-        """Stability, stiffness and estimated errors of a refined point with edges, from finer evaluations."""
+        """Return stability, stiffness and estimated errors of a refined point with edges, from finer evaluations."""
         ...
 
     def load_of(self, point: P) -> float | None:
-        """Load at a point; None where no path leads through loads continuously to it."""
+        """Return the load at a point; None where no path leads through loads continuously to the point."""
         ...
 
     def may_meet(self, before: P, after: P, load: float) -> bool:
-        """Whether a load is met between two successive points, or may have been."""
+        """Return whether a load is met between two successive points, or may have been."""
         ...
 
     def at_load(self, before: P, after: P, load: float) -> P | None:
-        """The refined point at a load between two successive points; None where the path jumps over it."""
+        """Return the refined point at a load between two successive points; None where the path jumps over it."""
         ...

@@ -1,4 +1,4 @@
-"""Events of a path: what happened, in which state, with the errors of its numbers.  Dimensionless."""
+"""Events of a path: kind and position, the state from which the path jumps, and its errors.  Dimensionless."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class EventNumbers:
     potential: float
 
     def apart(self, other: EventNumbers, force: float) -> EventNumbers:
-        """Sizes of the differences; potentials are compared at the same value of the control, on which `force` acts."""
+        """Return absolute differences; potentials are compared at one value of the control, on which `force` acts."""
         value = self.value - other.value
         return EventNumbers(
             abs(value),
@@ -76,7 +76,7 @@ def path_events(
     released: float,
     released_error: float,
 ) -> tuple[PathEvent, ...]:
-    """Events of an avalanche that starts at a state."""
+    """Return the events of an avalanche that starts at a state."""
     return tuple(
         PathEvent(kind, position % (2 * np.pi), at, error, *((released, released_error) if i == 0 else (0.0, 0.0)))
         for i, (kind, position) in enumerate(changes)

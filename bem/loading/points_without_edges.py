@@ -1,7 +1,7 @@
 """Points of a loading path without edges: surfaces apart, complete contact, and places where no state was found.
 
-These are alike with adhesion and without.  Points with edges are those of bem/path/points_with_edges.py
-(Equilibrium) and of bem/nonadhesive/convex_path.py (ContactPoint).  Dimensionless.
+Such points are alike with adhesion and without.  Points with edges are defined in bem/path/points_with_edges.py
+(Equilibrium) and in bem/nonadhesive/convex_path.py (ContactPoint).  Dimensionless.
 """
 
 from __future__ import annotations
@@ -14,16 +14,16 @@ from bem.loading.path_events import PathEvent, PathStatus
 
 @dataclass(frozen=True, eq=False)
 class PathPoint:
-    """What every point has.
+    """Value of the control, events and separation of a point of a path.
 
     Attributes
     ----------
     value : float
-        Of the control.
+        Value of the control.
     events : tuple of PathEvent
-        What happened on the way here.
+        Events on the way to the point.
     separation : float or None
-        What was asked for where that is more than its difference to `value`, which is rounded.
+        Separation asked for, if it holds more digits than its difference to `value`, which is rounded.
     """
 
     value: float
@@ -32,13 +32,13 @@ class PathPoint:
 
     @property
     def last(self) -> bool:
-        """Whether a branch ends here: the next point is at the same value, behind a jump."""
+        """True if a branch ends at the point: the next point is at the same value, behind a jump."""
         return False
 
 
 @dataclass(frozen=True, eq=False)
 class Separated(PathPoint):
-    """Surfaces apart."""
+    """Point with the surfaces apart."""
 
     status: ClassVar[PathStatus] = "separated"
     state: ClassVar[None] = None
@@ -46,7 +46,7 @@ class Separated(PathPoint):
 
 @dataclass(frozen=True, eq=False)
 class Complete(PathPoint):
-    """Complete contact."""
+    """Point in complete contact."""
 
     status: ClassVar[PathStatus] = "complete_contact"
     state: ClassVar[None] = None
@@ -54,7 +54,7 @@ class Complete(PathPoint):
 
 @dataclass(frozen=True, eq=False)
 class Failed(PathPoint):
-    """No state was found here."""
+    """Point at which no state was found."""
 
     status: Literal["not_converged", "ill_conditioned", "jumps_again"]
     state: ClassVar[None] = None

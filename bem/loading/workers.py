@@ -1,8 +1,8 @@
 """Worker processes for the parts of a step (crew.py).
 
-Workers of loky do not run the script of their parent again, so that a script needs no main guard.  What all parts share
-goes to them once, through a file: a worker that ends while it starts would leave the parent waiting for ever in a pipe
-that nobody reads, had it to send more than a pipe holds.
+Workers of loky do not run the script of their parent again, so that a script needs no main guard.  Data that all parts
+share goes to the workers once, through a file.  Through a pipe, a worker that ends while it starts would leave the
+parent waiting for ever, because nobody reads the pipe and the data may be more than it holds.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ Shared = TypeVar("Shared")
 
 ENDED = "a worker process ended: it was killed, or memory ran out"
 
-_kept: Any = None  # in a worker: what all parts share
+_shared: Any = None  # in a worker: data that all parts share
 
 
 class Workers(Generic[Shared]):
-    """Processes that keep what all parts share; end() ends them.
+    """Worker processes that hold the data shared by all parts; end() ends the processes.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class Workers(Generic[Shared]):
 
     @property
     def ready(self) -> bool:
-        """Whether all workers have started, or failed to start."""
+        """True if all workers have started, or failed to start."""
         return all(start.done() for start in self._beginning)
 
     def each(self, function: Callable[[Shared, Part], Answer], parts: Iterable[Part]) -> Iterator[Answer]:
@@ -78,7 +78,7 @@ class Workers(Generic[Shared]):
 
 
 def _end_with(parent: int) -> None:
-    """End this worker when its parent ends; it would wait for ever for work that nobody hands out."""
+    """End this worker when its parent ends, because the worker would wait for ever for new work."""
     with suppress(psutil.NoSuchProcess):
         psutil.Process(parent).wait()
     os._exit(1)
@@ -89,14 +89,14 @@ def _begin(shared: str, parent: int) -> None:
 
     The worker leaves interrupts to its parent and ends with it, also if that ended while the worker was starting.
     """
-    global _kept
+    global _shared
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
-    _kept = pickle.loads(Path(shared).read_bytes())  # written by the parent
+    _shared = pickle.loads(Path(shared).read_bytes())  # written by the parent
     threadpool_limits(limits=1, user_api="blas")
 
 
 def _at_work(function: Callable[[Any, Part], Answer], part: Part) -> tuple[Answer, float]:
-    """Return function(shared, part) in a worker, and its CPU seconds."""
+    """Return function(shared, part), computed in a worker, and its CPU seconds."""
     begun = time.process_time()
-    return function(_kept, part), time.process_time() - begun
+    return function(_shared, part), time.process_time() - begun

@@ -4,7 +4,7 @@ With the gap g(x), means <.> over the period lambda, and the open part of the pe
 
     mean_open = <g> / s,    mean_cubic_root = <g^3>^(1/3);
 
-quantiles are those of g over the open length.  By Reynolds' equation the flow along the ridges is proportional to
+quantiles are taken of g over the open length.  By Reynolds' equation the flow along the ridges is proportional to
 <g^3>; across them one closed contact lets nothing through, so a line model says nothing of percolation.
 
 The integral over a gap from a to a + w is the midpoint rule in theta, x = a + w (1 - cos theta)/2, where g is smooth.
@@ -65,13 +65,13 @@ def open_gaps(
 def statistics(heights: Sequence[FloatArray], widths: FloatArray) -> GapStatistics:
     """Return the statistics of gaps from their widths, (n_gaps,), and the heights at equidistant theta on each.
 
-    Quantiles are those of the heights interpolated linearly in theta, `FINER` times as many and zero at both edges.
+    Quantiles are taken of heights interpolated linearly in theta, `FINER` times as many and zero at both edges.
 
     Examples
     --------
     >>> theta = (np.arange(64) + 0.5) * np.pi / 64
-    >>> found = statistics([np.sin(theta)], np.array([np.pi]))  # a half circle, 3 pi / 16 of g^3, on half of the period
-    >>> round(found.mean_cube / (3 * np.pi / 32), 9), round(float(found.quantiles[2]), 2)
+    >>> gaps = statistics([np.sin(theta)], np.array([np.pi]))  # a half circle, 3 pi / 16 of g^3, on half of the period
+    >>> round(gaps.mean_cube / (3 * np.pi / 32), 9), round(float(gaps.quantiles[2]), 2)
     (1.0, 0.87)
     """
     cube, fine, shares = 0.0, [], []

@@ -1,4 +1,4 @@
-"""Observables of a state as the arrays of fields.npz, in SI units: only those asked for are imported and computed.
+"""Observables of a state as the arrays of fields.npz, in SI units; only the methods asked for are imported and run.
 
 shapes:                 x_k, displacement_k, gap_k (m), pressure_k (Pa, nan outside contact), patch_k (-1 outside)
 spectra:                q (rad/m), C_h, C_u_k (m^3), C_sigma_k (Pa^2 m), two-sided per line, at q = m q0
@@ -35,7 +35,7 @@ class Posed(Protocol):
 
     @property
     def profile(self) -> Profile:
-        """Dimensionless."""
+        """Profile, dimensionless."""
         ...
 
     @property
@@ -45,7 +45,7 @@ class Posed(Protocol):
 
     @property
     def compliance_ratio(self) -> Callable[[FloatArray], FloatArray] | None:
-        """Relative to the half-space, (n,) to (n,) for modes m >= 1; None for a half-space."""
+        """Compliance relative to a half-space, (n,) to (n,) for modes m >= 1; None for a half-space."""
         ...
 
 
@@ -73,7 +73,7 @@ def contact_fields(
 def complete_contact_fields(
     wanted: Collection[str], problem: Posed, complete: CompleteContact, load: float, index: int
 ) -> Fields:
-    """Return the arrays of complete contact under a dimensionless load per period; as of `contact_fields`."""
+    """Return the arrays of complete contact under a dimensionless load per period, named as by `contact_fields`."""
     fields: Fields = {}
     mean = load / (2 * np.pi)
     if "shapes" in wanted:
@@ -99,33 +99,33 @@ def _contact_shape(problem: Posed, pressure: PatchPressure, penetration: float, 
     return _shape(problem, shape(problem.profile, pressure, penetration, problem.compliance_ratio), index)
 
 
-def _shape(problem: Posed, found: Shape, index: int) -> Fields:
+def _shape(problem: Posed, shape: Shape, index: int) -> Fields:
     scales = problem.scales
     return {
-        f"x_{index}": found.x * scales.length,
-        f"displacement_{index}": found.displacement * scales.height,
-        f"gap_{index}": found.gap * scales.height,
-        f"pressure_{index}": found.pressure * scales.stress,
-        f"patch_{index}": found.patch,
+        f"x_{index}": shape.x * scales.length,
+        f"displacement_{index}": shape.displacement * scales.height,
+        f"gap_{index}": shape.gap * scales.height,
+        f"pressure_{index}": shape.pressure * scales.stress,
+        f"patch_{index}": shape.patch,
     }
 
 
-def _spectra(problem: Posed, found: Spectra, index: int) -> Fields:
+def _spectra(problem: Posed, spectra: Spectra, index: int) -> Fields:
     scales = problem.scales
     return {
-        "q": found.orders / scales.length,
-        "C_h": found.profile * (scales.height**2 * scales.length),
-        f"C_u_{index}": found.displacement * (scales.height**2 * scales.length),
-        f"C_sigma_{index}": found.pressure * (scales.stress**2 * scales.length),
+        "q": spectra.orders / scales.length,
+        "C_h": spectra.profile * (scales.height**2 * scales.length),
+        f"C_u_{index}": spectra.displacement * (scales.height**2 * scales.length),
+        f"C_sigma_{index}": spectra.pressure * (scales.stress**2 * scales.length),
     }
 
 
-def _distribution(problem: Posed, found: PressureDistribution, index: int) -> Fields:
+def _distribution(problem: Posed, distribution: PressureDistribution, index: int) -> Fields:
     stress = problem.scales.stress
     return {
-        f"sigma_{index}": found.pressures * stress,
-        f"P_{index}": found.density / stress,
-        f"sigma_bounds_{index}": found.levels * stress,
-        f"outside_contact_{index}": np.array(found.outside_contact),
-        f"tail_coefficient_{index}": np.array(found.tail_coefficient * stress**2),
+        f"sigma_{index}": distribution.pressures * stress,
+        f"P_{index}": distribution.density / stress,
+        f"sigma_bounds_{index}": distribution.levels * stress,
+        f"outside_contact_{index}": np.array(distribution.outside_contact),
+        f"tail_coefficient_{index}": np.array(distribution.tail_coefficient * stress**2),
     }

@@ -30,7 +30,7 @@ from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 
 SAMPLES_PER_COEFFICIENT = 16  # derived: quintic between samples: 1e-9 of the highest coefficients
-LEAST_SAMPLES = 128  # derived: the same on short series
+LEAST_SAMPLES = 128  # derived: on short series: 1e-9 of the highest coefficients
 SAMPLES_PER_WAVELENGTH = 64  # derived: complete contact
 TAIL_REACH = 100.0  # format: lowest level with adhesion, in units of the largest |extremum|
 NEGLIGIBLE_SHARE = 1e-12  # derived: of the period below minus that pressure: edges close to rounding only
@@ -44,7 +44,7 @@ class PressureDistribution:
     levels: FloatArray  # bounds of the bins, increasing, (n_bins + 1,)
     density: FloatArray  # mean P over each bin, (n_bins,)
     below: float  # share of the period in contact at pressures below the grid
-    above: float  # and above it
+    above: float  # share of the period in contact at pressures above the grid
     outside_contact: float  # share of the period outside contact, the weight of the delta function at zero
     tail_coefficient: float  # A of P -> A |sigma|^-3; zero without adhesion and in complete contact
 
@@ -54,7 +54,7 @@ class PressureDistribution:
         return np.asarray((self.levels[1:] + self.levels[:-1]) / 2)
 
     def tail_share(self, level: float) -> float:
-        """Share of the period that the tail alone puts below a level < 0, A / (2 level^2)."""
+        """Return the share of the period that the tail alone puts below a level < 0, A / (2 level^2)."""
         return self.tail_coefficient / (2 * level * level)
 
 
@@ -78,7 +78,7 @@ class Branches:
 def pressure_distribution(
     pressure: PatchPressure, levels: FloatArray | None = None, bins: int = 400
 ) -> PressureDistribution:
-    """Distribution of the pressure of a state with patches (none: all of the period is outside contact).
+    """Return the distribution of the pressure of a state; without patches all of the period is outside contact.
 
     The pressure is dimensionless; levels are bounds of the bins, increasing, (n_bins + 1,), by default
     `pressure_levels` with `bins` bins. ArithmeticError where a crossing was not located.
@@ -89,8 +89,8 @@ def pressure_distribution(
 
     >>> half = np.array([1.0])
     >>> hertz = PatchPressure(-half, half, (np.array([0.5, 0.0, -0.5]),))         # sigma = sqrt(1 - x^2)
-    >>> found = pressure_distribution(hertz, np.linspace(0, 1, 2001))
-    >>> bool(abs(2 * np.pi * np.sum(found.density * found.pressures) / 2000 - hertz.load) < 1e-5)
+    >>> distribution = pressure_distribution(hertz, np.linspace(0, 1, 2001))
+    >>> bool(abs(2 * np.pi * np.sum(distribution.density * distribution.pressures) / 2000 - hertz.load) < 1e-5)
     True
     """
     width = float(np.sum(pressure.right - pressure.left))
@@ -102,13 +102,13 @@ def pressure_distribution(
 
 
 def complete_contact_distribution(pressure: Profile, mean_pressure: float) -> PressureDistribution:
-    """Distribution of sigma_0 + the zero-mean harmonics `pressure` of complete contact, dimensionless."""
+    """Return the distribution of sigma_0 + the zero-mean harmonics `pressure` of complete contact, dimensionless."""
     branches = profile_branches(pressure, mean_pressure)
     return _distribution(branches, pressure_levels(branches), 2 * np.pi, 0.0)
 
 
 def pressure_levels(branches: Branches, bins: int = 400, tail_coefficient: float = 0.0) -> FloatArray:
-    """Levels from the lowest to the highest pressure, (bins + 1,): sinh-spaced, finest at zero.
+    """Return levels from the lowest to the highest pressure, (bins + 1,): sinh-spaced, finest at zero.
 
     With a tail the lowest level is -100 times the largest extremum, far into |sigma|^-3; patches without one reach
     down to zero at their edges.  No patch at all: levels from 0 to 1.  ValueError for a constant pressure.
@@ -132,7 +132,7 @@ def pressure_levels(branches: Branches, bins: int = 400, tail_coefficient: float
 
 
 def share_below(branches: Branches, levels: FloatArray) -> FloatArray:
-    """Share of the period at pressures below each level, in contact, (n_levels,)."""
+    """Return the share of the period at pressures below each level, in contact, (n_levels,)."""
     low, high = np.minimum(branches.first, branches.last), np.maximum(branches.first, branches.last)
     begin, end = np.searchsorted(levels, low, side="right"), np.searchsorted(levels, high, side="left")
     rows = np.arange(low.size)
@@ -150,7 +150,7 @@ def share_below(branches: Branches, levels: FloatArray) -> FloatArray:
 
 
 def patch_branches(pressure: PatchPressure) -> Branches:
-    """Branches of the pressure on patches; tau is theta, N = q, D = r sin(theta)."""
+    """Return the branches of the pressure on patches; tau is theta, N = q, D = r sin(theta)."""
     starts, stops, samples, radii = [], [], [], []
     for left, right, charge in zip(pressure.left, pressure.right, pressure.charges, strict=True):
         cells = max(SAMPLES_PER_COEFFICIENT * charge.size, LEAST_SAMPLES)
@@ -166,7 +166,7 @@ def patch_branches(pressure: PatchPressure) -> Branches:
 
 
 def profile_branches(pressure: Profile, mean_pressure: float) -> Branches:
-    """Branches of sigma_0 + a zero-mean profile over the whole period; tau is x, N = sigma, D = 1."""
+    """Return the branches of sigma_0 + a zero-mean profile over the whole period; tau is x, N = sigma, D = 1."""
     edges = np.linspace(0.0, 2 * np.pi, SAMPLES_PER_WAVELENGTH * pressure.max_order + 1)
     start, stop = edges[:-1], edges[1:]
     value, slope, curvature = pressure.height_slope_curvature(start)
@@ -189,7 +189,7 @@ def _distribution(branches: Branches, levels: FloatArray, width: float, tail: fl
 
 
 def _tail_coefficient(pressure: PatchPressure) -> float:
-    """sum K_e^2 / (2 pi^2) over tensile edges, K_e = -sqrt(pi/r) sum_n (+-1)^n Q_n > 0."""
+    """Return sum K_e^2 / (2 pi^2) over tensile edges, K_e = -sqrt(pi/r) sum_n (+-1)^n Q_n > 0."""
     total = 0.0
     for left, right, charge in zip(pressure.left, pressure.right, pressure.charges, strict=True):
         even, odd = float(np.sum(charge[0::2])), float(np.sum(charge[1::2]))
@@ -199,7 +199,7 @@ def _tail_coefficient(pressure: PatchPressure) -> float:
 
 
 def _hermite_data(charge: FloatArray, cells: int) -> FloatArray:
-    """q, q', q'' by theta at both ends of `cells` equal cells of [0, pi], (6, cells)."""
+    """Return q, q', q'' by theta at both ends of `cells` equal cells of [0, pi], (6, cells)."""
     order = np.arange(charge.size)
     padded = np.zeros(cells + 1)
     padded[: charge.size] = charge / 2
@@ -231,7 +231,7 @@ class _Quintic:
         )
 
     def __call__(self, tau: FloatArray, cell: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """N, N', N'' at tau in the given cells, (m,) each."""
+        """Return N, N', N'' at tau in the given cells, (m,) each."""
         h = self.width[cell]
         z = (tau - self.start[cell]) / h
         a = self.coefficients[:, cell]
@@ -243,36 +243,36 @@ class _Quintic:
 
 @dataclass(frozen=True, eq=False)
 class _Sine:
-    """D = r sin(theta) on patches, theta in [0, pi]."""
+    """Denominator D = r sin(theta) on patches, theta in [0, pi]."""
 
     radius: FloatArray
 
     def __call__(self, tau: FloatArray, cell: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """D, D', D'', (m,) each; D is exactly zero at both ends."""
+        """Return D, D', D'', (m,) each; D is exactly zero at both ends."""
         r = self.radius[cell]
         sine = np.where(tau > np.pi / 2, np.sin(np.pi - tau), np.sin(tau))
         return r * sine, r * np.cos(tau), -r * sine
 
     def length(self, tau1: FloatArray, tau2: FloatArray, cell: IntArray) -> FloatArray:
-        """r |cos tau1 - cos tau2| without cancellation, (m,)."""
+        """Return r |cos tau1 - cos tau2| without cancellation, (m,)."""
         r = self.radius[cell]
         return np.asarray(2 * r * np.abs(np.sin((tau1 + tau2) / 2) * np.sin((tau1 - tau2) / 2)))
 
 
 class _One:
-    """D = 1 in complete contact."""
+    """Denominator D = 1 in complete contact."""
 
     def __call__(self, tau: FloatArray, cell: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """1, 0, 0, (m,) each."""
+        """Return 1, 0, 0, (m,) each."""
         return np.ones(tau.size), np.zeros(tau.size), np.zeros(tau.size)
 
     def length(self, tau1: FloatArray, tau2: FloatArray, cell: IntArray) -> FloatArray:
-        """|tau1 - tau2|, (m,)."""
+        """Return |tau1 - tau2|, (m,)."""
         return np.abs(tau1 - tau2)
 
 
 def _cut(start: FloatArray, stop: FloatArray, quintic: _Quintic, factor: _Sine | _One) -> Branches:
-    """Cells cut at extrema of N / D, where W = N' D - N D' changes its sign."""
+    """Cut cells at extrema of N / D, where W = N' D - N D' changes its sign."""
     cell = np.arange(start.size)
 
     def wronskian(tau: FloatArray, rows: IntArray) -> tuple[FloatArray, FloatArray]:
@@ -298,14 +298,14 @@ def _cut(start: FloatArray, stop: FloatArray, quintic: _Quintic, factor: _Sine |
 
 
 def _ratio(quintic: _Quintic, factor: _Sine | _One, tau: FloatArray, rows: IntArray) -> FloatArray:
-    """N / D, infinite with the sign of N where D = 0 (zero where both vanish)."""
+    """Return N / D, infinite with the sign of N where D = 0 (zero where both vanish)."""
     n, d = quintic(tau, rows)[0], factor(tau, rows)[0]
     edge = d == 0
     return np.where(edge, np.where(n == 0, 0.0, np.copysign(np.inf, n)), n / np.where(edge, 1.0, d))
 
 
 def _crossings(branches: Branches, row: IntArray, level: FloatArray) -> FloatArray:
-    """tau at which branches cross levels, (m,)."""
+    """Return tau at which branches cross levels, (m,)."""
 
     def excess(tau: FloatArray, which: IntArray) -> tuple[FloatArray, FloatArray]:
         n, n1 = branches.numerator(tau, row[which])
@@ -318,33 +318,33 @@ def _crossings(branches: Branches, row: IntArray, level: FloatArray) -> FloatArr
 def _bracketed(
     function: Callable[[FloatArray, IntArray], tuple[FloatArray, FloatArray]], low: FloatArray, high: FloatArray
 ) -> FloatArray:
-    """Roots of many functions between bounds of opposite sign, by Newton's method with bisection as a guard, (m,).
+    """Find roots of many functions between bounds of opposite sign, by Newton's method guarded by bisection, (m,).
 
-    Where steps shrink quadratically, each over the square of the one before it is constant: the step that would follow
-    is known, and the last one where that is rounding.
+    If steps shrink quadratically, the ratio of a step to the square of the step before is constant, so that the next
+    step is known.  A step is the last one if the next step is below rounding.
     """
     low, high = low.copy(), high.copy()
     every = np.arange(low.size)
     resolution = 1e-13 * (high - low)
     falling = function(low, every)[0] > 0
-    root, last = (low + high) / 2, np.zeros(low.size)  # the size of the last step, zero where that was no Newton step
+    root, last = (low + high) / 2, np.zeros(low.size)  # size of the last Newton step; zero after a bisection
     active = every
     for _ in range(100):
         if active.size == 0:
             return root
-        here = root[active]
-        value, slope = function(here, active)
+        guess = root[active]
+        value, slope = function(guess, active)
         beyond = (value > 0) != falling[active]
-        high[active] = np.where(beyond, here, high[active])
-        low[active] = np.where(beyond, low[active], here)
+        high[active] = np.where(beyond, guess, high[active])
+        low[active] = np.where(beyond, low[active], guess)
         with np.errstate(divide="ignore", invalid="ignore"):
             step = value / slope
-        newton, size, before = here - step, np.abs(step), last[active]
+        newton, size, before = guess - step, np.abs(step), last[active]
         inside = (newton > low[active]) & (newton < high[active])
         root[active] = np.where(inside, newton, (low[active] + high[active]) / 2)
         last[active] = np.where(inside, size, 0.0)
         follows = inside & (2 * size < before) & (size**3 <= resolution[active] * before**2)
-        found = follows | (np.abs(root[active] - here) <= resolution[active]) | (value == 0)
-        root[active] = np.where(value == 0, here, root[active])
-        active = active[~found]
+        converged = follows | (np.abs(root[active] - guess) <= resolution[active]) | (value == 0)
+        root[active] = np.where(value == 0, guess, root[active])
+        active = active[~converged]
     raise ArithmeticError(f"{active.size} crossings of the pressure were not located in 100 steps")

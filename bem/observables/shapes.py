@@ -2,7 +2,7 @@
 
 Every patch and every gap has points of its own, clustered at its ends as x = a + w (1 - cos theta)/2 with equidistant
 theta, where displacement and gap are smooth functions of theta although they leave an edge like a square root, and so
-is sigma sin(theta) although sigma is singular.  No point lies on an edge.  In contact the displacement is that of the
+is sigma sin(theta) although sigma is singular.  No point lies on an edge.  In contact the displacement follows the
 profile, u = h - h_max + Delta; in gaps it is the integral of the pressure (displacement.py).
 
 Dimensionless (scaling.py), displacements mean-free.  Limits: 16 points per shortest wavelength in the middle of a
@@ -42,10 +42,10 @@ def shape(
     penetration: float,
     compliance_ratio: ComplianceRatio | None = None,
 ) -> Shape:
-    """Fields of a dimensionless state with patches and gaps.
+    """Return the fields of a dimensionless state with patches and gaps.
 
-    The ratio is that of the compliance of a layer to that of the half-space for orders m >= 1, (n,) to (n,). ValueError
-    without a patch: `separated_shape` and `complete_contact_shape` hold then.
+    `compliance_ratio` is the compliance of a layer over the compliance of the half-space for orders m >= 1, (n,) to
+    (n,). ValueError without a patch: use `separated_shape` or `complete_contact_shape`.
     """
     if pressure.left.size == 0:
         raise ValueError("pressure: without patches use separated_shape or complete_contact_shape")
@@ -75,7 +75,7 @@ def shape(
 
 
 def separated_shape(profile: Profile, penetration: float) -> Shape:
-    """Fields of surfaces apart, on a uniform grid: no displacement, no pressure."""
+    """Return the fields of surfaces apart, on a uniform grid: no displacement, no pressure."""
     x = uniform(profile)
     return Shape(
         x=x,
@@ -87,7 +87,10 @@ def separated_shape(profile: Profile, penetration: float) -> Shape:
 
 
 def complete_contact_shape(profile: Profile, pressure: Profile, mean_pressure: float) -> Shape:
-    """Fields of complete contact, on a uniform grid: u = h, sigma = sigma_0 + its zero-mean part `pressure`."""
+    """Return the fields of complete contact, on a uniform grid.
+
+    The displacement is u = h; the pressure is sigma_0 + its zero-mean part `pressure`.
+    """
     x = uniform(profile)
     return Shape(
         x=x,
@@ -99,7 +102,7 @@ def complete_contact_shape(profile: Profile, pressure: Profile, mean_pressure: f
 
 
 def _pressure_at_midpoints(charge: FloatArray, n: int) -> FloatArray:
-    """r sigma at t = -cos(theta), theta = (k + 1/2) pi / n, (n,)."""
+    """Return r sigma at t = -cos(theta), theta = (k + 1/2) pi / n, (n,)."""
     factor = -(-charge.size // n)
     factor += 1 - factor % 2  # an odd multiple of n has the points among its own
     padded = np.zeros(n * factor)

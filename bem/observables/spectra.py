@@ -8,7 +8,7 @@ two-sided: the mean square is the sum over m of both signs.  On a patch x = c + 
 which is evaluated as the Gauss-Chebyshev sum 1/(2 n) sum_k q(t_k) exp(-i m x_k): n nodes are wrong by terms
 Q_j J_{2n-j}(m r) only, which vanish for 2 n > N + m r + O((m r)^(1/3)), so that the square-root edges cost nothing
 (Mason and Handscomb, Chebyshev Polynomials, 2003, section 5.4).  With m = a + B b all modes are one matrix product.
-The displacement follows from u_m = ratio_m sigma_m / m, ratio: compliance of a layer over that of the half-space.
+The displacement follows from u_m = ratio_m sigma_m / m, ratio: compliance of a layer relative to the half-space.
 In SI, C(m q0) = |.|^2 / q0: multiply by height^2 length for profile and displacement, stress^2 length for pressure.
 
 Source of the definitions: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.
@@ -43,7 +43,10 @@ class Spectra:
 
 
 def spectral_orders(profile: Profile) -> int:
-    """Highest order worth storing: twice that of the profile, beyond which only the edges of patches show; >= 128."""
+    """Return the highest order worth storing: twice the order of the profile, and at least 128.
+
+    Beyond twice the order of the profile only the edges of patches show.
+    """
     return max(2 * profile.max_order, LEAST_ORDERS)
 
 
@@ -53,10 +56,10 @@ def spectra(
     highest: int | None = None,
     compliance_ratio: ComplianceRatio | None = None,
 ) -> Spectra:
-    """C_h, C_u and C_sigma of a dimensionless state with patches (none: separated).
+    """Return C_h, C_u and C_sigma of a dimensionless state with patches (none: separated).
 
-    `highest` is the highest order, by default `spectral_orders`; the ratio is that of the compliance of a layer to that
-    of the half-space for orders m >= 1, (n,) to (n,).
+    `highest` is the highest order, by default `spectral_orders`; `compliance_ratio` is the compliance of a layer over
+    the compliance of the half-space for orders m >= 1, (n,) to (n,).
 
     Examples
     --------
@@ -90,15 +93,18 @@ def complete_contact_spectra(
 
 
 def profile_spectrum(profile: Profile, highest: int) -> FloatArray:
-    """C_h(m) = h_m^2 / 4 for m = 1..highest, (highest,); orders beyond are left out."""
+    """Return C_h(m) = h_m^2 / 4 for m = 1..highest, (highest,); orders beyond are left out."""
     spectrum = np.zeros(highest)
-    kept = profile.orders <= highest
-    spectrum[profile.orders[kept] - 1] = profile.amplitudes[kept] ** 2 / 4
+    included = profile.orders <= highest
+    spectrum[profile.orders[included] - 1] = profile.amplitudes[included] ** 2 / 4
     return spectrum
 
 
 def pressure_modes(pressure: PatchPressure, highest: int) -> ComplexArray:
-    """sigma_m = (1/2 pi) int sigma exp(-i m x) dx of a dimensionless pressure, m = 0..highest, (highest + 1,)."""
+    """Return sigma_m = (1/2 pi) int sigma exp(-i m x) dx of a dimensionless pressure, m = 0..highest.
+
+    The shape is (highest + 1,).
+    """
     step = int(np.ceil(np.sqrt(highest + 1)))
     total = np.zeros((step, step), dtype=np.complex128)
     for x, charge in _blocks(pressure, highest):
@@ -109,7 +115,7 @@ def pressure_modes(pressure: PatchPressure, highest: int) -> ComplexArray:
 
 
 def _blocks(pressure: PatchPressure, highest: int) -> list[tuple[FloatArray, FloatArray]]:
-    """Positions and charges (pi/n) q of nodes that resolve exp(-i m x) on every patch, about 4000 at a time."""
+    """Return positions and charges (pi/n) q of nodes that resolve exp(-i m x) on every patch, about 4000 at a time."""
     blocks: list[tuple[FloatArray, FloatArray]] = []
     positions: list[FloatArray] = []
     charges: list[FloatArray] = []
@@ -132,5 +138,5 @@ def _blocks(pressure: PatchPressure, highest: int) -> list[tuple[FloatArray, Flo
 
 
 def _compliance(orders: FloatArray, compliance_ratio: ComplianceRatio | None) -> FloatArray:
-    """u_m / sigma_m, (n,)."""
+    """Return u_m / sigma_m, (n,)."""
     return 1 / orders if compliance_ratio is None else np.asarray(compliance_ratio(orders) / orders)

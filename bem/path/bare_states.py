@@ -34,16 +34,16 @@ from bem.path.points_with_edges import Equilibrium, Point
 
 @dataclass(frozen=True, eq=False)
 class BareStates:
-    """Leads a path from states without edges to such with them, and into complete contact.
+    """Transitions of a path from states without edges to states with edges, and into complete contact.
 
     Parameters
     ----------
     jumps : Jumps
-        Of the same path.
+        Jumps of the path.
     crests : (n,) array
         Positions of the highest crests, where first touch happens.
     flaw : Flaw or None
-        From which complete contact opens when the load falls; without it, it never does.
+        Flaw from which complete contact opens when the load falls; without a flaw complete contact never opens.
     """
 
     jumps: Jumps
@@ -52,12 +52,12 @@ class BareStates:
 
     @property
     def system(self) -> System:
-        """The equations that the path solves."""
+        """Equations that the path solves."""
         return self.jumps.system
 
     @property
     def complete(self) -> CompleteContact:
-        """Complete contact of the same profile."""
+        """Complete contact of the profile of the path."""
         return self.jumps.complete
 
     @property
@@ -68,7 +68,7 @@ class BareStates:
         return self.system.elastic.profile.max_height * (1 - EQUAL_HEIGHTS)
 
     def advance(self, point: Separated | Complete | Failed, goal: float) -> Point:
-        """From separated surfaces to first touch (at value 0), from complete contact to its opening, or to the goal."""
+        """Return the next point: first touch (at value 0), the opening of complete contact, or the goal."""
         if isinstance(point, Complete):
             return self._opened(point, goal)
         if isinstance(point, Separated):
@@ -76,21 +76,24 @@ class BareStates:
         return Failed(goal, point.status if isinstance(point, Failed) else "not_converged")
 
     def closed(self, patches: Patches, value: float) -> Complete:
-        """The last gap closes where the separation vanishes: a continuous end of the branch, no energy is released."""
-        last = int(np.argmax(patches.gap_after))  # others release energy when they close before it
+        """Return complete contact after the last gap closes, where the separation vanishes.
+
+        The branch ends continuously, and no energy is released.
+        """
+        last = int(np.argmax(patches.gap_after))  # gaps that close earlier release energy
         near = float(patches.right[last] + patches.gap_after[last] / 2)
         place = closing_place(self.complete, self.system.elastic.profile, self.system.law, near)
         events = path_events((("complete_contact", place),), self._fully_joined(value), NO_ERROR, 0.0, 0.0)
         return Complete(value, events=events)
 
     def _touched(self, value: float) -> Point:
-        """The state into which the highest crests jump where they touch."""
+        """Return the state into which the highest crests jump where they touch."""
         relaxed = self._relaxed(first_contact(self.system, self.crests), value, value)
         changes = (*(("first_touch", float(crest)) for crest in self.crests), *relaxed.changes)
         return self.jumps.behind(FIRST_TOUCH, NO_ERROR, relaxed, changes)
 
     def _opened(self, point: Complete, goal: float) -> Point:
-        """Complete contact at the goal, or the equilibrium into which it opens on the way there."""
+        """Return complete contact at the goal, or the equilibrium into which it opens on the way to the goal."""
         if self.system.control.load_weight > 0:
             return self._opened_at_flaw(point, goal)
         if goal >= self.closing_value:
@@ -106,7 +109,10 @@ class BareStates:
         return replace(Equilibrium.of(value, relaxed.balance), events=events)
 
     def _opened_at_flaw(self, point: Complete, goal: float) -> Point:
-        """The same where the load takes part in the control: without a flaw complete contact stays."""
+        """Return complete contact at the goal or the state into which its flaw opens, if the load is in the control.
+
+        Without a flaw complete contact stays.
+        """
         flaw, system, complete, fine = self.flaw, self.system, self.complete, self.jumps.increments.fine
         if flaw is None:
             return Complete(goal)
@@ -123,12 +129,15 @@ class BareStates:
         return self.jumps.behind(joined, error, relaxed, (("opening", flaw.center), *relaxed.changes))
 
     def _fully_joined(self, value: float) -> EventNumbers:
-        """Complete contact at a value of the control; the tension under which the last gap closes has no bound."""
+        """Return the numbers of complete contact at a value of the control.
+
+        The tension under which the last gap closes has no bound.
+        """
         control, highest = self.system.control, self.system.elastic.profile.max_height
         value = value if control.load_weight else highest
         potential = complete_potential(self.system, self.complete, value)
         return EventNumbers(value, highest, control.load(highest, value), potential)
 
     def _relaxed(self, start: Patches, penetration: float, value: float) -> Relaxed:
-        """Where the forces lead from edges that touch or open."""
+        """Follow the forces from edges that touch or open."""
         return relax(self.system, start, penetration, value, self.jumps.increments.way)

@@ -1,7 +1,7 @@
-"""What comes first on a span of the curve: its goal, a limit point, or a gap that closes.
+"""First end of a branch on a span of the curve: the goal, a limit point, or a gap that closes.
 
-Each is an equilibrium with one more condition, located by itself.  At the one that is located the others are evaluated:
-one that is violated lies before it.  Dimensionless.
+Each end is an equilibrium with one more condition, located by itself.  The other conditions are evaluated at the
+located end: a violated condition is met before it on the span.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from bem.path.touch import Touch, locate_touch
 
 @dataclass(frozen=True, eq=False)
 class GoalReached:
-    """The state at the last value of the control, and its parameter."""
+    """State at the last value of the control, and its parameter on the span."""
 
     balance: Balance
     place: float
@@ -31,7 +31,7 @@ End = GoalReached | LimitPoint | Touch
 
 @dataclass(frozen=True, eq=False)
 class BranchEnds:
-    """Finds the first end of a branch on its spans.
+    """Search for the first end of a branch on its spans.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class BranchEnds:
     increments: Increments
 
     def first(self, span: Span, way: Way) -> End | Refused | None:
-        """The first one on a span; None where there is none."""
+        """Return the first end on a span; None where there is none."""
         on_way = self.increments.way
         first: LimitPoint | Touch | Refused | None = LimitPoints(self.system, way.direction, on_way.tolerance).on(span)
         if isinstance(first, Refused):
@@ -62,7 +62,7 @@ class BranchEnds:
         return first if isinstance(goal, Refused) and at_goal else goal
 
     def _goal(self, span: Span, way: Way) -> GoalReached | Touch | Refused:
-        """The stable state on a span at the last value of the control, or the touch before it."""
+        """Return the stable state on a span at the last value of the control, or the touch before it."""
         places = span.reaches(way.end)
         if places.size == 0:
             return Refused.UNCLEAR
@@ -71,11 +71,11 @@ class BranchEnds:
         settled = settle(self.system.sloped, start, AtControl(way.end), self.increments.fine)
         if isinstance(settled, Refused):
             return settled
-        here = settled[0]
-        if here.factor is None or not span.holds(here.state.patches, way.end):
+        balance = settled[0]
+        if balance.factor is None or not span.holds(balance.state.patches, way.end):
             return Refused.FAR
-        place = span.parameter(here.state.patches)
-        found = interpenetration(self.system, here.state, self.increments.fine.allowed)
-        if found.position.size:
-            return locate_touch(self.system, span, (here.state, place), found, self.increments.fine.tolerance)
-        return GoalReached(here, place)
+        place = span.parameter(balance.state.patches)
+        closed = interpenetration(self.system, balance.state, self.increments.fine.allowed)
+        if closed.position.size:
+            return locate_touch(self.system, span, (balance.state, place), closed, self.increments.fine.tolerance)
+        return GoalReached(balance, place)

@@ -1,9 +1,9 @@
-"""Folds and broken symmetries: what ends the stable part of a branch on a span of its curve, and its equation.
+"""Folds and broken symmetries: the ends of the stable part of a branch on a span of its curve, and their equations.
 
 The end of a span says which, by the number of negative eigenvalues of the Hessian and by the way the control goes:
 
 =========  =======  ==============================================================================================
-negative   control  what lies on the span
+negative   control  content of the span
 =========  =======  ==============================================================================================
 none       onward   nothing, unless the quintic turns in between: a snap hides there, and a shorter step tells
 one        back     a fold: the control turns, and the mode that is neutral there carries the contact away
@@ -17,7 +17,7 @@ left, and a step of the control finds the symmetric branch (path.py).
 Folds and broken symmetries are located as equilibria with a neutral mode v, that is with mu = v . H v = 0 besides
 (`NeutralMode`; minimally augmented: R. Seydel, Practical Bifurcation and Stability Analysis, 2010, section 5.4), and
 their error comes with them (locating.py).  Modes that break a symmetry are held meanwhile; if that takes a force, the
-profile has not quite the symmetry, and shorter steps lead to the fold near the bifurcation.  Eigenvalues are those of
+profile has not quite the symmetry, and shorter steps lead to the fold near the bifurcation.  Eigenvalues are taken of
 the Hessian in units of the root of edge scale over work of adhesion, of order 1.  Dimensionless.
 """
 
@@ -37,25 +37,28 @@ from bem.path.locating import LOCATED, Condition, Located, Refused, Start, locat
 from bem.path.span import Span
 from bem.path.stand import MODES, Row
 
-NO_WORK = 1e-3  # cosine of a mode and of the pull of the control, below which that does no work on it
+NO_WORK = 1e-3  # cosine of a mode and of the pull of the control, below which the control does no work on the mode
 NEUTRAL_OFF = 5.0  # of the tolerance: error of an eigenvalue by an evaluation
 NEUTRAL = 1e-2  # eigenvalues of modes that are neutral together
 
 
 @dataclass(eq=False)
 class NeutralMode(Condition):
-    """An eigenvalue of the scaled Hessian vanishes: mu = v . H v, d mu = (D_v H v) . d xi + v . H_tau v d tau.
+    """Condition that an eigenvalue of the scaled Hessian vanishes: mu = v . H v.
 
-    Of the lowest modes it is that which is most along the last one, at first along the mode given.
+    The derivatives are d mu = (D_v H v) . d xi + v . H_tau v d tau.
+
+    The neutral mode is the one of the lowest modes that is most along the last neutral mode, at first along the mode
+    given.
 
     Attributes
     ----------
     scale : (2 L,) array
         Units of motions, fixed.
     last : (2 L,) array
-        The mode in these.
+        Last neutral mode, in units `scale`.
     values, modes : (n,), (2 L, n) arrays
-        The lowest eigenvalues and their modes in the last state, `index` among them the neutral one.
+        Lowest eigenvalues and their modes in the last state; `index` is the index of the neutral mode.
     by_edges : (2 L,) array
         D_v H v.
     """
@@ -69,20 +72,20 @@ class NeutralMode(Condition):
     by_edges: FloatArray = field(init=False)
     off: float = NEUTRAL_OFF
 
-    def row(self, here: Balance, value: float) -> Row:
-        """The eigenvalue mu and its derivatives by the edges and by the control."""
-        self.values, self.modes = lowest_modes(symmetric_part(here.hessian, self.scale), MODES)
+    def row(self, balance: Balance, value: float) -> Row:
+        """Return the eigenvalue mu and its derivatives by the edges and by the control."""
+        self.values, self.modes = lowest_modes(symmetric_part(balance.hessian, self.scale), MODES)
         self.index = int(np.argmax(np.abs(self.modes.T @ self.last)))
         mode = self.modes[:, self.index]
         self.last = mode if mode @ self.last > 0 else -mode
         motion = self.motion
-        self.by_edges = hessian_change_times(self.system, here, motion, 0.0, motion)
-        rate = float(motion @ hessian_change_times(self.system, here, None, 1.0, motion))
+        self.by_edges = hessian_change_times(self.system, balance, motion, 0.0, motion)
+        rate = float(motion @ hessian_change_times(self.system, balance, None, 1.0, motion))
         return Row(float(self.values[self.index]), self.by_edges, rate)
 
     @property
     def motion(self) -> FloatArray:
-        """The mode as outward motion of the edges."""
+        """Mode as outward motion of the edges."""
         return self.last * self.scale
 
     @property
@@ -93,7 +96,7 @@ class NeutralMode(Condition):
 
 @dataclass(frozen=True, eq=False)
 class LimitPoint:
-    """An equilibrium at which a branch ends or loses its stability.
+    """Equilibrium at which a branch ends or loses its stability.
 
     Attributes
     ----------
@@ -102,9 +105,9 @@ class LimitPoint:
     modes : (2 L, n) array
         Outward motions of the edges without resistance; one at a fold, to the side on which the potential falls.
     bend : float
-        At a fold, D_v H v . v / 2: on the branch the forces are that times the square of the motion along v.
+        At a fold, D_v H v . v / 2: on the branch the forces are `bend` times the square of the motion along v.
     place : float
-        Its parameter on the span.
+        Parameter on the span.
     """
 
     kind: Literal["fold", "broken_symmetry"]
@@ -114,15 +117,15 @@ class LimitPoint:
     place: float
 
 
-def does_no_work(here: Balance, scale: FloatArray, modes: FloatArray) -> NDArray[np.bool_]:
-    """On which modes, (2 L, n) in units `scale`, the control does no work."""
-    pull = here.load_gradient * scale
+def does_no_work(balance: Balance, scale: FloatArray, modes: FloatArray) -> NDArray[np.bool_]:
+    """Return for each mode, (2 L, n) in units `scale`, whether the control does no work on it, (n,)."""
+    pull = balance.load_gradient * scale
     return np.asarray(np.abs(modes.T @ pull) < NO_WORK * np.linalg.norm(pull))
 
 
 @dataclass(frozen=True, eq=False)
 class LimitPoints:
-    """Finds limit points on spans.
+    """Search for limit points on spans.
 
     Parameters
     ----------
@@ -130,7 +133,7 @@ class LimitPoints:
     direction : float
         Sign of the motion of the control.
     tolerance : float
-        Of the evaluations that locate them.
+        Tolerance of the evaluations that locate limit points.
     """
 
     system: System
@@ -138,7 +141,7 @@ class LimitPoints:
     tolerance: float
 
     def on(self, span: Span) -> LimitPoint | Refused | None:
-        """The limit point on a span; None where there is none."""
+        """Return the limit point on a span; None where there is none."""
         last = span.last
         (values, modes), onward = last.lowest, last.control_rate * self.direction > 0
         idle = does_no_work(last.balance, last.balance.scale, modes)
@@ -152,7 +155,7 @@ class LimitPoints:
         return self._fold(span, float(turns[0]))
 
     def _fold(self, span: Span, place: float) -> LimitPoint | Refused:
-        """The fold at about a parameter, unless a symmetry breaks before it."""
+        """Return the fold at about a parameter, unless a symmetry breaks before it."""
         scale = span.first.balance.scale
         neutral = self._neutral(scale, span.last.rate / scale)
         at = locate(self.system, self._start(span, place), neutral, self.tolerance)
@@ -174,15 +177,16 @@ class LimitPoints:
         return LimitPoint("fold", at, down[:, None], abs(cubic) / 2, span.parameter(at.patches))
 
     def _broken(
-        self, span: Span, here: Balance, modes: FloatArray, scale: FloatArray | None = None
+        self, span: Span, balance: Balance, modes: FloatArray, scale: FloatArray | None = None
     ) -> LimitPoint | Refused:
-        """Where the first of some modes turns unstable on which the control does no work, these held.
+        """Return the point where the first of some modes turns unstable on which the control does no work.
 
-        `scale` has the units of the modes, found in the state `here`: its own, if not given.
+        The modes, taken in the state `balance` in units `scale`, are held.  `scale` is by default the scale
+        of `balance`.
         """
-        held = modes * (here.scale if scale is None else scale)[:, None]
+        held = modes * (balance.scale if scale is None else scale)[:, None]
         scale = span.first.balance.scale
-        stiff, soft = (np.einsum("ij,ik,kj->j", held, state.hessian, held) for state in (span.first.balance, here))
+        stiff, soft = (np.einsum("ij,ik,kj->j", held, state.hessian, held) for state in (span.first.balance, balance))
         shares = np.where((stiff > 0) & (soft < 0), stiff / np.where(soft < stiff, stiff - soft, 1.0), 1.0)
         start, along = self._start(span, float(shares.min())), held[:, int(np.argmin(shares))] / scale
         for _ in range(MODES):
@@ -192,7 +196,7 @@ class LimitPoints:
                 return at
             start = Start(at.patches, at.numbers.penetration, at.numbers.value)
             felt = _forces(at.balance, held) > LOCATED
-            if felt.any() and not felt.all():  # those are held by forces: the profile has not their symmetry
+            if felt.any() and not felt.all():  # forces hold these modes: the profile lacks their symmetry
                 held = held[:, ~felt]
                 continue
             lowest = int(np.argmin(neutral.values))
@@ -202,7 +206,7 @@ class LimitPoints:
         return Refused.UNCLEAR
 
     def _breaking(self, span: Span, at: Located, neutral: NeutralMode) -> LimitPoint | Refused:
-        """The point where a symmetry breaks, if the profile has it and nothing else turned unstable before."""
+        """Return the point where a symmetry breaks, if the profile has it and nothing else turned unstable before."""
         soft = does_no_work(at.balance, neutral.scale, neutral.modes) & (neutral.values < NEUTRAL)
         modes = neutral.modes * neutral.scale[:, None]
         pushed = np.any(_forces(at.balance, modes[:, soft & (neutral.values < NEUTRAL)]) > LOCATED)
@@ -212,15 +216,15 @@ class LimitPoints:
         return LimitPoint("broken_symmetry", at, modes[:, soft], 0.0, span.parameter(at.patches))
 
     def _neutral(self, scale: FloatArray, mode: FloatArray) -> NeutralMode:
-        """The condition of a neutral mode, at first along one in units `scale`."""
+        """Return the condition of a neutral mode, at first along a mode in units `scale`."""
         return NeutralMode(self.system, scale, mode / np.linalg.norm(mode))
 
     def _start(self, span: Span, place: float) -> Start:
-        """Where Newton begins on a span."""
+        """Return the start of Newton's method at a parameter of a span."""
         patches, value = span.at(place)
         return Start(patches, span.first.numbers.penetration, value)
 
 
-def _forces(here: Balance, modes: FloatArray) -> FloatArray:
-    """Forces along motions of the edges over the work of adhesion, (n,)."""
-    return np.asarray(np.abs(here.gradient @ (modes / np.linalg.norm(modes, axis=0))) / np.max(here.work))
+def _forces(balance: Balance, modes: FloatArray) -> FloatArray:
+    """Return the forces along motions of the edges over the work of adhesion, (n,)."""
+    return np.asarray(np.abs(balance.gradient @ (modes / np.linalg.norm(modes, axis=0))) / np.max(balance.work))

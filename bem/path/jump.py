@@ -1,11 +1,11 @@
 """Jumps of an adhesive path: where the contact goes when its branch has ended, and the energy that it releases.
 
-A branch ends where it folds, where a symmetry breaks, or where a gap closes; all are located (fold.py,
-touch.py), so that neither the jump nor its numbers depend on the steps.  The jump follows the forces at the value of
-the control at which the branch ends (relaxation.py): from a fold along its mode until a force is felt, which grows as
-the square of the motion, from a broken symmetry along a branch that begins there, or on both sides of its mode.  What
-it releases is the difference of the potential of two equilibria, each located with its error.  A jump that leaves all
-patches in place is an event if it releases more than the error stated.  Dimensionless.
+A branch ends where it folds, where a symmetry breaks, or where a gap closes; all are located (fold.py, touch.py), so
+that neither the jump nor its numbers depend on the steps.  The jump follows the forces at the value of the control at
+which the branch ends (relaxation.py): from a fold along its mode until a force is felt, which grows as the square of
+the motion, from a broken symmetry along a branch that begins there, or on both sides of its mode.  The energy released
+is the difference of the potential of two equilibria, each located with its error.  A jump that leaves all patches in
+place is an event if it releases more than the error stated.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from bem.path.stand import LONGEST_MOTION
 from bem.path.symmetry import EQUAL
 from bem.path.touch import Touch
 
-FORCES = 1e-2, 1e-4, 1e-6  # of the work of adhesion, that a push from a fold shall meet, in turn
+FORCES = 1e-2, 1e-4, 1e-6  # of the work of adhesion: forces that a push from a fold shall meet, tried in turn
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,13 +53,13 @@ class Jumps:
     complete: CompleteContact
 
     def from_touch(self, touch: Touch) -> Point:
-        """The state behind the touch of a crest."""
+        """Return the state behind the touch of a crest."""
         state, at = touch.at.balance.state, touch.at
-        relaxed = self._relaxed(state, state.patches, at.numbers.value, found=touch.touching)
+        relaxed = self._relaxed(state, state.patches, at.numbers.value, touching=touch.touching)
         return self.behind(at.numbers, at.error, relaxed, relaxed.changes)
 
     def from_fold(self, limit: LimitPoint) -> Point | None:
-        """The state behind a fold; None where no force is felt along its mode that leads on."""
+        """Return the state behind a fold; None where no force is felt along its mode that leads on."""
         at, mode = limit.at, limit.modes[:, 0]
         state, patches, work = at.balance.state, at.patches, at.balance.work
         length = np.sqrt(np.array(FORCES) * float(work @ np.abs(mode)) / limit.bend)
@@ -75,12 +75,12 @@ class Jumps:
         return None
 
     def from_broken_symmetry(self, at: Located, other: Patches) -> Point | None:
-        """The state behind a broken symmetry; None where the contact falls back to where it was.
+        """Return the state behind a broken symmetry; None where the contact falls back to where it was.
 
         Parameters
         ----------
         at : Located
-            Where the symmetry breaks.
+            Point at which the symmetry breaks.
         other : Patches
             Edges of an unstable branch that begins there, from which forces lead on.
         """
@@ -92,15 +92,18 @@ class Jumps:
         changes = (("bifurcation", leading_patch(patches, outward)), *relaxed.changes)
         return self.behind(at.numbers, at.error, relaxed, changes)
 
-    def unlocated(self, here: Balance, start: float, value: float) -> Point:
-        """The state at `value` behind an end of the branch that was not located, from the last good edges before it."""
-        state, width = here.state, abs(value - start)
-        relaxed = self._relaxed(state, state.patches, value, unstable_patches(here))
-        control, stiffness = self.system.control, here.stiffness
+    def unlocated(self, balance: Balance, start: float, value: float) -> Point:
+        """Return the state at `value` behind an end of the branch that was not located.
+
+        The contact jumps from the last good edges before this end.
+        """
+        state, width = balance.state, abs(value - start)
+        relaxed = self._relaxed(state, state.patches, value, unstable_patches(balance))
+        control, stiffness = self.system.control, balance.stiffness
         deeper = abs(2 * width / (control.penetration_weight + control.load_weight * stiffness))
         error = EventNumbers(width, deeper, deeper * abs(stiffness), deeper * abs(stiffness) * width)
-        changes = relaxed.changes or (("bifurcation", float(state.patches.center[unstable_patches(here)[0]])),)
-        at = after_step(self.system, here, start, np.zeros(2 * state.patches.count), value - start)
+        changes = relaxed.changes or (("bifurcation", float(state.patches.center[unstable_patches(balance)[0]])),)
+        at = after_step(self.system, balance, start, np.zeros(2 * state.patches.count), value - start)
         return self.behind(at, error, relaxed, changes, bool(relaxed.changes))
 
     def behind(
@@ -111,60 +114,65 @@ class Jumps:
         changes: tuple[tuple[str, float], ...],
         surely: bool = True,
     ) -> Point:
-        """The point behind a jump with its events.
+        """Return the point behind a jump with its events.
 
         Parameters
         ----------
         at, error : EventNumbers
             The state from which the contact jumps, and its errors.
         relaxed : Relaxed
-            Where the jump ended.
+            End of the jump.
         changes : tuple of (kind, position)
-            What happened, in order.
+            Changes of the contact, in order.
         surely : bool
-            Whether something surely did; else the energy released must exceed its error.
+            True if something surely happened; else the energy released must exceed its error.
         """
         if relaxed.balance is None:
             return self._without_edges(at, error, relaxed, changes)
-        value, here = relaxed.target, relaxed.balance
-        found = self._minimum(here, value)
-        if found is None:
-            patches, after, uncertain = here.state.patches, numbers_of(here, value), np.inf
+        value, balance = relaxed.target, relaxed.balance
+        minimum = self._minimum(balance, value)
+        if minimum is None:
+            patches, after, uncertain = balance.state.patches, numbers_of(balance, value), np.inf
         else:
-            here, patches, after, uncertain = found.balance, found.patches, found.numbers, found.error.potential
+            balance, patches, after, uncertain = (
+                minimum.balance,
+                minimum.patches,
+                minimum.numbers,
+                minimum.error.potential,
+            )
         released = at.potential - after.potential
         doubt = error.potential + uncertain + self._moved_by_error(at, error, after.penetration, after.load)
         happened = surely or not np.isfinite(doubt) or released > SAFETY * doubt
-        stated = doubt + self._coarseness(here)
+        stated = doubt + self._coarseness(balance)
         events = path_events(changes, at, error, released, stated) if happened else ()
         if relaxed.status != "converged":
             return _failed(relaxed, events)
-        return Equilibrium(value, here, patches, after.load, events=events)
+        return Equilibrium(value, balance, patches, after.load, events=events)
 
-    def _coarseness(self, here: Balance) -> float:
-        """Return what coarse evaluations may make of a difference of energies: of second order in their errors."""
+    def _coarseness(self, balance: Balance) -> float:
+        """Return the error of a difference of energies by coarse evaluations: of second order in their errors."""
         tolerance = self.increments.way.tolerance
-        return (OFF * tolerance) ** 2 * here.state.elastic_energy if tolerance > VERIFIED else 0.0
+        return (OFF * tolerance) ** 2 * balance.state.elastic_energy if tolerance > VERIFIED else 0.0
 
-    def _minimum(self, here: Balance, value: float) -> Located | None:
-        """The stable equilibrium in which a jump ended, with its errors; None where there is none."""
-        start = Start(here.state.patches, here.state.penetration, value)
-        found = locate(self.system, start, AtControl(value), self.increments.way.tolerance, known=here)
-        if isinstance(found, Refused) or found.balance.factor is None:
+    def _minimum(self, balance: Balance, value: float) -> Located | None:
+        """Return the stable equilibrium in which a jump ended, with its errors; None where there is none."""
+        start = Start(balance.state.patches, balance.state.penetration, value)
+        located = locate(self.system, start, AtControl(value), self.increments.way.tolerance, known=balance)
+        if isinstance(located, Refused) or located.balance.factor is None:
             return None
-        moved = outward_motion(here.state.patches, found.patches) / here.state.patches.edge_scale
-        return found if np.max(np.abs(moved)) <= LONGEST_MOTION else None
+        moved = outward_motion(balance.state.patches, located.patches) / balance.state.patches.edge_scale
+        return located if np.max(np.abs(moved)) <= LONGEST_MOTION else None
 
     def _is_felt(self, patches: Patches, penetration: float, value: float, motion: FloatArray) -> bool:
-        """Whether edges feel a force along a motion: more than errors leave of one."""
+        """Return whether the force on edges along a motion exceeds its error."""
         if not patches.is_ordered:
             return False
-        here = balance(self.system, patches, penetration, value, self.increments.way.tolerance)
-        force = -float(here.gradient @ motion) / float(here.work @ np.abs(motion))
+        forces = balance(self.system, patches, penetration, value, self.increments.way.tolerance)
+        force = -float(forces.gradient @ motion) / float(forces.work @ np.abs(motion))
         return force > SAFETY * self.increments.way.residual
 
     def _returned(self, start: Patches, relaxed: Relaxed, outward: FloatArray) -> bool:
-        """Whether edges that were pushed outward fell back to an equilibrium."""
+        """Return whether edges that were pushed outward fell back to an equilibrium."""
         if relaxed.balance is None or relaxed.changes:
             return False
         moved = np.abs(outward_motion(start, relaxed.balance.state.patches)) / start.edge_scale
@@ -173,7 +181,7 @@ class Jumps:
     def _without_edges(
         self, at: EventNumbers, error: EventNumbers, relaxed: Relaxed, changes: tuple[tuple[str, float], ...]
     ) -> Separated | Complete | Failed:
-        """The point behind a jump that leaves no edges, or did not end."""
+        """Return the point behind a jump that leaves no edges, or did not end."""
         released, doubt = np.nan, error.potential
         if relaxed.status == "separated":
             changes = (*changes[:-1], ("pull_off", changes[-1][1]))
@@ -192,7 +200,10 @@ class Jumps:
         return _failed(relaxed, events)
 
     def _moved_by_error(self, at: EventNumbers, error: EventNumbers, penetration: float, load: float) -> float:
-        """Change of the energy released where the jump to this penetration and load lies elsewhere within its error."""
+        """Return the change of the energy released if the control of the jump is off by its error.
+
+        The jump leads to `penetration` and `load`.
+        """
         works = self.system.control.penetration_weight > 0  # the load does work, or the penetration
         return error.value * (abs(at.load - load) if works else abs(at.penetration - penetration))
 
@@ -202,15 +213,15 @@ class Jumps:
         patches: Patches,
         value: float,
         unstable: IntArray | None = None,
-        found: GapMinima | None = None,
+        touching: GapMinima | None = None,
     ) -> Relaxed:
-        """Where the forces lead."""
-        cause = Cause(unstable, found, before, local_tolerance=self.increments.coarse.tolerance)
+        """Follow the forces from edges to the end of a jump."""
+        cause = Cause(unstable, touching, before, local_tolerance=self.increments.coarse.tolerance)
         return relax(self.system, patches, before.penetration, value, self.increments.way, cause)
 
 
 def _failed(relaxed: Relaxed, events: tuple[PathEvent, ...] = ()) -> Failed:
-    """An event that does not end in a state, with what happened until then."""
+    """Return the failure of a jump that does not end in a state, with the events until then."""
     status: Literal["not_converged", "ill_conditioned"] = "not_converged"
     if relaxed.status == "ill_conditioned":
         status = "ill_conditioned"
@@ -218,7 +229,7 @@ def _failed(relaxed: Relaxed, events: tuple[PathEvent, ...] = ()) -> Failed:
 
 
 def leading_patch(patches: Patches, outward: FloatArray) -> float:
-    """Centre of the patch that grows or shrinks most in a motion of the edges; of two alike, that which shrinks."""
+    """Return the centre of the patch that grows or shrinks most in a motion; of two alike, of the one that shrinks."""
     growth = (outward / patches.edge_scale).reshape(2, -1).sum(axis=0)
     leading = int(np.argmax(np.abs(growth) * np.where(growth < 0, 1 + EQUAL, 1.0)))
     return float(patches.center[leading])

@@ -2,8 +2,8 @@
 
 On a stretch the load is monotonic (path.py splits it where the load turns); the parameter at which it has a value is
 found by the Illinois form of the secant, each trial being a point of the curve, whose load is exact to second order.
-Under a given separation the last gap closes, and the first opens, under a tension without bound: loads beyond that of
-the narrowest gap on the path are met in between, in the gap that a row of cracks has at that load (opening.py).
+Under a given separation the last gap closes, and the first opens, under a tension without bound: loads beyond the load
+of the narrowest gap on the path are met in between, in the gap that a row of cracks has at the load (opening.py).
 Dimensionless.
 """
 
@@ -33,14 +33,14 @@ DIGITS = 64  # spacings of the control, by which it misses a load in a narrow ga
 
 @dataclass(frozen=True, eq=False)
 class Loads:
-    """Finds loads on a path.
+    """Search for loads on a path.
 
     Parameters
     ----------
     system : System
     complete : CompleteContact
     fine : Accuracy
-        Of the states found.
+        Accuracy of the states at loads.
     on_way : float
         Tolerance of evaluations on the way.
     asked : tuple of float
@@ -54,7 +54,7 @@ class Loads:
     asked: tuple[float, ...] = ()
 
     def on_stretch(self, stretch: Stretch, load: float) -> Equilibrium | None:
-        """The state at a load between those at both ends of a stretch; None where there is none."""
+        """Return the state at a load between the loads at both ends of a stretch; None where there is none."""
         (a, b), span = stretch.ends, stretch.span
         miss_a, miss_b = (at - load for at in stretch.loads)
         if miss_a * miss_b > 0:
@@ -77,12 +77,12 @@ class Loads:
         return None if point is None else self._state_at(point, load, allowed)
 
     def _state_at(self, point: Stand, load: float, allowed: float) -> Equilibrium | None:
-        """The state at a load near a point of the curve; near an extremum at the control of the point."""
+        """Return the state at a load near a point of the curve; near an extremum at the control of the point."""
         start = Start(point.patches, point.numbers.penetration, point.value)
         for on in (AtLoad(self.system, load, allowed), AtControl(point.value)):
-            found = settle(self.system.sloped, start, on, self.fine)
-            if not isinstance(found, Refused) and abs(found[0].state.load - load) <= 10 * allowed:
-                return Equilibrium.of(found[1], found[0], settled=True)
+            settled = settle(self.system.sloped, start, on, self.fine)
+            if not isinstance(settled, Refused) and abs(settled[0].state.load - load) <= 10 * allowed:
+                return Equilibrium.of(settled[1], settled[0], settled=True)
         return None
 
     def point(self, span: Span, s: float) -> Stand | None:
@@ -93,17 +93,17 @@ class Loads:
         point, last = None, np.inf
         while point is None or SHORT < point.off < last:
             last = np.inf if point is None else point.off
-            here = evaluated(self.system.sloped, Start(patches, penetration, value), self.on_way)
-            point = None if isinstance(here, Refused) else stand_near(self.system, here, value, span.normal, 1.0)
+            balance = evaluated(self.system.sloped, Start(patches, penetration, value), self.on_way)
+            point = None if isinstance(balance, Refused) else stand_near(self.system, balance, value, span.normal, 1.0)
             if point is None:
                 return None
             patches, value, penetration = point.patches, point.value, point.numbers.penetration
         return point
 
     def turns(self, span: Span, reach: float) -> Iterator[tuple[float, Stand]]:
-        """Where the load turns on a span up to a parameter, if one that is asked for may lie beyond its ends there.
+        """Yield the turn of the load on a span up to a parameter, if a load asked for may lie beyond its ends.
 
-        The cubic that has the loads and their rates at both ends says so; the place is found by the secant of the rate.
+        The cubic with the loads and their rates at both ends decides; the secant of the rate finds the parameter.
         """
         ends, rates = self._ends(span)
         if rates[0] * rates[1] >= 0 or not self._may_pass(ends, rates):
@@ -127,7 +127,10 @@ class Loads:
         return (first.numbers.load, last.numbers.load), (self._rate(span, first), self._rate(span, last))
 
     def _turn(self, span: Span, rates: tuple[float, float], level: float) -> tuple[float, Stand] | None:
-        """Return where the rate of the load vanishes, to a level of its change on the span: by the Illinois secant."""
+        """Return the parameter and the point at which the rate of the load vanishes, by the Illinois secant.
+
+        The rate vanishes to a level of its change on the span.
+        """
         (low, high), (rate_low, rate_high) = (0.0, 1.0), rates
         allowed = level * abs(rate_low - rate_high)
         for _ in range(MAXIMUM_ITERATIONS):
@@ -146,19 +149,19 @@ class Loads:
         return None
 
     def _may_pass(self, ends: tuple[float, float], rates: tuple[float, float]) -> bool:
-        """Whether a load that is asked for lies beyond both ends, twice as far as the cubic says."""
+        """Return whether a load asked for lies beyond both ends, up to twice as far as the cubic goes."""
         top, bottom = extremes(ends, rates)
         highest, lowest = max(ends), min(ends)
         above, below = 2 * (top - highest), 2 * (lowest - bottom)
         return any(highest <= load <= highest + above or lowest - below <= load <= lowest for load in self.asked)
 
     def _rate(self, span: Span, point: Stand) -> float:
-        """dP/ds at a point of a span."""
+        """Return dP/ds at a point of a span."""
         row, along = AtLoad(self.system, 0.0, 0.0).row(point.balance, point.value), point.by(span.normal)[0]
         return float(row.by_edges @ along[:-1] + row.by_control * along[-1])
 
     def in_last_gap(self, point: Equilibrium, load: float, tolerance: float) -> Equilibrium | None:
-        """The state at a load between complete contact and a point with one gap."""
+        """Return the state at a load between complete contact and a point with one gap."""
         patches, system = point.patches, self.system
         widest = float(patches.gap_after[0])
         center = float(patches.right[0]) + widest / 2
@@ -177,8 +180,8 @@ class Loads:
         state = LoadControl().reach(evaluate(system.elastic, crack, highest, tolerance), load)
         depth = state.penetration
         allowed = max(LOAD_ACCURACY * max(abs(load), 1e-3), DIGITS * float(np.spacing(depth)) * state.load_rate)
-        found = settle(system, Start(crack, depth, depth), AtLoad(system, load, allowed), self.fine)
-        return None if isinstance(found, Refused) else Equilibrium.of(found[1], found[0], settled=True)
+        settled = settle(system, Start(crack, depth, depth), AtLoad(system, load, allowed), self.fine)
+        return None if isinstance(settled, Refused) else Equilibrium.of(settled[1], settled[0], settled=True)
 
 
 def extremes(ends: tuple[float, float], rates: tuple[float, float]) -> tuple[float, float]:

@@ -1,12 +1,12 @@
-"""Equilibria that meet a condition: Newton on the bordered system (stand.py), and the error of what it finds.
+"""Equilibria that meet a condition, found by Newton on the bordered system (stand.py), and their errors.
 
 Iterates are evaluated at a tolerance until a step is short.  The last evaluation has more nodes and modes than that
-tolerance asks for; what it changes, of the numbers as the last Newton steps leave them, is the error.  Newton has
-diverged where a step is no shorter than the one before it.  Where modes V are held (a symmetry that is to be kept), the
+tolerance asks for; its change of the numbers, as the last Newton steps leave them, is the error.  Newton has diverged
+if a step is no shorter than the step before.  Where modes V are held (a symmetry that is to be kept), the
 forces lambda that hold them are further unknowns, and V . d xi = 0.
 
-A condition says phi and its derivatives in a state.  These are a value of the control, a load, a plane through edges,
-the neutral mode of a fold or of a bifurcation (fold.py), and a gap that closes (touch.py).  Dimensionless.
+A condition gives phi and its derivatives in a state.  Conditions are a value of the control, a load, a plane through
+edges, the neutral mode of a fold or of a bifurcation (fold.py), and a gap that closes (touch.py).  Dimensionless.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ from bem.loading.path_events import EventNumbers
 from bem.path.stand import LONGEST_MOTION, SHORT, Row, bordered, missing, unit_of
 
 LAST = 1e-5  # units: the last step, behind which LAST^2 = 1e-10 is missing
-LOCATED = 1e-9  # what is left of zero: rms heights, works of adhesion, eigenvalues
-VERIFIED = 1e-8  # tolerance of evaluations up to which what is located is evaluated once more, finer
+LOCATED = 1e-9  # largest remainder of zero: rms heights, works of adhesion, eigenvalues
+VERIFIED = 1e-8  # tolerance of evaluations up to which a located equilibrium is evaluated once more, finer
 OFF = 0.3  # of the tolerance: error of K, of a gap and of the load by an evaluation; measured .03, .2 on thin layers
 FINER_MODES = 1e-2  # of the tolerance, for which a finer evaluation has the modes
 
 
 class Refused(Enum):
-    """Why nothing was found, or a step was not taken."""
+    """Reasons why no state was found, or a step was not taken."""
 
     OVERLAP = "edges overlap"
     COMPRESSED = "K is not positive at an edge"
@@ -48,61 +48,61 @@ class Refused(Enum):
 
 
 class Condition(ABC):
-    """What closes the equations of equilibrium: phi(xi, tau) = 0, in a settled state within an accuracy."""
+    """Condition that closes the equations of equilibrium: phi(xi, tau) = 0, in a settled state within an accuracy."""
 
     accuracy: float = np.inf
     off: float = OFF
 
     def asked(self, system: System) -> System:
-        """The system whose evaluations know what the condition needs."""
+        """Return the system whose evaluations hold the quantities that the condition needs."""
         return system
 
     @abstractmethod
-    def row(self, here: Balance, value: float) -> Row:
-        """phi and its derivatives."""
+    def row(self, balance: Balance, value: float) -> Row:
+        """Return phi and its derivatives."""
 
 
 @dataclass(frozen=True)
 class AtControl(Condition):
-    """The control has a value."""
+    """Condition that the control has a value."""
 
     goal: float
 
-    def row(self, here: Balance, value: float) -> Row:
-        """tau - goal."""
-        return Row(value - self.goal, np.zeros(here.work.size), 1.0)
+    def row(self, balance: Balance, value: float) -> Row:
+        """Return tau - goal and its derivatives."""
+        return Row(value - self.goal, np.zeros(balance.work.size), 1.0)
 
 
 @dataclass(frozen=True)
 class AtLoad(Condition):
-    """The load has a value, within an accuracy."""
+    """Condition that the load has a value, within an accuracy."""
 
     system: System
     load: float
     accuracy: float
 
-    def row(self, here: Balance, value: float) -> Row:
-        """P - load: edges change P by k at fixed penetration, and by the control."""
-        control, state = self.system.control, here.state
+    def row(self, balance: Balance, value: float) -> Row:
+        """Return P - load and its derivatives: edges change P by k at fixed penetration, and by the control."""
+        control, state = self.system.control, balance.state
         share = control.load_weight * control.rate(state) * state.load_rate
-        return Row(state.load - self.load, here.load_gradient * (1 - share), state.load_rate * control.rate(state))
+        return Row(state.load - self.load, balance.load_gradient * (1 - share), state.load_rate * control.rate(state))
 
 
 @dataclass(frozen=True, eq=False)
 class InPlane(Condition):
-    """Edges lie in a plane: normal . (xi - those given) = 0."""
+    """Condition that edges lie in a plane: normal . (xi - xi of the edges given) = 0."""
 
     patches: Patches
     normal: FloatArray
 
-    def row(self, here: Balance, value: float) -> Row:
-        """Distance of the edges beyond the plane, along its normal."""
-        return Row(float(self.normal @ outward_motion(self.patches, here.state.patches)), self.normal, 0.0)
+    def row(self, balance: Balance, value: float) -> Row:
+        """Return the distance of the edges beyond the plane, along its normal, and its derivatives."""
+        return Row(float(self.normal @ outward_motion(self.patches, balance.state.patches)), self.normal, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """Where Newton begins: edges, the penetration from which a load is reached, and a value of the control."""
+    """Start of Newton's method: edges, the penetration from which a load is reached, and a value of the control."""
 
     patches: Patches
     penetration: float
@@ -111,16 +111,16 @@ class Start:
 
 @dataclass(frozen=True, eq=False)
 class Located:
-    """Where a condition is met.
+    """Equilibrium in which a condition is met.
 
     Attributes
     ----------
     balance : Balance
         Forces one Newton step away.
     numbers, error : EventNumbers
-        Its numbers, and what the last evaluation changed of them.
+        Numbers of the equilibrium, and their changes by the last evaluation.
     step : (2 L,) array
-        What is left to it, outward motion of the edges.
+        Newton step to the equilibrium, outward motion of the edges.
     """
 
     balance: Balance
@@ -130,7 +130,7 @@ class Located:
 
     @property
     def patches(self) -> Patches:
-        """The edges where Newton's last step leads."""
+        """Edges to which Newton's last step leads."""
         return self.balance.state.patches.moved(self.step)
 
 
@@ -142,7 +142,7 @@ def locate(
     held: FloatArray | None = None,
     known: Balance | None = None,
 ) -> Located | Refused:
-    """The equilibrium next to edges that meets a condition, with its error.
+    """Return the equilibrium next to edges that meets a condition, with its error.
 
     Parameters
     ----------
@@ -150,116 +150,119 @@ def locate(
     start : Start
     on : Condition
     tolerance : float
-        Of the evaluations.
+        Tolerance of the evaluations.
     held : (2 L, k) array, optional
         Outward motions that do not take part, held by forces along them.
     known : Balance, optional
-        Forces where it begins, evaluated at the same tolerance.
+        Forces at the start, evaluated at `tolerance`.
     """
     before: EventNumbers | None = None
     place, last = start, np.inf
     for _ in range(MAXIMUM_ITERATIONS):
         asked = on.asked(system.sloped)
         if before is None:
-            here = known or evaluated(asked, place, tolerance)
+            balance = known or evaluated(asked, place, tolerance)
         else:
-            here = evaluated_finely(asked, place, tolerance)
+            balance = evaluated_finely(asked, place, tolerance)
         known = None
-        if isinstance(here, Refused):
-            return here
-        step = newton_step(system, here, on.row(here, place.value), held)
+        if isinstance(balance, Refused):
+            return balance
+        step = newton_step(system, balance, on.row(balance, place.value), held)
         if isinstance(step, Refused):
             return step
         if step.size >= last:
             return Refused.DIVERGED
         if tolerance > VERIFIED and step.size <= np.sqrt(tolerance):
-            return _unverified(system, here, place.value, on, step, tolerance)
-        numbers, last = after_step(system, here, place.value, step.motion, step.change), step.size
+            return _unverified(system, balance, place.value, on, step, tolerance)
+        numbers, last = after_step(system, balance, place.value, step.motion, step.change), step.size
         if before is not None and step.size <= LAST:
-            return Located(here, numbers, numbers.apart(before, system.control.force(here.state)), step.motion)
+            return Located(balance, numbers, numbers.apart(before, system.control.force(balance.state)), step.motion)
         if before is None and step.size <= SHORT:
             before, last = numbers, np.inf
-        place = step.end(here, place.value)
+        place = step.end(balance, place.value)
     return Refused.DIVERGED
 
 
 def _unverified(
-    system: System, here: Balance, value: float, on: Condition, step: NewtonStep, tolerance: float
+    system: System, balance: Balance, value: float, on: Condition, step: NewtonStep, tolerance: float
 ) -> Located:
-    """What was located by coarse evaluations, with errors from those of K and of the condition.
+    """Return the equilibrium located by coarse evaluations, with errors from the errors of K and of the condition.
 
     An error e of the right side of the bordered system A moves a number q with the derivatives c by c . A^-1 e, at most
-    by the sum of the sizes; what the evaluation itself lacks of q adds to that.
+    by the sum of the sizes; the error of q by the evaluation itself is added.
     """
-    unit, state, control, row = unit_of(system, here), here.state, system.control, on.row(here, value)
-    error = np.append(OFF * tolerance / np.sqrt(here.work), on.off * tolerance) + step.size**2
-    load = AtLoad(system, 0.0, 0.0).row(here, value)
-    deeper = control.rate(state) * np.append(-control.load_weight * here.load_gradient, 1.0)
+    unit, state, control, row = unit_of(system, balance), balance.state, system.control, on.row(balance, value)
+    error = np.append(OFF * tolerance / np.sqrt(balance.work), on.off * tolerance) + step.size**2
+    load = AtLoad(system, 0.0, 0.0).row(balance, value)
+    deeper = control.rate(state) * np.append(-control.load_weight * balance.load_gradient, 1.0)
     numbers = np.stack([np.eye(unit.size + 1)[-1], np.append(load.by_edges, load.by_control), deeper], axis=1)
     numbers[:-1] *= unit[:, None]
     try:
-        by_value, by_load, by_depth = np.abs(np.linalg.solve(bordered(system, here, unit, row).T, numbers)).T @ error
+        by_value, by_load, by_depth = np.abs(np.linalg.solve(bordered(system, balance, unit, row).T, numbers)).T @ error
     except np.linalg.LinAlgError:
         by_value = by_load = by_depth = np.inf
-    at, own = after_step(system, here, value, step.motion, step.change), OFF * tolerance
+    at, own = after_step(system, balance, value, step.motion, step.change), OFF * tolerance
     errors = EventNumbers(
         float(by_value) + own * abs(at.value),
         float(by_depth) + own * abs(at.penetration),
         float(by_load) + own * abs(at.load),
-        energy_noise(system, here, here, tolerance),
+        energy_noise(system, balance, balance, tolerance),
     )
-    return Located(here, at, errors, step.motion)
+    return Located(balance, at, errors, step.motion)
 
 
 def settle(system: System, start: Start, on: Condition, accuracy: Accuracy) -> tuple[Balance, float] | Refused:
-    """The state next to edges that meets a condition, evaluated in itself, and its value of the control.
+    """Return the state next to edges that meets a condition, evaluated in itself, and its value of the control.
 
-    It is no farther than LONGEST_MOTION away, and at the end of a Newton step: what that leaves is below the residual,
-    or rounding that no step makes smaller.
-    Short steps keep the resolution: where adhesion is weak K of one number of modes and K of the next differ by more
+    The state is no farther than LONGEST_MOTION away, and at the end of a Newton step.  Forces left at its
+    edges are below the residual, or rounding that no step makes smaller.
+    Short steps keep the resolution: where adhesion is weak, values of K with successive numbers of modes differ by more
     than the residual allows.
     """
-    place, last, kept = start, np.inf, None
+    place, last, resolution = start, np.inf, None
     for _ in range(MAXIMUM_ITERATIONS):
-        here = evaluated(on.asked(system), place, accuracy.tolerance, kept)
-        if isinstance(here, Refused):
-            return here
-        if np.max(np.abs(outward_motion(start.patches, place.patches)) / unit_of(system, here)) > LONGEST_MOTION:
+        balance = evaluated(on.asked(system), place, accuracy.tolerance, resolution)
+        if isinstance(balance, Refused):
+            return balance
+        if np.max(np.abs(outward_motion(start.patches, place.patches)) / unit_of(system, balance)) > LONGEST_MOTION:
             return Refused.FAR
-        row = on.row(here, place.value)
+        row = on.row(balance, place.value)
         met = place is not start and abs(row.value) <= on.accuracy
-        if met and here.residual <= accuracy.residual:
-            return here, place.value
-        step = newton_step(system, here, row)
+        if met and balance.residual <= accuracy.residual:
+            return balance, place.value
+        step = newton_step(system, balance, row)
         if isinstance(step, Refused):
             return step
         if step.size >= last:  # rounding is left, or nothing is near
-            return (here, place.value) if met and here.is_equilibrium(accuracy.residual) else Refused.DIVERGED
-        last, kept = step.size, here.state.resolution if step.size < SHORT else None
-        place = step.end(here, place.value)
+            return (balance, place.value) if met and balance.is_equilibrium(accuracy.residual) else Refused.DIVERGED
+        last, resolution = step.size, balance.state.resolution if step.size < SHORT else None
+        place = step.end(balance, place.value)
     return Refused.DIVERGED
 
 
 def evaluated(
     system: System, place: Start, tolerance: float, resolution: Resolution | None = None
 ) -> Balance | Refused:
-    """Forces on edges that are in order, all of them tensile."""
-    here = evaluated_anywhere(system, place, tolerance, resolution)
-    return here if isinstance(here, Refused) or here.all_tensile else Refused.COMPRESSED
+    """Return the forces on edges that are in order, all of them tensile."""
+    forces = evaluated_anywhere(system, place, tolerance, resolution)
+    return forces if isinstance(forces, Refused) or forces.all_tensile else Refused.COMPRESSED
 
 
 def evaluated_anywhere(
     system: System, place: Start, tolerance: float, resolution: Resolution | None = None
 ) -> Balance | Refused:
-    """Forces on edges that are in order."""
+    """Return the forces on edges that are in order."""
     if not place.patches.is_ordered:
         return Refused.OVERLAP
-    here = if_solvable(balance, system, place.patches, place.penetration, place.value, tolerance, resolution)
-    return Refused.UNRESOLVED if here is None else here
+    forces = if_solvable(balance, system, place.patches, place.penetration, place.value, tolerance, resolution)
+    return Refused.UNRESOLVED if forces is None else forces
 
 
 def evaluated_finely(system: System, place: Start, tolerance: float) -> Balance | Refused:
-    """The same with the nodes and modes of a finer tolerance: what this changes is the error of an evaluation."""
+    """Return the forces on edges with the nodes and modes of a finer tolerance.
+
+    The change of the forces by these is the error of an evaluation.
+    """
     elastic = system.elastic
     wanted = finer(elastic, place.patches, resolve(elastic, place.patches, tolerance), FINER_MODES * tolerance)
     return evaluated(system, place, tolerance, wanted)
@@ -273,20 +276,22 @@ class NewtonStep:
     change: float
     size: float
 
-    def end(self, here: Balance, value: float) -> Start:
-        """Where the next evaluation is: at the end of the step, or on the way there if it is long."""
+    def end(self, balance: Balance, value: float) -> Start:
+        """Return the start of the next evaluation: the end of the step, or a place on the way if the step is long."""
         part = min(1.0, LONGEST_MOTION / self.size) if self.size else 1.0
-        return Start(here.state.patches.moved(part * self.motion), here.state.penetration, value + part * self.change)
+        return Start(
+            balance.state.patches.moved(part * self.motion), balance.state.penetration, value + part * self.change
+        )
 
 
-def newton_step(system: System, here: Balance, row: Row, held: FloatArray | None = None) -> NewtonStep | Refused:
-    """The solution of the bordered system, some modes being held."""
-    unit = unit_of(system, here)
+def newton_step(system: System, balance: Balance, row: Row, held: FloatArray | None = None) -> NewtonStep | Refused:
+    """Solve the bordered system, with some modes held."""
+    unit = unit_of(system, balance)
     n = unit.size
-    matrix, side = bordered(system, here, unit, row), np.append(missing(here), -row.value)
+    matrix, side = bordered(system, balance, unit, row), np.append(missing(balance), -row.value)
     if held is not None:
         rows = (held * unit[:, None]).T
-        columns = held / (np.sqrt(here.work) * unit)[:, None]
+        columns = held / (np.sqrt(balance.work) * unit)[:, None]
         k = held.shape[1]
         columns, rows = np.pad(columns, ((0, 1), (0, 0))), np.pad(rows, ((0, 0), (0, 1)))
         rows /= np.max(np.abs(rows), axis=1)[:, None]
@@ -296,8 +301,8 @@ def newton_step(system: System, here: Balance, row: Row, held: FloatArray | None
     matrix[n] /= scale
     side[n] /= scale
     try:
-        both = np.linalg.solve(matrix, side)
+        solution = np.linalg.solve(matrix, side)
     except np.linalg.LinAlgError:
         return Refused.SINGULAR
-    size = float(np.max(np.abs(both[:n])))
-    return NewtonStep(both[:n] * unit, float(both[n]), size) if np.isfinite(size) else Refused.SINGULAR
+    size = float(np.max(np.abs(solution[:n])))
+    return NewtonStep(solution[:n] * unit, float(solution[n]), size) if np.isfinite(size) else Refused.SINGULAR

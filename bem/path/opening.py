@@ -1,28 +1,28 @@
-"""Complete contact as an end of the adhesive path: how it opens, and what it costs.
+"""Complete contact as an end of the adhesive path: its opening, and its energy.
 
 Under the JKR model a gap of zero width needs infinite tension, so that complete contact opens only
 
 - at a flaw: a gap of given width near the lowest pressure of complete contact, where both its edges open at one load
   (beside it one edge would open while the other heals).  Its K is a linear function of the load; it opens when K
-  reaches the critical one, K = 2 sqrt(w).  The flaw itself carries no adhesion: what the opening releases is counted
+  reaches the critical one, K = 2 sqrt(w).  The flaw itself carries no adhesion: the energy released is counted
   from the flawed state, which lies above complete contact by w g / 2 for a narrow flaw of width g.  The control does
   no work for that energy: a path through an opening gains it;
-- or because the separation is prescribed: s > 0 is the mean gap, so that there is one.  It begins at the same
-  place with zero width, and the branch is continuous there (Johnson, Int. J. Solids Struct. 32 (1995) 423).
+- or because the separation is prescribed: s > 0 is the mean gap, so that a gap exists.  The gap begins at the
+  lowest pressure with zero width, and the branch is continuous there (Johnson, Int. J. Solids Struct. 32 (1995) 423).
 
 A narrow gap of width g under the tension T opens by int gap dx = pi g^2 T / 8 and has K = T sqrt(pi g / 2), from
 which the width at a given separation follows.
 
 Patches all round the period but for a gap below 1e-4 of it take seconds and more (the ends of one patch that nearly
-meet), so that the load at which a narrower flaw opens is that of a row of cracks, one per period, under the tension
+meet), so that the opening load of a narrower flaw is computed for a row of cracks, one per period, under the tension
 T(x) that complete contact has there,
 
     K = sqrt(2 pi tan(g/4)) mean of T (1 -+ t) over Chebyshev nodes t = sin(x/2) / sin(g/4),
 
 (H. Tada, P. C. Paris, G. R. Irwin, The Stress Analysis of Cracks Handbook, 2000, part II, uniform T; the weight of an
-isolated crack for what varies, off by (g/8)^2 of that).  A layer changes K by a share that grows with g^2, measured at
-a resolved gap.  Measured against evaluations of the gap itself down to 1e-5 of the period, half-space and
-layers of 0.1 to 0.3 periods, 1 to 100 harmonics: 3e-9 of the load, which is what these are off.  Dimensionless.
+isolated crack for the varying part of T, off by (g/8)^2 of that part).  A layer changes K by a share that grows with
+g^2, measured at a resolved gap.  Measured against evaluations of the gap itself down to 1e-5 of the period, half-space
+and layers of 0.1 to 0.3 periods, 1 to 100 harmonics: 3e-9 of the load, the error of the evaluations.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -44,11 +44,11 @@ from bem.path.locating import LAST, LOCATED
 RESOLVED_GAP = 1e-4 * TWO_PI  # speed: evaluated as it is in a tenth of a second
 FINEST_GAP = (
     RESOLVED_GAP / 10
-)  # the same in seconds; narrower ones do not feel a layer but by the square of their width
+)  # speed: evaluated as it is in seconds; narrower gaps feel a layer only by the square of their width
 
 
 def with_gap(position: float, width: float) -> Patches:
-    """One patch all round the period but for a gap.
+    """Return one patch all round the period but for a gap.
 
     Examples
     --------
@@ -59,25 +59,25 @@ def with_gap(position: float, width: float) -> Patches:
 
 
 def lowest_pressure(complete: CompleteContact) -> float:
-    """Position where complete contact has its lowest pressure."""
+    """Return the position where complete contact has its lowest pressure."""
     positions, pressures = complete.pressure.valleys
     return float(positions[int(np.argmin(pressures))])
 
 
 @dataclass(frozen=True)
 class Flaw:
-    """A gap without adhesion in complete contact: its middle, and its width in radians."""
+    """Gap without adhesion in complete contact: its middle, and its width in radians."""
 
     center: float
     width: float
 
 
 def flaw_of(system: System, complete: CompleteContact, width: float, tolerance: float) -> Flaw | None:
-    """The flaw of a width, where it opens at both edges at once; None where the pressure shuts a part of it.
+    """Return the flaw of a width, where it opens at both edges at once; None where the pressure shuts a part of it.
 
-    Beside that place one edge would open while the other heals.  Where work of adhesion that varies lets no such place
-    be near the lowest pressure (narrow flaws, which open more easily the wider they are), it is at the lowest pressure.
-    A flaw is shut at an edge, where K < 0, or on a crest in between.
+    Beside its place one edge would open while the other heals.  If work of adhesion that varies leaves no such place
+    near the lowest pressure (narrow flaws, which open more easily the wider they are), the flaw is at the lowest
+    pressure.  A flaw is shut at an edge, where K < 0, or on a crest in between.
     """
     lowest = lowest_pressure(complete)
     if width < FINEST_GAP / 10:
@@ -100,12 +100,12 @@ def flaw_of(system: System, complete: CompleteContact, width: float, tolerance: 
 
 
 def opening_load(system: System, complete: CompleteContact, flaw: Flaw, tolerance: float) -> float:
-    """Load per period at which a flaw opens: above it K is below critical at both its edges."""
+    """Return the load per period at which a flaw opens: above it K is below critical at both its edges."""
     return float(np.max(_critical_loads(system, complete, flaw, tolerance)))
 
 
 def _critical_loads(system: System, complete: CompleteContact, flaw: Flaw, tolerance: float) -> FloatArray:
-    """Loads per period at which K is critical at the edges behind and before a flaw, (2,)."""
+    """Return the loads per period at which K is critical at the edges behind and before a flaw, (2,)."""
     critical = _critical(system, flaw)
     if flaw.width >= RESOLVED_GAP:
         state = _gap_at(system, flaw, tolerance)
@@ -117,7 +117,7 @@ def _critical_loads(system: System, complete: CompleteContact, flaw: Flaw, toler
 
 
 def opening_rounding(system: System, flaw: Flaw, tolerance: float) -> float:
-    """What double precision leaves uncertain of the load at which a flaw opens; 0 where that is a closed form."""
+    """Return the rounding error of the load at which a flaw opens; 0 where the load is a closed form."""
     if flaw.width < RESOLVED_GAP:
         return 0.0
     state = _gap_at(system, flaw, tolerance)
@@ -126,9 +126,10 @@ def opening_rounding(system: System, flaw: Flaw, tolerance: float) -> float:
 
 
 def opened_gap(system: System, complete: CompleteContact, flaw: Flaw, load: float) -> Patches:
-    """The flaw a little wider, or as wide as is resolved where K stays above critical on the way there, at a load.
+    """Return a gap a little wider than a flaw, or as wide as is resolved if K stays above critical.
 
-    At the load at which a flaw opens K grows with its width as long as the tension is that at its middle.
+    K is taken at `load`.  At the load at which a flaw opens, K grows with the width of the flaw as long as the
+    tension is equal to the tension at its middle.
     """
     wider = Flaw(flaw.center, max(RESOLVED_GAP, 1.02 * flaw.width))
     while wider.width > 1.02 * flaw.width:
@@ -140,7 +141,7 @@ def opened_gap(system: System, complete: CompleteContact, flaw: Flaw, load: floa
 
 
 def flawed_potential(system: System, complete: CompleteContact, flaw: Flaw, value: float, tolerance: float) -> float:
-    """The potential under control of complete contact with a flaw at the load at which it opens."""
+    """Return the potential under control of complete contact with a flaw at the load at which it opens."""
     gap, highest = with_gap(flaw.center, flaw.width), system.elastic.profile.max_height
     if flaw.width >= RESOLVED_GAP:
         return balance(system, gap, highest, value, tolerance).potential
@@ -149,7 +150,10 @@ def flawed_potential(system: System, complete: CompleteContact, flaw: Flaw, valu
 
 
 def _crack(complete: CompleteContact, flaw: Flaw) -> tuple[FloatArray, FloatArray]:
-    """K at the edges behind and before a gap in complete contact of a half-space: at zero load, and its rate, (2,)."""
+    """Return K at the edges behind and before a gap in complete contact of a half-space, (2,), and its rate, (2,).
+
+    K is given at zero load, its rate by the load.
+    """
     count = 16 + 2 * int(complete.pressure.max_order * flaw.width)
     t = np.cos((np.arange(count) + 0.5) * (np.pi / count))
     tension = -complete.pressure.height(flaw.center + 2 * np.arcsin(np.sin(flaw.width / 4) * t))
@@ -158,7 +162,7 @@ def _crack(complete: CompleteContact, flaw: Flaw) -> tuple[FloatArray, FloatArra
 
 
 def _layer_share(system: System, complete: CompleteContact, flaw: Flaw, tolerance: float) -> float:
-    """K of a flaw on a layer over that on a half-space, from a wider gap that is resolved."""
+    """Return K of a flaw on a layer over K on a half-space, from a wider gap that is resolved."""
     if system.elastic.kernel is None:
         return 1.0
     wider = Flaw(flaw.center, max(FINEST_GAP, flaw.width))
@@ -168,19 +172,19 @@ def _layer_share(system: System, complete: CompleteContact, flaw: Flaw, toleranc
 
 
 def _gap_at(system: System, flaw: Flaw, tolerance: float) -> Evaluation:
-    """Complete contact but for a flaw."""
+    """Evaluate complete contact with a gap in place of a flaw."""
     patches = with_gap(flaw.center, flaw.width)
     return evaluate(system.elastic, patches, system.elastic.profile.max_height, tolerance)
 
 
 def _critical(system: System, flaw: Flaw) -> FloatArray:
-    """Critical K at the edges behind and before a flaw, in the order of patches with it, (2,)."""
+    """Return the critical K at the edges behind and before a flaw, in the order of patches with the flaw, (2,)."""
     patches = with_gap(flaw.center, flaw.width)
     return np.asarray(2 * np.sqrt(system.law.work_of_adhesion(np.concatenate([patches.left, patches.right]))))
 
 
 def first_gap(system: System, complete: CompleteContact, separation: float) -> tuple[float, Patches]:
-    """Where a path from complete contact begins: a separation, at most that given, and the narrow gap that has it."""
+    """Return the start of a path from complete contact: a separation, at most that given, and its narrow gap."""
     position = lowest_pressure(complete)
     critical = 2 * float(np.sqrt(system.law.work_of_adhesion(np.array([position]))[0]))
     per_width = critical * np.sqrt(np.pi / 32) / TWO_PI  # to the power of 3/2
@@ -191,7 +195,7 @@ def first_gap(system: System, complete: CompleteContact, separation: float) -> t
 
 
 def complete_potential(system: System, complete: CompleteContact, value: float) -> float:
-    """The potential under control of complete contact."""
+    """Return the potential under control of complete contact."""
     energy = complete.elastic_energy + complete.adhesion_energy
     highest = system.elastic.profile.max_height
     return system.control.potential(highest, system.control.load(highest, value), energy)

@@ -5,8 +5,8 @@ A branch is followed as a smooth curve in steps (steps.py).  On every step the f
 closes.  From there the contact jumps (jump.py), or another branch is taken up (symmetry.py), and the curve of
 the next equilibrium is followed.  A step in which it is not clear what happens is repeated at a third of its length.
 
-A point carries what the path needs to go on from it; a path holds no state of its own; its system counts the work.
-Dimensionless.
+A point carries all that the path needs to go on from it.  A path holds no state of its own.  The system counts the
+work.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ NATURAL = 1e-7, 1e-6, 1e-5, 1e-4  # of the unit of the control: steps of it wher
 
 @dataclass(frozen=True, eq=False)
 class Path:
-    """Follows the equilibrium of a system from point to point.
+    """Path of the equilibrium of a system from point to point.
 
     Parameters
     ----------
@@ -69,9 +69,9 @@ class Path:
     crests : (n,) array
         Positions of the highest crests (more than one when equally high), where first touch happens.
     complete : CompleteContact
-        Where the path ends, and may begin.
+        Complete contact, in which the path ends and may begin.
     flaw : Flaw, optional
-        From which complete contact opens when the load falls; without it, it never does.
+        Flaw from which complete contact opens when the load falls; without a flaw complete contact never opens.
     asked_loads : tuple of float
         Loads at which states are asked for on the way: points are made where the load turns near one.
     """
@@ -97,32 +97,32 @@ class Path:
 
     @property
     def jumps(self) -> Jumps:
-        """What jumps from the ends of branches."""
+        """Jumps from the ends of branches."""
         return Jumps(self.system, self.increments, self.complete)
 
     @property
     def bare(self) -> BareStates:
-        """What leads to and from states without edges."""
+        """Transitions to and from states without edges."""
         finely = replace(self.increments, way=self.increments.fine)  # a release from complete contact may be tiny
         return BareStates(Jumps(self.system, finely, self.complete), self.crests, self.flaw)
 
     @property
     def loads(self) -> Loads:
-        """What finds loads on the way."""
+        """Search for loads on the way."""
         return Loads(self.system, self.complete, self.increments.fine, self.increments.way.tolerance, self.asked_loads)
 
     def direction(self, point: Point, goal: float, separation: float | None = None) -> float:
-        """Sign of the motion of the control from a point to a goal; `separation` is the goal again, not needed here."""
+        """Return the sign of the motion of the control from a point to a goal; `separation` is not needed."""
         return float(np.sign(goal - point.value))
 
     def advance(self, point: Point, goal: float, separation: float | None = None) -> Iterator[Point]:
-        """Yield every accepted point from `point` to the goal; the last one is at the goal or has failed.
+        """Yield every accepted point from `point` to the goal; the last point is at the goal or has failed.
 
-        Without edges: to first touch, to where complete contact opens, or to the goal.  With edges: along the curve to
-        the first end of the branch, and what is behind it.  Jumps for ever that do not lead nearer to the goal are a
-        failure.
+        Without edges: to first touch, to the opening of complete contact, or to the goal.  With edges: along the curve
+        to the first end of the branch, and to the point behind it.  Endless jumps that do not lead nearer to the goal
+        are a failure.
         """
-        jumps, left = 0, abs(goal - point.value)
+        jumps, distance = 0, abs(goal - point.value)
         while point.value != goal:
             if not isinstance(point, Equilibrium):
                 start, point = point, self.bare.advance(point, goal)
@@ -138,16 +138,16 @@ class Path:
                 yield point
             if isinstance(point, Failed):
                 return
-            leads_on = abs(goal - point.value) < left - LOCATED * self.increments.largest
-            jumps, left = (0, abs(goal - point.value)) if leads_on else (jumps + 1, left)
+            leads_on = abs(goal - point.value) < distance - LOCATED * self.increments.largest
+            jumps, distance = (0, abs(goal - point.value)) if leads_on else (jumps + 1, distance)
             if jumps == MAXIMUM_ITERATIONS:
                 yield Failed(point.value, "jumps_again")
                 return
 
     def refine(self, point: Point, direction: float) -> Point:
-        """The point at the accuracy of a target; `direction` is not needed here.
+        """Return the point at the accuracy of a target; `direction` is not needed.
 
-        In its plane of the curve: near a fold a value of the control is no place.
+        The point is settled in its plane of the curve, because near a fold a value of the control fixes no state.
         """
         if not isinstance(point, Equilibrium) or point.settled:
             return replace(point, events=())
@@ -155,22 +155,22 @@ class Path:
         return self._stable(start, None if stretch is None else InPlane(point.patches, stretch.span.normal))
 
     def restart(self, patches: Patches, penetration: float, value: float, separation: float | None = None) -> Point:
-        """The point at given equilibrium edges, from which the path continues as if it began there."""
+        """Return the point at given equilibrium edges, from which the path continues as if it began at this point."""
         return self._stable(Start(patches, penetration, value))
 
     def assess(self, point: Equilibrium) -> Assessment:
-        """Stability, stiffness and estimated errors, from finer evaluations."""
+        """Return stability, stiffness and estimated errors, from finer evaluations."""
         return assess_equilibrium(self.system, point.balance, point.value, 1e-2 * self.increments.fine.tolerance)
 
     def load_of(self, point: Point) -> float | None:
-        """Load at a point; None without edges, but for a gap that narrows under a tension without bound."""
+        """Return the load at a point; None without edges, but -inf for a gap that narrows under unbounded tension."""
         if isinstance(point, Equilibrium):
             return point.load
         narrowing = self.system.control.load_weight == 0 and isinstance(point, Complete)
         return -np.inf if narrowing else None
 
     def may_meet(self, before: Point, after: Point, load: float) -> bool:
-        """Whether a load is met between two successive points."""
+        """Return whether a load is met between two successive points."""
         if isinstance(before, Equilibrium) and isinstance(after, Equilibrium):
             if after.stretch is None:
                 return False
@@ -180,21 +180,21 @@ class Path:
         return start is not None and end is not None and min(start, end) < load <= max(start, end)
 
     def at_load(self, before: Point, after: Point, load: float) -> Point | None:
-        """The refined point at a load between two successive points; None where the path jumps over it."""
+        """Return the refined point at a load between two successive points; None where the path jumps over it."""
         if isinstance(before, Equilibrium) and isinstance(after, Equilibrium):
             return None if after.stretch is None else self.loads.on_stretch(after.stretch, load)
         beside = [point for point in (before, after) if isinstance(point, Equilibrium)]
         return self.loads.in_last_gap(beside[0], load, self.increments.coarse.tolerance) if beside else None
 
     def _stable(self, start: Start, on: Condition | None = None) -> Equilibrium | Failed:
-        """The stable state next to edges that meets a condition, or at their value of the control."""
-        found = settle(self.system.sloped, start, on or AtControl(start.value), self.increments.fine)
-        if isinstance(found, Refused) or found[0].factor is None:
+        """Return the stable state next to edges that meets a condition, or at the value of the control of the start."""
+        settled = settle(self.system.sloped, start, on or AtControl(start.value), self.increments.fine)
+        if isinstance(settled, Refused) or settled[0].factor is None:
             return Failed(start.value, "not_converged")
-        return Equilibrium.of(found[1], found[0], settled=True)
+        return Equilibrium.of(settled[1], settled[0], settled=True)
 
     def _way(self, point: Equilibrium, direction: float, end: float) -> Way:
-        """How a branch is followed from a point."""
+        """Return the direction, end and step limits with which a branch is followed from a point."""
         largest, control = self.increments.largest, self.system.control
         if control.load_weight:  # a stiff contact hardly moves
             growth_of_control = control.penetration_weight + control.load_weight * point.balance.stiffness
@@ -203,7 +203,7 @@ class Path:
         return Way(direction, end, longest, largest, self.increments.way.tolerance)
 
     def _along(self, point: Equilibrium, goal: float) -> Iterator[Point]:
-        """Points along the curve of a state, to the goal or to what is behind the first end of the branch."""
+        """Yield points along the curve of a state, to the goal or to the point behind the first end of the branch."""
         direction, closing, end = self.direction(point, goal), self.bare.closing_value, goal
         if direction > 0 and goal >= closing:
             end = closing - self.last_increment(point.value, point.patches.count, closing)
@@ -224,18 +224,20 @@ class Path:
                 return
             span = step_from(self.system, at, ahead, way)
             if span is Refused.MISFIT and again:
-                better, again = evaluated_at_itself(self.system, at, way), False
-                at = at if isinstance(better, Refused) else better
+                refined, again = evaluated_at_itself(self.system, at, way), False
+                at = at if isinstance(refined, Refused) else refined
                 continue
-            found = span if isinstance(span, Refused) else BranchEnds(self.system, self.increments).first(span, way)
-            if isinstance(span, Refused) or isinstance(found, Refused):
+            branch_end = (
+                span if isinstance(span, Refused) else BranchEnds(self.system, self.increments).first(span, way)
+            )
+            if isinstance(span, Refused) or isinstance(branch_end, Refused):
                 self.effort.rejected += 1
                 length = tried / SHORTER
                 continue
             self.effort.accepted += 1
             self.effort.unknowns = max(self.effort.unknowns, span.last.balance.state.unknowns)
-            if found is not None:
-                yield from self._ended(span, found, way, load)
+            if branch_end is not None:
+                yield from self._ended(span, branch_end, way, load)
                 return
             self._note_turn(span, 1.0, way)
             yield from self._stretches(span, 1.0, Equilibrium.near(span.last), load)
@@ -243,13 +245,13 @@ class Path:
             load = at.numbers.load
 
     def last_increment(self, value: float, patches: int, closing: float) -> float:
-        """The increment before complete contact: the smallest; half the way, where several gaps are left."""
+        """Return the increment before complete contact: the smallest; half the way, where several gaps are left."""
         if patches == 1:
             return self.increments.smallest
         return max((closing - value) / 2, LOCATED)
 
     def _stretches(self, span: Span, reach: float, point: Equilibrium, load: float) -> Iterator[Equilibrium]:
-        """A point on a span with the stretch that leads there from a load, after one where the load turns before."""
+        """Yield a point on a span with the stretch to it from a load, after a point where the load turns before."""
         start = 0.0
         for s, top in self.loads.turns(span, reach) if self.asked_loads else ():
             yield replace(Equilibrium.near(top), stretch=Stretch(span, (start, s), (load, top.numbers.load)))
@@ -257,7 +259,7 @@ class Path:
         yield replace(point, stretch=Stretch(span, (start, reach), (load, point.load)))
 
     def _ended(self, span: Span, end: End, way: Way, load: float) -> Iterator[Point]:
-        """The end of a branch, to which a span leads from a load, and what is behind it."""
+        """Yield the end of a branch, to which a span leads from a load, and the point behind it."""
         self._note_turn(span, end.place, way)
         if isinstance(end, GoalReached):
             yield from self._stretches(span, end.place, Equilibrium.of(way.end, end.balance, settled=True), load)
@@ -292,9 +294,9 @@ class Path:
                 self.least_load.note("jump", at.numbers, at.error)
 
     def _behind_broken_symmetry(self, span: Span, limit: LimitPoint, way: Way) -> Point:
-        """The branch that begins where a symmetry breaks, if it is stable and leads on; else where forces lead.
+        """Return the branch that begins where a symmetry breaks, if it is stable and leads on; else follow forces.
 
-        Where none is found nearby the control is stepped.
+        If no such branch is found nearby, the control is stepped.
         """
         motion, at = alone(limit), limit.at
         other = other_branch(self.system, limit, motion, way)
@@ -311,17 +313,17 @@ class Path:
         return replace(settled, events=events)
 
     def _by_control(self, at: Stand, way: Way) -> Point:
-        """The state a little farther on by the control, where no step along the curve is left.
+        """Return the state a little farther on by the control, where no step along the curve is left.
 
-        If edges hardly move nothing happened; else an end of the branch was not located, and is counted.
+        If edges hardly move, nothing happened.  Else an end of the branch was not located, and is counted.
         """
         for change in NATURAL:
             change = min(change * self.increments.largest / self.increments.deepest, -way.beyond(at.value))
             value = at.value + way.direction * change
-            found = self._stable(Start(at.patches, at.numbers.penetration, value))
-            if isinstance(found, Failed):
+            point = self._stable(Start(at.patches, at.numbers.penetration, value))
+            if isinstance(point, Failed):
                 continue
-            if interpenetration(self.system, found.state, self.increments.way.allowed).position.size == 0:
-                return found
+            if interpenetration(self.system, point.state, self.increments.way.allowed).position.size == 0:
+                return point
         self.effort.unlocated += 1
         return self.jumps.unlocated(at.balance, at.value, value)

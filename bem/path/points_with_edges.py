@@ -17,7 +17,7 @@ from bem.path.stand import Stand
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
-    """The part of a span of the curve that leads to a point: from one parameter to another, with the loads there."""
+    """Part of a span that leads to a point: from one parameter to another, with the loads at both parameters."""
 
     span: Span
     ends: tuple[float, float]
@@ -26,7 +26,7 @@ class Stretch:
 
 @dataclass(frozen=True, eq=False)
 class Equilibrium(PathPoint):
-    """An equilibrium of the edges, stable but for the end of a branch.
+    """Equilibrium of the edges, stable but for the end of a branch.
 
     Attributes
     ----------
@@ -36,11 +36,11 @@ class Equilibrium(PathPoint):
         The contact patches, whose ends are the edges.
     load : float
     stretch : Stretch or None
-        Of the curve, from the point before it.
+        Stretch of the curve from the point before.
     last : bool
-        Whether the branch ends here.
+        True if the branch ends at the point.
     settled : bool
-        Whether the balance is that of the point at the accuracy of targets.
+        True if the balance is evaluated at the point itself, at the accuracy of targets.
     """
 
     balance: Balance
@@ -53,17 +53,17 @@ class Equilibrium(PathPoint):
 
     @property
     def state(self) -> Evaluation:
-        """The evaluation behind the balance."""
+        """Evaluation behind the balance."""
         return self.balance.state
 
     @classmethod
     def of(cls, value: float, balance: Balance, settled: bool = False) -> Equilibrium:
-        """The point of a balance in equilibrium."""
+        """Return the point of a balance in equilibrium."""
         return cls(value, balance, balance.state.patches, balance.state.load, settled=settled)
 
     @classmethod
     def near(cls, at: Stand | Located, last: bool = False) -> Equilibrium:
-        """A point of a curve, or what is located, near its balance."""
+        """Return a point of a curve, or a located point, near its balance."""
         return cls(at.numbers.value, at.balance, at.patches, at.numbers.load, last=last)
 
 

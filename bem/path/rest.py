@@ -13,7 +13,7 @@ from bem.path.locating import AtControl, Refused, Start, settle
 
 
 def at_rest(system: System, start: Start, accuracy: Accuracy, local_tolerance: float) -> Relaxed:
-    """Return the stable state next to edges at their value of the control, with what happened on the way to it.
+    """Return the stable state next to edges at their value of the control, with the changes on the way to it.
 
     Parameters
     ----------
@@ -27,10 +27,10 @@ def at_rest(system: System, start: Start, accuracy: Accuracy, local_tolerance: f
     """
     settled, cause, patches = settle(system, start, AtControl(start.value), accuracy), Cause(), start.patches
     if not isinstance(settled, Refused) and settled[0].factor is not None:
-        here = settled[0]
-        closed = interpenetration(system, here.state, accuracy.allowed)
+        balance = settled[0]
+        closed = interpenetration(system, balance.state, accuracy.allowed)
         if closed.position.size == 0:
-            return Relaxed("converged", start.value, here, ())
-        cause = Cause(None, closed, here.state, local_tolerance=local_tolerance)
-        patches = here.state.patches
+            return Relaxed("converged", start.value, balance, ())
+        cause = Cause(None, closed, balance.state, local_tolerance=local_tolerance)
+        patches = balance.state.patches
     return relax(system, patches, start.penetration, start.value, accuracy, cause)

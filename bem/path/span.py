@@ -1,7 +1,7 @@
 """Span of a branch between two stands: a quintic in s = c . xi, and how far it is trusted.
 
-Whatever lies between two stands is looked for on their span: the goal, a fold, a touch, the turn of the load.  Its
-*misfit* is the part of the chord that the derivatives at both ends do not account for.  Dimensionless.
+The goal, a fold, a touch and the turn of the load between two stands are searched for on their span.  The *misfit* of a
+span is the part of the chord that the derivatives at both ends do not account for.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ ON_SPAN = 0.05  # of the chord, or of the rise of the control: how far from the 
 
 @dataclass(frozen=True, eq=False)
 class Span:
-    """The curve between two of its points, a quintic in a parameter s from 0 to 1.
+    """Curve between two of its points, a quintic in a parameter s from 0 to 1.
 
     s is c . xi, c along the chord or along the tangent at the end, by whichever both ends agree better: near a fold the
     control and all edges that follow it are polynomials of the mode that folds.
@@ -32,11 +32,11 @@ class Span:
     normal : (2 L,) array
         c: s of edges that are moved outward by xi from the first point is c . xi.
     coefficients : (6, 2 L + 1) array
-        Of the motions and of the control less that of the first point, by powers of s.
+        Coefficients of the motions, and of the control less its value at the first point, by powers of s.
     rise : float
         Largest change of the control per s.
     misfit : float
-        Chord less what the derivatives at both ends say of it, z' and z'': y - (z'0 + z'1)/2 - (z''0 - z''1)/12, over
+        Chord less its prediction by the derivatives z' and z'' at both ends: y - (z'0 + z'1)/2 - (z''0 - z''1)/12, over
         the length of the chord, or over the rise.
     """
 
@@ -49,10 +49,10 @@ class Span:
 
     @classmethod
     def between(cls, first: Stand, last: Stand) -> Span | None:
-        """The span between two points; None where neither parameter grows from one to the other."""
+        """Return the span between two points; None where neither parameter grows from one to the other."""
         chord = outward_motion(first.patches, last.patches)
         whole, size = np.append(chord, last.value - first.value), float(np.max(np.abs(chord / first.unit)))
-        found: Span | None = None
+        span: Span | None = None
         for along in (chord, last.rate):
             normal = along / first.unit**2
             if min(normal @ first.rate, normal @ last.rate, normal @ chord) <= 0:
@@ -62,12 +62,12 @@ class Span:
             off = whole - (z0 + z1) / 2 - (w0 - w1) / 12
             rise = max(abs(float(z0[-1])), abs(float(z1[-1])), abs(float(whole[-1])))
             misfit = max(float(np.max(np.abs(off[:-1] / first.unit))) / size, abs(float(off[-1])) / rise)
-            if found is None or misfit < found.misfit:
+            if span is None or misfit < span.misfit:
                 a, b, c = whole - z0 - w0 / 2, z1 - z0 - w0, w1 - w0
                 higher = (10 * a - 4 * b + c / 2, -15 * a + 7 * b - c, 6 * a - 3 * b + c / 2)
                 coefficients = np.stack([np.zeros_like(whole), z0, w0 / 2, *higher])
-                found = cls(first, last, normal, coefficients, rise, misfit)
-        return found
+                span = cls(first, last, normal, coefficients, rise, misfit)
+        return span
 
     @property
     def size(self) -> float:
@@ -75,20 +75,20 @@ class Span:
         return float(np.max(np.abs(outward_motion(self.first.patches, self.last.patches) / self.first.unit)))
 
     def _at(self, s: float) -> FloatArray:
-        """Motions and the control less that of the first point, (2 L + 1,)."""
+        """Return the motions, and the control less its value at the first point, (2 L + 1,)."""
         return np.asarray(polynomial.polyval(s, self.coefficients))
 
     def at(self, s: float) -> tuple[Patches, float]:
-        """Edges and control at a parameter."""
+        """Return the edges and the control at a parameter."""
         y = self._at(s)
         return self.first.patches.moved(y[:-1]), self.first.value + float(y[-1])
 
     def parameter(self, patches: Patches) -> float:
-        """s of the plane in which edges lie."""
+        """Return s of the plane in which edges lie."""
         return float(self.normal @ outward_motion(self.first.patches, patches))
 
     def holds(self, patches: Patches, value: float) -> bool:
-        """Whether edges at a value of the control lie on this span, as its two ends say."""
+        """Return whether edges at a value of the control lie on this span, to within `ON_SPAN`."""
         motion = outward_motion(self.first.patches, patches)
         s = float(self.normal @ motion)
         y = self._at(s)
@@ -97,18 +97,18 @@ class Span:
         return -ON_SPAN <= s <= 1 + ON_SPAN and off <= ON_SPAN * self.size and risen <= ON_SPAN * self.rise
 
     def turns(self) -> FloatArray:
-        """Parameters at which the control turns, ascending."""
+        """Return the parameters at which the control turns, ascending."""
         return _roots(np.asarray(polynomial.polyder(self.coefficients[:, -1])))
 
     def reaches(self, value: float) -> FloatArray:
-        """Parameters at which the control has a value, ascending."""
+        """Return the parameters at which the control has a value, ascending."""
         control = self.coefficients[:, -1].copy()
         control[0] = self.first.value - value
         return _roots(control)
 
 
 def _roots(coefficients: FloatArray) -> FloatArray:
-    """Real roots from 0 to 1, ascending."""
+    """Return the real roots from 0 to 1, ascending."""
     coefficients = np.trim_zeros(coefficients, "b")
     if coefficients.size < 2:
         return np.zeros(0)

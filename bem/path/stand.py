@@ -1,7 +1,7 @@
 """Stand on a branch: an equilibrium with two derivatives along the curve, and the bordered system that finds it.
 
 Unknowns are the outward motions xi of the edges and the control tau.  The curve K(xi, tau) = 2 sqrt(w(xi)) is regular
-at folds, where tau turns.  Whatever is looked for on it closes these equations with one more condition phi(xi, tau) = 0
+at folds, where tau turns.  Each state that is searched for on the curve meets one more condition phi(xi, tau) = 0
 and is found by Newton on the bordered system
 
     [ (J - beta r K_Delta k^T - diag(w'/sqrt w)) / sqrt w    r K_Delta / sqrt w ] [ d xi  ]   [ 2 - K / sqrt w ]
@@ -9,7 +9,7 @@ and is found by Newton on the bordered system
 
 J = dK/dxi at fixed penetration, r = dDelta/dtau at fixed edges, beta the load weight of the control and k = dP/dxi
 (H. B. Keller, Numerical Methods in Bifurcation Problems, 1987, section 5).  On the curve by s = c . xi / n, with the
-tangent (t, tau') and the Hessian H under control, the second derivatives solve the same system for the right
+tangent (t, tau') and the Hessian H under control, the second derivatives solve the bordered system for the right
 side -((D_t H + tau' H_tau) t + tau' H_tau t + (tau' r K_Delta)^2 / 2) / w, 0.
 
 Lengths are maximum norms of motions in parts of the unit of each edge: its edge scale, or 0.4 of the shortest wave that
@@ -36,56 +36,56 @@ from bem.loading.path_events import EventNumbers
 PINNED = 0.4  # of the shortest wave that may pin an edge: its unit of length, if its edge scale is not less
 LONGEST_MOTION = 0.2  # units: a motion of the edges along the curve, in a step or by Newton
 SHORT = 5e-4  # units, or of a gap: a motion in which everything is linear but for a part of its square
-SOFTENING = 60.0  # times the work of adhesion: what stiffness per unit may fall by in a motion by a unit; measured 39
+SOFTENING = 60.0  # times the work of adhesion: largest loss of stiffness per unit in a motion by a unit; measured 39
 MODES = 8  # lowest modes that are looked at; more turn within a step only among equal patches
 
 
 @dataclass(frozen=True, eq=False)
 class Row:
-    """A condition next to the curve: phi and its derivatives by outward motions of the edges, and by the control."""
+    """Condition next to the curve: phi and its derivatives by outward motions of the edges, and by the control."""
 
     value: float
     by_edges: FloatArray
     by_control: float
 
 
-def unit_of(system: System, here: Balance) -> FloatArray:
-    """Lengths in which motions of the edges are measured, (2 L,)."""
-    scale = here.state.patches.edge_scale
-    return np.minimum(scale, PINNED * system.pinning.shortest(here.work, scale))
+def unit_of(system: System, balance: Balance) -> FloatArray:
+    """Return the lengths in which motions of the edges are measured, (2 L,)."""
+    scale = balance.state.patches.edge_scale
+    return np.minimum(scale, PINNED * system.pinning.shortest(balance.work, scale))
 
 
-def imbalance_by_edges(system: System, here: Balance, unit: FloatArray) -> FloatArray:
-    """d(K - 2 sqrt(w)) by outward motions in units at a given control, (2 L, 2 L)."""
+def imbalance_by_edges(system: System, balance: Balance, unit: FloatArray) -> FloatArray:
+    """Return d(K - 2 sqrt(w)) by outward motions in units at a given control, (2 L, 2 L)."""
     control = system.control
-    matrix = here.jacobian.copy()
+    matrix = balance.jacobian.copy()
     if control.load_weight > 0:
-        share = control.load_weight * control.rate(here.state)
-        matrix -= np.outer(share * here.state.stress_intensity_rate, here.load_gradient)
-    matrix.flat[:: here.work.size + 1] -= here.work_gradient / np.sqrt(here.work)
+        share = control.load_weight * control.rate(balance.state)
+        matrix -= np.outer(share * balance.state.stress_intensity_rate, balance.load_gradient)
+    matrix.flat[:: balance.work.size + 1] -= balance.work_gradient / np.sqrt(balance.work)
     matrix *= unit
     return matrix
 
 
-def bordered(system: System, here: Balance, unit: FloatArray, row: Row) -> FloatArray:
-    """Matrix of the bordered system, motions in units, (2 L + 1, 2 L + 1)."""
-    state, n = here.state, here.work.size
+def bordered(system: System, balance: Balance, unit: FloatArray, row: Row) -> FloatArray:
+    """Return the matrix of the bordered system, motions in units, (2 L + 1, 2 L + 1)."""
+    state, n = balance.state, balance.work.size
     matrix = np.empty((n + 1, n + 1))
-    matrix[:n, :n] = imbalance_by_edges(system, here, unit)
+    matrix[:n, :n] = imbalance_by_edges(system, balance, unit)
     matrix[:n, n] = state.stress_intensity_rate * system.control.rate(state)
-    matrix[:n] /= np.sqrt(here.work)[:, None]
+    matrix[:n] /= np.sqrt(balance.work)[:, None]
     matrix[n, :n], matrix[n, n] = row.by_edges * unit, row.by_control
     return matrix
 
 
-def missing(here: Balance) -> FloatArray:
-    """2 - K / sqrt w, (2 L,): zero in equilibrium."""
-    return np.asarray(2 - here.state.stress_intensity / np.sqrt(here.work))
+def missing(balance: Balance) -> FloatArray:
+    """Return 2 - K / sqrt w, (2 L,): zero in equilibrium."""
+    return np.asarray(2 - balance.state.stress_intensity / np.sqrt(balance.work))
 
 
 @dataclass(frozen=True, eq=False)
 class Stand:
-    """A point of the curve with two derivatives by its parameter.
+    """Point of the curve with two derivatives by its parameter.
 
     Attributes
     ----------
@@ -124,7 +124,7 @@ class Stand:
 
     @cached_property
     def lowest(self) -> tuple[FloatArray, FloatArray]:
-        """The negative eigenvalues of the scaled Hessian, ascending, and their modes; up to MODES."""
+        """Negative eigenvalues of the scaled Hessian, ascending, and their modes; up to MODES."""
         size = self.balance.work.size
         if self.balance.factor is not None:
             return np.zeros(0), np.zeros((size, 0))
@@ -133,9 +133,9 @@ class Stand:
 
     @property
     def is_clear(self) -> bool:
-        """Whether what the Newton step may change of the eigenvalues leaves them positive, or some are negative.
+        """True if some eigenvalues are negative, or if changes by the Newton step leave all of them positive.
 
-        Where an edge is not tensile the Hessian says nothing.
+        False where an edge is not tensile, because the Hessian then says nothing.
         """
         if not self.balance.all_tensile:
             return False
@@ -146,53 +146,54 @@ class Stand:
         return bool(lapack.dpotrf(shifted, lower=0, clean=0)[1] == 0)
 
     def by(self, normal: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """First and second derivatives of motions and control by the parameter normal . xi, (2 L + 1,) each."""
+        """Return first and second derivatives of motions and control by the parameter normal . xi, (2 L + 1,) each."""
         along, turning = float(normal @ self.rate), float(normal @ self.bend)
         first, second = np.append(self.rate, self.control_rate), np.append(self.bend, self.control_bend)
         return first / along, (second - first * (turning / along)) / along**2
 
 
-def stand_near(system: System, here: Balance, value: float, normal: FloatArray, length: float) -> Stand | None:
-    """The point of the curve next to forces, in the plane through their edges whose normal is given.
+def stand_near(system: System, balance: Balance, value: float, normal: FloatArray, length: float) -> Stand | None:
+    """Return the point of the curve next to forces, in the plane through their edges whose normal is given.
 
-    One Newton step leads there; what it changes of the control is exact at once, the state being linear in Delta.  The
-    parameter is normal . xi / length.  None where that step is longer than a unit, or edges overlap behind it.
+    One Newton step leads to the point; its change of the control is exact at once, because the state is linear in
+    Delta.  The parameter is normal . xi / length.  None where the step is longer than a unit, or edges overlap behind
+    it.
     """
-    unit, row = unit_of(system, here), Row(0.0, normal, 0.0)
+    unit, row = unit_of(system, balance), Row(0.0, normal, 0.0)
     sides = np.zeros((unit.size + 1, 2))
     sides[-1, 1] = length
     for _ in range(2):
-        factors, pivots, singular = lapack.dgetrf(bordered(system, here, unit, row), overwrite_a=1)
+        factors, pivots, singular = lapack.dgetrf(bordered(system, balance, unit, row), overwrite_a=1)
         if singular:
             return None
-        sides[:-1, 0] = missing(here)
-        both = lapack.dgetrs(factors, pivots, sides)[0]
-        value += float(both[-1, 0])
+        sides[:-1, 0] = missing(balance)
+        solution = lapack.dgetrs(factors, pivots, sides)[0]
+        value += float(solution[-1, 0])
         control = system.control
-        moved = here.state if control.load_weight else here.state.shifted(value - here.state.penetration)
-        here = forces(system, control.reach(moved, value), value)
-    rate, control_rate = both[:-1, 1] * unit, float(both[-1, 1])
-    bent = np.append(-_bent(system, here, rate, control_rate) / here.work, 0.0)
+        moved = balance.state if control.load_weight else balance.state.shifted(value - balance.state.penetration)
+        balance = forces(system, control.reach(moved, value), value)
+    rate, control_rate = solution[:-1, 1] * unit, float(solution[-1, 1])
+    bent = np.append(-_bent(system, balance, rate, control_rate) / balance.work, 0.0)
     second = lapack.dgetrs(factors, pivots, bent)[0]
-    step, off = both[:-1, 0] * unit, float(np.max(np.abs(both[:-1, 0])))
-    patches = here.state.patches.moved(step)
+    step, off = solution[:-1, 0] * unit, float(np.max(np.abs(solution[:-1, 0])))
+    patches = balance.state.patches.moved(step)
     if not off <= 1 or not patches.is_ordered:
         return None
-    numbers = after_step(system, here, value, step, 0.0)
-    return Stand(here, patches, numbers, rate, control_rate, second[:-1] * unit, float(second[-1]), unit, off)
+    numbers = after_step(system, balance, value, step, 0.0)
+    return Stand(balance, patches, numbers, rate, control_rate, second[:-1] * unit, float(second[-1]), unit, off)
 
 
-def _bent(system: System, here: Balance, rate: FloatArray, control_rate: float) -> FloatArray:
-    """Second derivative of the gradient along a tangent, (2 L,)."""
-    bent = hessian_change_times(system, here, rate, 2 * control_rate, rate)
-    bent += (control_rate * here.state.stress_intensity_rate * system.control.rate(here.state)) ** 2 / 2
+def _bent(system: System, balance: Balance, rate: FloatArray, control_rate: float) -> FloatArray:
+    """Return the second derivative of the gradient along a tangent, (2 L,)."""
+    bent = hessian_change_times(system, balance, rate, 2 * control_rate, rate)
+    bent += (control_rate * balance.state.stress_intensity_rate * system.control.rate(balance.state)) ** 2 / 2
     return bent
 
 
-def first_stand(system: System, here: Balance, value: float, direction: float) -> Stand | None:
-    """The point next to a stable state; its parameter grows as the control moves in a direction."""
-    along = direction * tangent(system, here)
-    unit = unit_of(system, here)
+def first_stand(system: System, balance: Balance, value: float, direction: float) -> Stand | None:
+    """Return the point next to a stable state; its parameter grows as the control moves in a direction."""
+    along = direction * tangent(system, balance)
+    unit = unit_of(system, balance)
     along = along / np.max(np.abs(along / unit))
     normal = along / unit**2
-    return stand_near(system, here, value, normal, float(normal @ along))
+    return stand_near(system, balance, value, normal, float(normal @ along))

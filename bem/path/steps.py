@@ -1,11 +1,11 @@
 """Steps along a branch: predicted to second order, corrected in the plane of the step, judged by its misfit.
 
 A step is accepted if K > 0 at its end, the Newton step that is left is short, and the chord agrees with the derivatives
-at both ends (stand.py); where it does not, both ends are evaluated again more finely before a shorter step is tried:
-what an evaluation lacks turns the tangent of a soft motion.
+at both ends (stand.py); where it does not, both ends are evaluated again more finely before a shorter step is tried,
+because the error of an evaluation turns the tangent of a soft motion.
 
 The Newton step and the misfit are of third order in the length of the step, which grows or shrinks with the cube root
-of what the Newton step is over what it should be (pacopy's and AUTO's control does the same by the count of
+of the ratio of the Newton step to the step it should be (pacopy's and AUTO's control does the same by the count of
 iterations).
 """
 
@@ -24,31 +24,31 @@ from bem.path.points_with_edges import Equilibrium
 from bem.path.span import ON_SPAN, Span
 from bem.path.stand import SHORT, Stand, first_stand, stand_near
 
-MISFIT = 0.06  # of the chord, and of the rise of the control: what the two ends of a step may disagree by
+MISFIT = 0.06  # of the chord, and of the rise of the control: largest disagreement of the two ends of a step
 GOOD = MISFIT / 2  # units: the Newton step that a prediction should leave
 SHORTER = 3.0  # times: a step that is refused is repeated
 LONGER = SHORTER**0.5  # times the last step: the next, at most
 SHORTEST_STEP = 1e-6  # limit: units: a step that is not tried is shorter
 PAST = GOOD  # units: how far a step may go past where the control turns
-BEYOND = 1 + ON_SPAN  # times the way to where the control turns, or to its last value: what lies there is on the span
+BEYOND = 1 + ON_SPAN  # times the way to where the control turns, or to its last value: both then lie on the span
 
 
 @dataclass(frozen=True, eq=False)
 class Way:
-    """Where a branch is followed to.
+    """Direction, end and step limits with which a branch is followed.
 
     Attributes
     ----------
     direction : float
         Sign of the motion of the control.
     end : float
-        Its last value.
+        Last value of the control.
     longest : float
         Length of a step, in units.
     largest : float
         Change of the control in a step.
     tolerance : float
-        Of the evaluations.
+        Tolerance of the evaluations.
     """
 
     direction: float
@@ -58,68 +58,68 @@ class Way:
     tolerance: float
 
     def beyond(self, value: float) -> float:
-        """How far a value lies beyond the end."""
+        """Return the distance by which a value lies beyond the end."""
         return (value - self.end) * self.direction
 
 
 def curve_from(system: System, point: Equilibrium, way: Way) -> Stand | None:
-    """The first point of the curve of a stable state."""
-    here = with_slopes(system, point.balance, point.value, way.tolerance)
-    return first_stand(system, here, point.value, way.direction)
+    """Return the first point of the curve of a stable state."""
+    balance = with_slopes(system, point.balance, point.value, way.tolerance)
+    return first_stand(system, balance, point.value, way.direction)
 
 
 def step_from(system: System, at: Stand, ahead: tuple[FloatArray, float], way: Way) -> Span | Refused:
-    """A step along the curve, to what is predicted of it."""
+    """Return the span of a step along the curve, from a point to its prediction `ahead`."""
     motion, change = ahead
     tried = float(np.max(np.abs(motion / at.unit)))
     normal = motion / at.unit**2
     start = Start(at.patches.moved(motion), at.numbers.penetration, at.value + change)
-    here = evaluated_anywhere(system.sloped, start, way.tolerance)
-    there = _point_of(system, here, start.value, normal, float(normal @ motion))
-    if isinstance(there, Refused):
-        return there
-    if there.off > tried / SHORTER:
+    balance = evaluated_anywhere(system.sloped, start, way.tolerance)
+    stand = _point_of(system, balance, start.value, normal, float(normal @ motion))
+    if isinstance(stand, Refused):
+        return stand
+    if stand.off > tried / SHORTER:
         return Refused.DIVERGED
-    span = Span.between(at, there)
+    span = Span.between(at, stand)
     fits = span is not None and span.misfit <= MISFIT
-    if not fits or not there.is_clear:
-        better = evaluated_at_itself(system, there, way)
-        if isinstance(better, Refused):
-            return better
-        span = Span.between(at, better)
+    if not fits or not stand.is_clear:
+        refined = evaluated_at_itself(system, stand, way)
+        if isinstance(refined, Refused):
+            return refined
+        span = Span.between(at, refined)
     return span if span is not None and span.misfit <= MISFIT else Refused.MISFIT
 
 
 def shorter_steps(length: float) -> Iterator[float]:
-    """A length, and shorter ones."""
+    """Yield a length, and shorter lengths."""
     while length >= SHORTEST_STEP:
         yield length
         length /= SHORTER
 
 
 def growth(span: Span) -> float:
-    """How much longer the next step may be."""
+    """Return the factor by which the next step may be longer."""
     return float(np.cbrt(GOOD / max(span.last.off, GOOD / LONGER**3)))
 
 
 def evaluated_at_itself(system: System, at: Stand, way: Way) -> Stand | Refused:
-    """The same point from fine evaluations at itself, until what is left to it is short: with better derivatives."""
+    """Evaluate a point finely at its own edges, until its Newton step is short; its derivatives are then better."""
     while True:
         normal = at.rate / at.unit**2
-        here = evaluated_finely(system.sloped, Start(at.patches, at.numbers.penetration, at.value), way.tolerance)
-        there = _point_of(system, here, at.value, normal, float(normal @ at.rate))
-        if isinstance(there, Refused) or there.off <= SHORT:
-            return there
-        if not there.off < at.off:
+        balance = evaluated_finely(system.sloped, Start(at.patches, at.numbers.penetration, at.value), way.tolerance)
+        stand = _point_of(system, balance, at.value, normal, float(normal @ at.rate))
+        if isinstance(stand, Refused) or stand.off <= SHORT:
+            return stand
+        if not stand.off < at.off:
             return Refused.DIVERGED
-        at = there
+        at = stand
 
 
 def predicted(at: Stand, length: float, way: Way) -> tuple[FloatArray, float]:
-    """Motion of the edges and change of the control along the Taylor series.
+    """Return the motion of the edges and the change of the control along the Taylor series.
 
-    As long as asked, the control changing by no more than its largest step; a little beyond a turn of the control and
-    beyond its last value, so that both lie on the span.
+    The motion is as long as asked, and the control changes by no more than its largest step.  The motion goes a little
+    beyond a turn of the control and beyond its last value, so that both lie on the span.
     """
 
     def at_parameter(h: float) -> tuple[FloatArray, float]:
@@ -132,16 +132,16 @@ def predicted(at: Stand, length: float, way: Way) -> tuple[FloatArray, float]:
     if bend < 0 < rate:
         turn = -rate / bend
         h = min(h, max(BEYOND * turn, turn + PAST / at.speed))
-    for left in (way.largest, -BEYOND * way.beyond(at.value)):
-        if h * rate + h**2 / 2 * bend >= left > 0:
-            h = min(h, 2 * left / (rate + np.sqrt(max(rate**2 + 2 * bend * left, 0.0))))
+    for limit in (way.largest, -BEYOND * way.beyond(at.value)):
+        if h * rate + h**2 / 2 * bend >= limit > 0:
+            h = min(h, 2 * limit / (rate + np.sqrt(max(rate**2 + 2 * bend * limit, 0.0))))
     return at_parameter(h)
 
 
 def _point_of(
-    system: System, here: Balance | Refused, value: float, normal: FloatArray, length: float
+    system: System, balance: Balance | Refused, value: float, normal: FloatArray, length: float
 ) -> Stand | Refused:
-    """The point of the curve next to forces, in the plane of their edges."""
-    if isinstance(here, Refused):
-        return here
-    return stand_near(system, here, value, normal, length) or Refused.SINGULAR
+    """Return the point of the curve next to forces, in the plane of their edges."""
+    if isinstance(balance, Refused):
+        return balance
+    return stand_near(system, balance, value, normal, length) or Refused.SINGULAR

@@ -1,11 +1,10 @@
-"""The branch that begins where a symmetry breaks.
+"""Branch that begins where a symmetry breaks.
 
-There two branches cross, the bordered system of the curve is singular, and that of broken symmetry is taken up in the
-plane a small motion along the neutral mode away (branch switching; H. B. Keller, Numerical Methods in Bifurcation
-Problems, 1987, section 5).  Where several modes are
-neutral together, as among equal patches, the motion is that nearest to one patch alone that shrinks or slides: such
-branches begin there by symmetry (Golubitsky, Stewart, Schaeffer, Singularities and Groups in Bifurcation Theory II,
-1988, chapter XIII).  Dimensionless.
+Where a symmetry breaks two branches cross and the bordered system of the curve is singular.  The branch of broken
+symmetry is taken up in the plane a small motion along the neutral mode away (branch switching; H. B. Keller, Numerical
+Methods in Bifurcation Problems, 1987, section 5).  Where several modes are neutral together, as among equal patches,
+the motion is the one nearest to one patch alone that shrinks or slides: such branches begin at this point by symmetry
+(Golubitsky, Stewart, Schaeffer, Singularities and Groups in Bifurcation Theory II, 1988, chapter XIII).  Dimensionless.
 """
 
 from __future__ import annotations
@@ -24,9 +23,9 @@ EQUAL = 1e-6  # relative difference of patches that are equal
 
 
 def alone(limit: LimitPoint) -> FloatArray:
-    """Outward motion of the edges, (2 L,), nearest to one patch that shrinks, or slides where modes slide patches more.
+    """Return the outward motion of the edges, (2 L,), nearest to one patch that shrinks or slides.
 
-    Among equal patches the first.
+    The patch slides if modes slide patches more than they shrink them.  Among equal patches it is the first.
     """
     unit = limit.modes / np.linalg.norm(limit.modes, axis=0)
     left, right = np.split(unit, 2)
@@ -38,9 +37,10 @@ def alone(limit: LimitPoint) -> FloatArray:
 
 
 def other_branch(system: System, limit: LimitPoint, motion: FloatArray, way: Way) -> Stand | Refused:
-    """The branch that begins where a symmetry breaks, a little along a motion; its parameter grows from there on.
+    """Return the branch that begins where a symmetry breaks, a little along a motion.
 
-    So close to there that no more modes are unstable on it than were neutral.
+    Its parameter grows from the limit point on.  The point returned is so close to the limit point that no more modes
+    are unstable on the branch than were neutral.
     """
     at = limit.at
     unit, refused = unit_of(system, at.balance), Refused.UNCLEAR
@@ -49,12 +49,12 @@ def other_branch(system: System, limit: LimitPoint, motion: FloatArray, way: Way
         patches = at.patches.moved(part * motion)
         normal = motion / unit**2
         start = Start(patches, at.numbers.penetration, at.numbers.value)
-        found = locate(system, start, InPlane(patches, normal), way.tolerance)
-        if isinstance(found, Refused):
-            refused = found
+        located = locate(system, start, InPlane(patches, normal), way.tolerance)
+        if isinstance(located, Refused):
+            refused = located
             continue
-        moved = outward_motion(at.patches, found.patches)
-        point = stand_near(system, found.balance, found.numbers.value, normal, float(normal @ moved))
+        moved = outward_motion(at.patches, located.patches)
+        point = stand_near(system, located.balance, located.numbers.value, normal, float(normal @ moved))
         if point is not None and point.lowest[0].size <= limit.modes.shape[1]:
             return point
     return refused

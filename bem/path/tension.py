@@ -1,8 +1,8 @@
 """Largest tension of a path: the least load on unloading, at turns of the load, at folds and on both sides of jumps.
 
-The load turns on a branch where dP/ds = 0.  That place is found on a span of the curve by the secant of the rate, and
-the equilibrium there is located in its plane, like any event, with its error: as the load is stationary, the place
-itself counts in second order.  Dimensionless.
+The load turns on a branch where dP/ds = 0.  The turn is found on a span of the curve by the secant of the rate, and
+its equilibrium is located in its plane, like any event, with its error: as the load is stationary, the place itself
+counts in second order.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -28,11 +28,14 @@ class LeastLoad:
 
     @property
     def load(self) -> float:
-        """The least load; 0 before any tension."""
+        """Least load; 0 before any tension."""
         return 0.0 if self.met is None else self.met.at.load
 
     def note(self, kind: Literal["turn", "fold", "jump"], at: EventNumbers, error: EventNumbers) -> None:
-        """Keep a state, if its load is the least; where a branch ends in its turn, to within the errors, the end."""
+        """Keep a state if its load is the least.
+
+        If a branch ends at the turn of its load, to within the errors, the end of the branch replaces the turn.
+        """
         met = self.met
         ends_in_turn = met is not None and met.kind == "turn" and kind != "turn"
         within = met.error.load + error.load if met is not None and ends_in_turn else 0.0
@@ -41,7 +44,7 @@ class LeastLoad:
 
 
 def turn_of_load(system: System, loads: Loads, span: Span, reach: float, below: float) -> Located | Refused | None:
-    """Return the state in which the load is least on a span up to a parameter; None where it is not below a load."""
+    """Return the state of least load on a span up to a parameter; None where the load is not below `below`."""
     place = loads.least_on(span, reach, below, TURNED)
     if place is None:
         return None
@@ -51,7 +54,7 @@ def turn_of_load(system: System, loads: Loads, span: Span, reach: float, below: 
 
 
 def behind_jump(system: System, point: Equilibrium, error: EventNumbers, tolerance: float) -> Located | Refused:
-    """Return the state behind a jump that begins at a control known to within an error, with its own."""
+    """Return the state behind a jump, its error widened by the error of the control at which the jump begins."""
     start = Start(point.patches, point.state.penetration, point.value)
     at = locate(system, start, AtControl(point.value), tolerance, known=point.balance)
     if isinstance(at, Refused):

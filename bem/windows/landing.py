@@ -1,6 +1,6 @@
 """Path of one window to another penetration, in the far field of all others, by the engine of the whole contact.
 
-The window begins at edges that were joined with those of its neighbours, and comes to rest first.  Dimensionless.
+The window begins at edges that were joined with the edges of its neighbours, and comes to rest first.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from bem.path.tension import LeastLoad
 class Departure:
     """A window before a step: its field and patches, the penetrations where it begins and ends, and its least error.
 
-    `error` is that of the penetration of an event at the very beginning.
+    `error` is the error of the penetration of an event at the very beginning.
     """
 
     far: FarField
@@ -45,7 +45,7 @@ class Release:
 
 @dataclass(frozen=True, eq=False)
 class Landing:
-    """A window after a step: its patches, the rate of their edges, (2 n,), and what happened."""
+    """A window after a step: its patches, the rate of their edges, (2 n,), and its releases."""
 
     patches: Patches
     rate: FloatArray
@@ -55,7 +55,7 @@ class Landing:
 def landed(path: Path, departure: Departure) -> tuple[Landing | None, int]:
     """Follow a window; None where its path fails or leaves no edges.  Also return the number of evaluations.
 
-    `path` is that of the whole contact.
+    `path` is the path of the whole contact.
     """
     elastic = replace(path.system.elastic, far=departure.far)
     own = System(elastic, path.system.law, path.system.control)
@@ -67,7 +67,7 @@ def landed(path: Path, departure: Departure) -> tuple[Landing | None, int]:
 
 
 def _landing(path: Path, departure: Departure) -> Landing | None:
-    """Return where the window ends, after it came to rest at the start."""
+    """Return the window at the end of its path, after it came to rest at the start."""
     way, start = path.increments.way, departure.start
     begun = Start(departure.patches, start, start)
     rested = at_rest(path.system, begun, way, path.increments.coarse.tolerance)
@@ -77,22 +77,22 @@ def _landing(path: Path, departure: Departure) -> Landing | None:
     if rested.changes:
         before = balance(path.system, departure.patches, start, start, way.tolerance)
         releases += _at_start(before, rested.balance, rested.changes, departure)
-    here: Equilibrium = Equilibrium.of(start, rested.balance)
-    for point in path.advance(here, departure.value):
+    equilibrium: Equilibrium = Equilibrium.of(start, rested.balance)
+    for point in path.advance(equilibrium, departure.value):
         if not isinstance(point, Equilibrium):
             return None
         if point.events:
-            releases += _jump(point.events, point.load - here.load)
-        here = point
-    if here.value != departure.value or here.balance.factor is None:
+            releases += _jump(point.events, point.load - equilibrium.load)
+        equilibrium = point
+    if equilibrium.value != departure.value or equilibrium.balance.factor is None:
         return None
-    return Landing(here.patches, tangent(path.system, here.balance), tuple(releases))
+    return Landing(equilibrium.patches, tangent(path.system, equilibrium.balance), tuple(releases))
 
 
 def _at_start(
     before: Balance, after: Balance, changes: tuple[tuple[str, float], ...], departure: Departure
 ) -> list[Release]:
-    """Return events of a window that was not at rest: they belong to somewhere in the step before."""
+    """Return the events of a window that was not at rest: they belong to somewhere in the step before."""
     width, released = departure.error, before.potential - after.potential
     doubt = abs(released) + width * abs(before.state.load - after.state.load)
     load = abs(before.stiffness) * width

@@ -1,15 +1,15 @@
 """Many patches: windows of them followed side by side over a step of the penetration, and joined.
 
-In a step every window follows its own path, in a far field that is linear in the penetration: that of the charges where
-the step begins and of those at predicted edges where it ends.  The windows' states are joined at seams and evaluated as
-one.  Where an event in one window reaches into the next, what was joined is no equilibrium: all windows come to rest
-again at the same penetration until it is (Schwarz's alternating method).  Penetration control, half-space.
-Dimensionless.
+In a step every window follows its own path, in a far field that is linear in the penetration: the field of the charges
+at the start of the step, and of the charges at predicted edges at its end.  The windows' states are joined at seams and
+evaluated as one state.  If an event in one window reaches into the next, the joined state is no equilibrium: all
+windows come to rest again at an unchanged penetration, until the joined state is one (Schwarz's alternating method).
+Penetration control, half-space.  Dimensionless.
 
-Events.  A window knows its events in its far field.  How far that was off at the end of the step is what the joined
-edges miss of K, as a penetration: the error of their place.  By reciprocity a jump changes the load of the whole
-contact by as much as the generalised load of the window; between jumps the load of the whole is interpolated, by its
-rates at both ends of the step.
+Events.  A window knows its events in its far field.  The imbalance of K at the joined edges, as a penetration, tells
+how far off the field was at the end of the step: it is the error of the place of the events.  By reciprocity a jump
+changes the load of the whole contact by as much as the generalised load of the window; between jumps the load of the
+whole is interpolated, by its rates at both ends of the step.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from bem.windows.landing import Departure, Landing, Release, landed
 from bem.windows.windows import Window, in_core, seams, wider, windows_of
 
 WIDER = 3, 7  # limit: patches of buffer more, for a window whose path fails
-ALIKE = 0.1  # residual of joined windows, beyond which one has felt the events of another too late: a shorter step
+ALIKE = 0.1  # residual of joined windows, beyond which a window felt events of another too late: a shorter step
 JOINED = 0.5  # limit: of the shortest step: residual beyond which windows do not fit
 ROUNDS = 5  # limit: of windows that follow one another's events in it
 BESIDE = 8  # edges next to an event, by which the far field of its window is judged
@@ -44,16 +44,16 @@ PREDICTED = 0.15  # edge scales that edges are moved at most to predict the far 
 
 @dataclass(frozen=True, eq=False)
 class Spread(PathPoint):
-    """Joined windows: next to an equilibrium of many patches.
+    """Joined windows, next to an equilibrium of many patches.
 
     Attributes
     ----------
     state : Evaluation
-        Without the compliance of the edges.
+        Evaluation without the compliance of the edges.
     rate : (2 L,) array
         Derivatives of the outward motions of the edges by the penetration.
     step : float
-        Change of the penetration that led here, or may be tried first.
+        Change of the penetration that led to the point, or may be tried first.
     """
 
     state: Evaluation
@@ -80,7 +80,7 @@ class Spread(PathPoint):
 
 @dataclass(frozen=True, eq=False)
 class Joined:
-    """Windows after a step: edges and their rates, and what happened in each, by its window's core."""
+    """Windows after a step: edges, rates of the edges, and the releases in the core of each window."""
 
     patches: Patches
     rate: FloatArray
@@ -89,12 +89,12 @@ class Joined:
 
 @dataclass(frozen=True, eq=False)
 class Spreading:
-    """Follows many patches from penetration to penetration.
+    """Path of many patches from penetration to penetration.
 
     Parameters
     ----------
     path : Path
-        Of the whole contact.
+        Path of the whole contact.
     crew : Crew
         Processes in which windows are followed.
     """
@@ -113,30 +113,30 @@ class Spreading:
         In the shortest step, windows may follow one another's events.
         """
         releases: list[tuple[Release, float]] = []
-        start, here = point.value, point
+        start, spread = point.value, point
         for _ in range(ROUNDS if shortest else 1):
-            joined = self._joined(here, value, abs(value - start))
+            joined = self._joined(spread, value, abs(value - start))
             state = None if joined is None else self._evaluated(joined.patches, value)
             if joined is None or state is None:
                 return None
-            here, missed = Spread(value, state, joined.rate, abs(value - start)), self._missed(state)
+            spread, missed = Spread(value, state, joined.rate, abs(value - start)), self._missed(state)
             releases += [(release, self._error(release, state, missed)) for release in joined.releases]
             if np.max(np.abs(missed)) <= (JOINED if shortest else ALIKE):
-                return replace(here, events=events_of(point, here, releases))
+                return replace(spread, events=events_of(point, spread, releases))
         return None
 
     def _joined(self, point: Spread, value: float, error: float) -> Joined | None:
-        """Return what all windows find, each in the far field of the state before."""
+        """Return all windows joined after a step, each followed in the far field of the state before."""
         change = value - point.value
-        here, most = charges_of(point.state), PREDICTED * point.patches.edge_scale
-        ahead = charges_moved_in(point.state)
+        charges, most = charges_of(point.state), PREDICTED * point.patches.edge_scale
+        charges_ahead = charges_moved_in(point.state)
         if change:
             motion = np.clip(change * point.rate, -most, most)
-            there = self._evaluated(point.patches.moved(motion), value)
-            ahead = ahead if there is None else charges_of(there)
+            predicted = self._evaluated(point.patches.moved(motion), value)
+            charges_ahead = charges_ahead if predicted is None else charges_of(predicted)
 
         def departures(windows: Sequence[Window]) -> list[Departure]:
-            fields = far_fields([window.arc for window in windows], here, ahead)
+            fields = far_fields([window.arc for window in windows], charges, charges_ahead)
             return [
                 Departure(far, window.of(point.patches), point.value, value, error)
                 for window, far in zip(windows, fields, strict=True)
@@ -158,7 +158,7 @@ class Spreading:
         return joined_at_seams(windows, landings)
 
     def _landings(self, departures: Sequence[Departure]) -> Iterator[Landing | None]:
-        """Yield where the paths of windows end."""
+        """Yield the ends of the paths of windows."""
         effort = self.path.system.effort
         for landing, evaluations in self.crew.each(landed, self.path, departures):
             effort.local_evaluations += evaluations
@@ -180,7 +180,7 @@ class Spreading:
         return np.asarray(2 - state.stress_intensity / np.sqrt(work))
 
     def _error(self, release: Release, state: Evaluation, missed: FloatArray) -> float:
-        """Return what edges near an event miss of K, as a penetration."""
+        """Return the imbalance of K at edges near an event, as a penetration."""
         apart = np.abs((edge_positions(state.patches) - release.event.position + np.pi) % TWO_PI - np.pi)
         near = np.argsort(apart)[:BESIDE]
         shift = missed[near] * state.stress_intensity[near] / (2 - missed[near]) / state.stress_intensity_rate[near]
@@ -205,18 +205,18 @@ def joined_at_seams(windows: Sequence[Window], landings: Sequence[Landing]) -> J
 
 
 def events_of(first: Spread, last: Spread, releases: Sequence[tuple[Release, float]]) -> tuple[PathEvent, ...]:
-    """Return events of a step in their order, with the load of the whole contact.
+    """Return the events of a step in their order, with the load of the whole contact.
 
     Parameters
     ----------
     first, last : Spread
-        Where the step begins and ends.
+        States at the start and the end of the step.
     releases : sequence of (Release, float)
-        What windows found, with the error of its penetration by the far field.
+        Releases in the windows, each with the error of its penetration by the far field.
     """
     change = last.value - first.value
     direction = np.sign(change) or 1.0
-    in_order = sorted(releases, key=lambda one: direction * one[0].event.at.value)
+    in_order = sorted(releases, key=lambda entry: direction * entry[0].event.at.value)
     value = np.array([release.event.at.value for release, _ in in_order])
     width = np.array([release.event.error.value + shift for release, shift in in_order])
     jump = np.array([release.load_change for release, _ in in_order])

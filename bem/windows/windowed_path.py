@@ -1,8 +1,8 @@
-"""Path of a large contact: windows of patches followed side by side, where there are many; else the whole at once.
+"""Path of a large contact: windows followed side by side where there are many patches, else the whole contact.
 
 Every window is followed by the engine of the whole contact (bem/path/path.py), which locates every event in it.
-Windows are joined after each step (spread.py).  Where they fail, the step is halved, and at last the whole contact is
-followed over it.  Targets, first touch, complete contact and loads on the way are those of the whole contact.
+Windows are joined after each step (spread.py).  If windows fail, the step is halved, and at last the whole contact is
+followed over it.  Targets, first touch, complete contact and loads on the way come from the whole contact.
 Dimensionless; half-space, penetration control.
 """
 
@@ -42,13 +42,13 @@ AnyPoint = Point | Spread
 
 @dataclass(eq=False)
 class TurnInWindows:
-    """Step of windows on unloading in which the load turns, that with the least load: where it begins and ends."""
+    """Step of windows on unloading with the lowest turn of the load: the state at its start, and its last value."""
 
     load: float = 0.0
     step: tuple[Spread, float] | None = None
 
     def note(self, first: Spread, last: Spread) -> None:
-        """Keep a step in which the load turns, if it may be less there than before."""
+        """Keep a step in which the load turns, if the load may be less there than before."""
         change = last.value - first.value
         falls, rises = change * first.stiffness < 0, change * last.stiffness > 0
         bottom = extremes((first.load, last.load), (change * first.stiffness, change * last.stiffness))[1]
@@ -58,16 +58,16 @@ class TurnInWindows:
 
 @dataclass(frozen=True, eq=False)
 class WindowedPath:
-    """Follows windows where patches are many.
+    """Path of a contact that follows windows where patches are many.
 
     Parameters
     ----------
     whole : Path
-        Of the same contact.
+        Path of the whole contact.
     crew : Crew
         Processes in which windows are followed.
     turn : TurnInWindows
-        Where the load turns while they are.
+        Turn of the load while windows are followed.
     """
 
     whole: Path
@@ -89,14 +89,14 @@ class WindowedPath:
     def largest_tension(self) -> PathTension | None:
         """Least load met on unloading.
 
-        The whole contact is followed over that step of windows in which the load turns farthest down.
+        The whole contact is followed over the step of windows in which the load turns lowest.
         """
         if self.turn.step is not None:
             start, value = self.turn.step
             self.turn.step = None
-            here = self._gathered(start)
-            if not isinstance(here, Failed):
-                for _ in self.whole.advance(here, value):
+            point = self._gathered(start)
+            if not isinstance(point, Failed):
+                for _ in self.whole.advance(point, value):
                     pass
         return self.whole.largest_tension
 
@@ -110,7 +110,7 @@ class WindowedPath:
         return float(np.sign(goal - point.value))
 
     def advance(self, point: AnyPoint, goal: float, separation: float | None = None) -> Iterator[AnyPoint]:
-        """Yield the points on the way to the goal; the last one is there or has failed."""
+        """Yield the points on the way to the goal; the last point is at the goal or has failed."""
         while point.value != goal:
             spread = self._spread(point, goal)
             if spread is not None:
@@ -194,7 +194,7 @@ class WindowedPath:
         return self.spreading.at(point.value, point.patches, tangent(self.whole.system, point.balance), WINDOW_STEP)
 
     def _stepped(self, point: Spread, goal: float) -> Iterator[AnyPoint]:
-        """Yield the points of one step: that behind it, or those of the whole contact on the way."""
+        """Yield the points of one step: the joined windows at its end, or the whole contact on the way there."""
         direction, step = self.direction(point, goal), min(WINDOW_STEP, STEP_GROWTH * point.step)
         while True:
             step = max(step, SHORTEST_WINDOW_STEP)
@@ -218,7 +218,7 @@ class WindowedPath:
             yield from self.whole.advance(start, value)
 
     def _gathered(self, point: AnyPoint, fine: bool = False) -> Point:
-        """Return joined windows as an equilibrium of the whole contact, with events on the way to it; others as is."""
+        """Return joined windows as an equilibrium of the whole contact, with events; other points unchanged."""
         if not isinstance(point, Spread):
             return point
         increments, system, value = self.increments, self.whole.system, point.value
@@ -226,10 +226,10 @@ class WindowedPath:
         rested = at_rest(system, Start(point.patches, value, value), accuracy, increments.coarse.tolerance)
         if rested.balance is None or rested.status != "converged":
             return Failed(value, "not_converged")
-        here = Equilibrium.of(value, rested.balance, settled=fine)
+        equilibrium = Equilibrium.of(value, rested.balance, settled=fine)
         state = point.state
         numbers = EventNumbers(value, state.penetration, state.load, np.nan)
         error = EventNumbers(
-            WINDOW_STEP, WINDOW_STEP, abs(here.load - state.load) + WINDOW_STEP * abs(point.stiffness), np.nan
+            WINDOW_STEP, WINDOW_STEP, abs(equilibrium.load - state.load) + WINDOW_STEP * abs(point.stiffness), np.nan
         )
-        return replace(here, events=path_events(rested.changes, numbers, error, np.nan, np.nan))
+        return replace(equilibrium, events=path_events(rested.changes, numbers, error, np.nan, np.nan))

@@ -2,8 +2,8 @@
 
 An event moves edges four patches away by 7e-5 of their edge scale (median of 186 jumps; of one in a hundred more than
 8e-4).  A window is a core of some 24 patches and a buffer of two to five on either side, its ends in the widest of the
-gaps there.  What a window finds is kept of its core: cores are parted at seams, in gaps that both windows have.
-Dimensionless.
+gaps there.  A joined state takes from a window only its core: cores are parted at seams, in gaps that both windows
+have.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -18,23 +18,23 @@ from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import TWO_PI, Patches
 
 CORE_PATCHES = 24  # speed: patches in the core of a window, more or less
-BUFFER = 2  # patches beside it at least
+BUFFER = 2  # least number of patches beside the core
 CHOICE = 4  # gaps, of which the widest is where a window ends, or a core
 
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """Some patches in a row.
+    """Consecutive patches that are followed alone.
 
     Attributes
     ----------
     arc : Arc
     members : (n,) int array
-        Indices of its patches, ascending.
+        Indices of the patches, ascending.
     seam : float
-        Where its core begins: in a gap.
+        Position in a gap at which the core begins.
     core : (n,) bool array
-        Which of them are in its core.
+        True for members in the core.
     """
 
     arc: Arc
@@ -43,46 +43,46 @@ class Window:
     core: np.ndarray[tuple[int], np.dtype[np.bool_]]
 
     def of(self, patches: Patches) -> Patches:
-        """The patches of the window."""
+        """Return the patches of the window."""
         return Patches(patches.left[self.members], patches.right[self.members])
 
     def edges(self, values: FloatArray) -> FloatArray:
-        """Values at its edges, (2 n,), of those at all edges."""
+        """Return the values at the edges of the window, (2 n,), from the values at all edges."""
         return np.asarray(values.reshape(2, -1)[:, self.members].ravel())
 
     def put(self, values: FloatArray, into: FloatArray) -> None:
-        """Put values at its edges, those of its core, into those at all edges."""
+        """Write the values at the edges of the core, from the window, into the values at all edges."""
         into.reshape(2, -1)[:, self.members[self.core]] = values.reshape(2, -1)[:, self.core]
 
 
 def windows_of(patches: Patches) -> list[Window]:
-    """All patches in windows; every patch is in one core.
+    """Cut all patches into windows; every patch is in one core.
 
     Raises
     ------
     ValueError
-        So few patches that a window leaves none outside.
+        There are so few patches that a window leaves none outside.
     """
-    windows = [_window(patches, start, size, BUFFER) for start, size in _cores(patches)]
-    found = [window for window in windows if window is not None]
-    if len(found) < len(windows):
+    candidates = [_window(patches, start, size, BUFFER) for start, size in _cores(patches)]
+    windows = [window for window in candidates if window is not None]
+    if len(windows) < len(candidates):
         raise ValueError(f"{patches.count} patches are too few for windows")
-    return found
+    return windows
 
 
 def wider(patches: Patches, index: int, more: int) -> Window | None:
-    """One of these windows, its buffers wider by some patches; None where that leaves none outside."""
+    """Return a window with its buffers wider by some patches; None where no patch is left outside."""
     return _window(patches, *_cores(patches)[index], BUFFER + more)
 
 
 def _cores(patches: Patches) -> list[tuple[int, int]]:
-    """First patch and number of patches of each core."""
+    """Return the first patch and the number of patches of each core."""
     starts = _core_starts(patches)
     return [(start, (end - start) % patches.count) for start, end in zip(starts, [*starts[1:], starts[0]], strict=True)]
 
 
 def _core_starts(patches: Patches) -> list[int]:
-    """First patches of the cores: behind the widest of the gaps about every `CORE_PATCHES` patches."""
+    """Return the first patches of the cores: behind the widest of the gaps about every `CORE_PATCHES` patches."""
     count, gap = patches.count, patches.gap_before
     wanted = np.linspace(0, count, max(1, round(count / CORE_PATCHES)), endpoint=False)
     near = np.arange(-CHOICE, CHOICE + 1)
@@ -90,7 +90,7 @@ def _core_starts(patches: Patches) -> list[int]:
 
 
 def _window(patches: Patches, start: int, size: int, buffer: int) -> Window | None:
-    """The window whose core has `size` patches from one on; None where it leaves none outside."""
+    """Return the window whose core has `size` patches from `start` on; None where no patch is left outside."""
     count, gap = patches.count, patches.gap_after
     choice = range(buffer, buffer + CHOICE)
     before = max(choice, key=lambda k: gap[(start - k - 1) % count])
@@ -108,15 +108,15 @@ def _window(patches: Patches, start: int, size: int, buffer: int) -> Window | No
     return Window(Arc(beta, delta, margins), row[order], float(patches.left[start] - gap[start - 1] / 2), core[order])
 
 
-def seams(windows: Sequence[Window], found: Sequence[Patches]) -> list[float] | None:
-    """Where the cores of windows begin after their patches have changed: in gaps of both windows; None without one."""
+def seams(windows: Sequence[Window], window_patches: Sequence[Patches]) -> list[float] | None:
+    """Return the start of each core after its patches have changed, in a gap of both windows; None without one."""
     places = []
-    for k, (window, patches) in enumerate(zip(windows, found, strict=True)):
-        before, arc = found[k - 1], windows[k - 1].arc
+    for k, (window, patches) in enumerate(zip(windows, window_patches, strict=True)):
+        before, arc = window_patches[k - 1], windows[k - 1].arc
         ends, last = before.right + before.gap_after, arc.outer_gap(before)
         starts = before.right.copy()
         free = min((arc.delta - before.right[last]) % TWO_PI, (arc.delta - window.arc.beta) % TWO_PI)
-        starts[last], ends[last] = arc.delta - free, arc.delta  # of the outer gap, what lies in both windows
+        starts[last], ends[last] = arc.delta - free, arc.delta  # the part of the outer gap that lies in both windows
         middle = (starts + ends) / 2
         inside = (middle[:, None] - patches.left) % TWO_PI <= patches.width
         shared = middle[window.arc.holds(middle) & ~inside.any(axis=1)]
@@ -128,5 +128,5 @@ def seams(windows: Sequence[Window], found: Sequence[Patches]) -> list[float] | 
 
 
 def in_core(place: FloatArray, seam: float, following: float) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-    """Whether places lie between two seams, (n,)."""
+    """Return whether places lie between two seams, (n,)."""
     return np.asarray((place - seam) % TWO_PI < (following - seam) % TWO_PI)
