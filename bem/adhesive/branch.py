@@ -1,4 +1,4 @@
-"""A branch of equilibria near one of its points: motions of edges, its tangent, and numbers after a short step.
+"""Branch of equilibria near one of its points: motions of edges, its tangent, and numbers after a short step.
 
 Along a branch the edges move by -H^-1 dg/dtau, and the potential grows by the integral of the force that the control
 exerts.  Dimensionless.
@@ -18,18 +18,18 @@ MOVING = 0.3  # of the largest motion in units of the edge scale: patches that m
 
 
 def outward_motion(first: Patches, last: Patches) -> FloatArray:
-    """Motion of the edges from some patches to others, (2 L,); across the end of the period too."""
+    """Return the outward motion of the edges from `first` to `last`, (2 L,); across the end of the period too."""
     moved = np.concatenate([first.left - last.left, last.right - first.right])
     return np.asarray((moved + np.pi) % TWO_PI - np.pi)
 
 
 def tangent(system: System, here: Balance) -> FloatArray:
-    """d(outward motion of the edges) by the control along the branch of a stable state, (2 L,)."""
+    """Return d(outward motion of the edges) / d(control) along the branch of a stable state, (2 L,)."""
     return -system.control.rate(here.state) * here.response(here.load_gradient)
 
 
 def after_step(system: System, here: Balance, value: float, outward: FloatArray, change: float) -> EventNumbers:
-    """Numbers of the state to which short motions of the edges and of the control lead, to second order."""
+    """Return the numbers of a state after short motions of the edges and of the control, to second order."""
     state, control = here.state, system.control
     rate = control.rate(state)
     carried = float(here.load_gradient @ outward)
@@ -45,16 +45,16 @@ def after_step(system: System, here: Balance, value: float, outward: FloatArray,
 
 
 def numbers_of(here: Balance, value: float) -> EventNumbers:
-    """Numbers of a state."""
+    """Return control value, penetration, load and potential of a state."""
     return EventNumbers(value, here.state.penetration, here.state.load, here.potential)
 
 
 def unstable_patches(here: Balance) -> IntArray:
-    """Patches that move most in the softest mode of the Hessian."""
+    """Return the indices of the patches that move most in the softest mode of the Hessian."""
     return moving_patches(here.state.patches, lowest_modes(here.scaled_hessian, 1)[1][:, 0] * here.scale)
 
 
 def moving_patches(patches: Patches, outward: FloatArray) -> IntArray:
-    """Patches that move most in a motion of the edges."""
+    """Return the indices of the patches that move most in a motion of the edges."""
     size = np.abs(outward) / patches.edge_scale
     return np.unique(np.flatnonzero(size > MOVING * size.max()) % patches.count)

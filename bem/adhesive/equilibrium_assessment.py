@@ -51,7 +51,10 @@ def assess_equilibrium(system: System, here: Balance, value: float, tolerance: f
 
 
 def _most_changed(exact: Evaluation, state: Evaluation) -> float:
-    """Largest change of K of any edge: that of the largest K may be nil by chance, all of them being nearly equal."""
+    """Return the largest change of K of any edge.
+
+    The change at the edge of the largest K may be zero by chance, because all K are nearly equal.
+    """
     return float(np.max(np.abs(exact.stress_intensity - state.stress_intensity)))
 
 

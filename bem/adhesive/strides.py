@@ -33,14 +33,14 @@ Verdict = DescentStatus | Literal["closing", "vanishing"]
 
 @dataclass(frozen=True)
 class Steps:
-    """How a descent steps.
+    """Step sizes of a descent, and the patches and crests beside its edges.
 
     Attributes
     ----------
     largest : float
         Trust radius in units of the step scale; small values follow the descent path closely.
     beside : Patches or None
-        Patches whose field is frozen: those next to them are resolved as finely as if they moved too.
+        Patches whose field is frozen: patches next to them are resolved as finely as if the frozen ones moved too.
     ahead : CrestsAhead or None
         Finds the crests that touch after a step; the descent ends there, or before edges reach neighbouring patches.
         Motions smaller than it minds, just before a patch or a gap vanishes, are not looked ahead of.
@@ -53,7 +53,7 @@ class Steps:
 
 @dataclass(frozen=True, eq=False)
 class _Step:
-    """A trust-region step: the step scale of each edge, the parts of it moved, and the fall that the model predicts."""
+    """Trust-region step: step scale of each edge, motion in units of the scale, and fall predicted by the model."""
 
     scale: FloatArray
     parts: FloatArray
@@ -125,7 +125,7 @@ class Walk:
         return verdict
 
     def round(self) -> Verdict | Literal["again"]:
-        """Evaluate, and take a step or return the reason why none is taken."""
+        """Evaluate the forces and take a step, or return the reason why no step is taken."""
         here = self.evaluated()
         if here is None:
             return "ill_conditioned"
@@ -137,7 +137,7 @@ class Walk:
         return "converged" if inside else self.tried(here, step)
 
     def evaluated(self) -> Balance | None:
-        """Forces on the edges; where none are known, with the resolution that the patches ask for; None: unsolvable."""
+        """Return the forces on the edges, evaluated if unknown; None if their system is ill-conditioned."""
         if self.here is None:
             wanted = resolve(self.system.elastic, self.patches, self.accuracy.tolerance)
             self.resolution = _at_least(wanted, self.least)
@@ -145,7 +145,7 @@ class Walk:
         return self.here
 
     def reshaped(self, here: Balance) -> Verdict | Literal["again"] | None:
-        """Whether gaps close, edges move out of interpenetration or patches vanish; None where none of these does."""
+        """Find gaps that close or patches that vanish, or move edges with K <= 0 outward; return a verdict or None."""
         self.gone = closing_gaps(self.system, here)
         if self.gone.size:
             return "closing"
@@ -159,7 +159,7 @@ class Walk:
         return "vanishing" if self.gone.size else None
 
     def step(self, here: Balance) -> _Step:
-        """The step that minimises the quadratic model within the trust radius."""
+        """Return the step that minimises the quadratic model within the trust radius."""
         scale = step_scale(self.system, here)
         hessian = symmetric_part(here.hessian, scale)
         gradient = here.gradient * scale
@@ -195,7 +195,7 @@ class Walk:
         return "again"
 
     def _ratio(self, here: Balance, ahead: Balance, step: _Step, alike: bool) -> float:
-        """Fall of the potential over that predicted; by the work of the forces, where energies cancel.
+        """Return the actual over the predicted fall of the potential; by the work of the forces where energies cancel.
 
         Energies of resolutions that are not `alike` differ by more than either is off, and are not compared.
         """
@@ -207,12 +207,12 @@ class Walk:
         return actual / step.predicted if step.predicted > 0 else -1.0
 
     def _balance(self, patches: Patches, penetration: float, resolution: Resolution) -> Balance | None:
-        """Forces on some edges; None where their system is ill-conditioned."""
+        """Return the forces on the edges of `patches`; None if their system is ill-conditioned."""
         tolerance = self.accuracy.tolerance
         return if_solvable(balance, self.system, patches, penetration, self.target, tolerance, resolution)
 
     def _is_free(self, patches: Patches) -> bool:
-        """Whether edges keep clear of neighbouring patches, which are frozen."""
+        """Return whether edges keep clear of neighbouring patches, which are frozen."""
         others = None if self.steps.ahead is None else self.steps.ahead.occupied
         return others is None or patches.joined(others) is not None
 
@@ -228,12 +228,12 @@ def _equal(first: Resolution, second: Resolution) -> bool:
 
 
 def step_scale(system: System, here: Balance) -> FloatArray:
-    """Unit of the motion of each edge, (2 L,): the edge scale, at most half the shortest wavelength."""
+    """Return the unit of the motion of each edge, (2 L,): the edge scale, at most half the shortest wavelength."""
     return np.minimum(here.state.patches.edge_scale, np.pi / system.elastic.profile.max_order)
 
 
 def _expanded(system: System, here: Balance) -> Patches | None:
-    """Edges with too small a K moved outward by Newton on K; None where no space is left."""
+    """Move edges with too small a K outward by Newton on K; return None if no space is left."""
     state, scale = here.state, step_scale(system, here)
     least = LEAST_INTENSITY * 2 * np.sqrt(here.work)
     slope = np.diagonal(here.jacobian)

@@ -1,4 +1,4 @@
-"""How the Hessian of the potential changes along a motion of the edges and of the control: third derivatives, exact.
+"""Change of the Hessian of the potential along a motion of edges and control: third derivatives, exact.
 
 Of H_ef = (K_e/2) dK_e/df - delta_ef dw_e/de, with the change of dK/de by second_sensitivities.py; at fixed edges K and
 dK/de are linear in the penetration.  Under control H_tau = H - beta rate k k^T, rate = 1/(alpha + beta dP/dDelta), and
@@ -17,7 +17,7 @@ from bem.geometry.arrays import FloatArray
 
 
 def with_slopes(system: System, here: Balance, value: float, tolerance: float) -> Balance:
-    """The forces on the same edges, evaluated again unless their changes along motions are known."""
+    """Return the forces on the edges with slopes at the edges; evaluate again unless the slopes are known."""
     if here.state.slope_compliance.size:
         return here
     state = here.state
@@ -27,7 +27,7 @@ def with_slopes(system: System, here: Balance, value: float, tolerance: float) -
 def hessian_change_times(
     system: System, here: Balance, outward: FloatArray | None, change: float, x: FloatArray
 ) -> FloatArray:
-    """The derivative of the Hessian under control along a motion, times x, (2 L,).
+    """Return the derivative of the Hessian under control along a motion, times x, (2 L,).
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def hessian_change_times(
 
 @dataclass(frozen=True, eq=False)
 class _Motion:
-    """What a motion of edges (None: they rest) and control does to K, w and the load gradient."""
+    """Change of K, w and the load gradient by a motion of edges (None: they rest) and control."""
 
     system: System
     here: Balance
@@ -81,12 +81,12 @@ class _Motion:
         return growth if self.outward is None else growth + self.here.jacobian @ self.outward
 
     def work_bent(self, outward: FloatArray) -> FloatArray:
-        """Change of dw/de, (2 L,)."""
+        """Return the change of dw/de, (2 L,)."""
         return self.system.law.work_curvature(edge_positions(self.here.state.patches)) * outward
 
     @cached_property
     def carried(self) -> FloatArray:
-        """What times the load gradient is taken from the Hessian, with its transpose, (2 L,)."""
+        """Vector v, (2 L,): with load gradient k, v k^T + k v^T is subtracted from the change of the Hessian."""
         state, control, fields = self.here.state, self.system.control, self.here.edge_fields
         change = self.stronger * self.rate / 2
         share = control.load_weight * control.rate(state)

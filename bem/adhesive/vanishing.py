@@ -1,4 +1,4 @@
-"""Patches that vanish and gaps that close while edges move: when they are about to, and what remains.
+"""Patches that vanish and gaps that close while edges move: criteria, and the patches that remain.
 
 A gap goes where both its edges advance and it is narrow against the shortest wavelength and against the widest gap; a
 patch where both its edges recede and it is narrow against an isolated contact at pull-off.  What is as narrow to within
@@ -24,7 +24,7 @@ TIED = 1e-3  # relative difference of what vanishes or touches at the same insta
 
 
 class Change(NamedTuple):
-    """A patch or gap that vanished in a descent."""
+    """Patch or gap that vanished in a descent."""
 
     kind: Literal["coalescence", "detachment", "complete_contact"]
     position: float
@@ -34,7 +34,7 @@ Remaining = tuple[tuple[Change, ...], Patches | None]
 
 
 def closing_gaps(system: System, here: Balance) -> IntArray:
-    """Indices of the gaps about to close, by the patches before them, ascending.
+    """Return the indices of the gaps about to close, by the patches before them, ascending.
 
     At fixed penetration the mean gap is fixed too, and the last gap stays.
     """
@@ -49,7 +49,7 @@ def closing_gaps(system: System, here: Balance) -> IntArray:
 
 
 def without_gaps(patches: Patches, closing: IntArray) -> Remaining:
-    """What happens where gaps close, with the patches that remain (None: none do, contact is complete)."""
+    """Close gaps; return the changes and the patches that remain, None if contact is complete."""
     positions = patches.right[closing] + patches.gap_after[closing] / 2
     if closing.size == patches.count:
         return tuple(Change("complete_contact", float(x)) for x in positions), None
@@ -61,7 +61,7 @@ def without_gaps(patches: Patches, closing: IntArray) -> Remaining:
 
 
 def vanishing_patches(system: System, here: Balance) -> IntArray:
-    """Indices of the patches about to vanish, ascending."""
+    """Return the indices of the patches about to vanish, ascending."""
     patches = here.state.patches
     count = patches.count
     inward = here.gradient > 0
@@ -74,7 +74,7 @@ def vanishing_patches(system: System, here: Balance) -> IntArray:
 
 
 def without_patches(patches: Patches, gone: IntArray) -> Remaining:
-    """What happens where patches vanish, with those that remain (None: none do, the surfaces are apart)."""
+    """Remove patches; return the changes and the patches that remain, None if the surfaces are apart."""
     changes = tuple(Change("detachment", float(x)) for x in patches.center[gone])
     if gone.size == patches.count:
         return changes, None
@@ -82,10 +82,10 @@ def without_patches(patches: Patches, gone: IntArray) -> Remaining:
 
 
 def pull_off_half_width(system: System, x: FloatArray) -> FloatArray:
-    """Half width (2 w R^2 / (pi E*))^(1/3) of an isolated JKR line contact at pull-off, per position, dimensionless.
+    """Return the half width (2 w R^2 / (pi E*))^(1/3) of an isolated JKR line contact at pull-off, (n,), dimensionless.
 
-    R is the radius of curvature there, at most that of the rms curvature of the profile.  A crest is no parabola beyond
-    a fraction of the shortest wave, which bounds the width where adhesion is strong.
+    R is the radius of curvature at each position, at most the radius of the rms curvature of the profile.  A crest is
+    no parabola beyond a fraction of the shortest wave, which bounds the width where adhesion is strong.
     Source: Barquins, J. Adhesion 26 (1988) 1.
     """
     profile = system.elastic.profile
@@ -95,7 +95,7 @@ def pull_off_half_width(system: System, x: FloatArray) -> FloatArray:
 
 
 def pulled_shut(here: Balance) -> NDArray[np.bool_]:
-    """Gaps behind the patches at whose ends adhesion wins over the stiffness, (L,)."""
+    """Return whether adhesion wins over the stiffness at both ends of the gap behind each patch, (L,)."""
     count = here.state.patches.count
     outward = (here.gradient <= 0) | (here.state.stress_intensity <= 0)
     return np.asarray(outward[count:] & np.append(outward[1:count], outward[0]))
