@@ -49,7 +49,7 @@ def usable(folder: Path) -> None:
 def stored_result(scene: Scene, folder: Path, resume: bool, overwrite: bool) -> Result | None:
     """Return the stored result to continue from, None to begin a new one; nothing is written.
 
-    OutputFolderError where neither resume nor overwrite is asked for; its result is corrupt or that of another scene.
+    OutputFolderError without resume and overwrite, or if the stored result is corrupt or belongs to another scene.
     """
     if overwrite:
         return None

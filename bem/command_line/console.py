@@ -173,19 +173,19 @@ def reporter(stream: TextIO, quiet: bool, targets: Sequence[float] = ()) -> Repo
 
 def summary(result: Result, folder: str, targets: int) -> dict[str, Any]:
     """Return the summary of a run as plain values; `targets` is the number of targets of the scene."""
-    found = [state for state in result.states if state.found]
-    last = found[-1] if found else None
+    states = [state for state in result.states if state.found]
+    last = states[-1] if states else None
     return {
         "status": result.status,
         "answered": result.answered,
         "failure": result.failure,
         "targets": targets,
-        "target_states": sum(state.target for state in found),
+        "target_states": sum(state.target for state in states),
         "missed_targets": [
             reason for state in result.states if not state.found for reason in state.certificate.reasons
         ],
-        "states": len(found),
-        "certified": sum(state.certificate.ok for state in found),
+        "states": len(states),
+        "certified": sum(state.certificate.ok for state in states),
         "events": len(result.events),
         "mean_pressure": None if last is None or math.isnan(last.mean_pressure) else last.mean_pressure,
         "contact_fraction": None if last is None else last.contact_fraction,
@@ -258,9 +258,9 @@ def preparation_text(steps: Iterable[Mapping[str, Any]]) -> str:
 
 def groups_text(groups: Mapping[str, float], cautions: Iterable[Caution]) -> str:
     """Return the groups of a scene with their meanings, and the warnings."""
-    said = {name: f"# {name} = {value:.4g}" for name, value in groups.items()}
-    width = max(map(len, said.values()), default=0)
-    lines = [f"{said[name]:<{width}}  {MEANINGS.get(name, '')}" for name in said]
+    texts = {name: f"# {name} = {value:.4g}" for name, value in groups.items()}
+    width = max(map(len, texts.values()), default=0)
+    lines = [f"{texts[name]:<{width}}  {MEANINGS.get(name, '')}" for name in texts]
     return "\n".join([*lines, *(f"warning: {caution.about}: {caution.message}" for caution in cautions)])
 
 

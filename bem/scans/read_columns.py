@@ -1,4 +1,4 @@
-"""One measured line out of the columns of a text file.
+"""Measured line out of the columns of a text file.
 
 Positions and heights are `columns` = [x, h], or heights alone, [h], at a given `spacing`; a file of more columns needs
 `columns`, unless `row` names a row of a map (read_map.py).  Heights flagged 0 in `valid_column`, and heights equal to

@@ -88,7 +88,7 @@ def _no_text(content: bytes) -> str:
 
 
 def _reason(error: Exception) -> str:
-    """Return in one line what the library says; it lists all readers where none knows the file."""
+    """Return the message of the library in one line; the library lists all readers if no reader knows the file."""
     text = " ".join(str(error).split())
     return "of none of its formats" if text.startswith("tried ") else text[:80] or type(error).__name__
 

@@ -65,14 +65,14 @@ def row_of(heights: FloatArray, row: int | str) -> FloatArray:
 
 
 def _checked_row(row: int, count: int) -> int:
-    """Return the row if there is one of this number; else raise ScanFileError."""
+    """Return the row of a number; raise ScanFileError if the map has no such row."""
     if row >= count:
         raise refused("row", f"= {row}", rows_allowed(count))
     return row
 
 
 def rows_allowed(count: int) -> str:
-    """Return what `row` may be."""
+    """Return the allowed values of `row` in words."""
     return f'row = 0 to {count - 1} in the order of the file, or row = "mean"'
 
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class Refusal(NamedTuple):
-    """One thing that is wrong with a scan."""
+    """Mistake in a scan."""
 
     key: str  # of [profile]
     problem: str

@@ -48,12 +48,12 @@ Kind = TypeVar("Kind")
 
 
 class CorruptResultError(ValueError):
-    """A stored result that cannot be trusted: damaged, incomplete or of another schema."""
+    """Stored result that cannot be trusted: damaged, incomplete or of another schema."""
 
 
 @dataclass(frozen=True)
 class Line:
-    """A line of the journal: an entry, with its arrays as the base64 text of an npz file."""
+    """Line of the journal: an entry, with its arrays as the base64 text of an npz file."""
 
     events: tuple[Event, ...]
     state: State
@@ -159,7 +159,7 @@ def read_result(folder: Path | str) -> Result:
 
 @dataclass(frozen=True)
 class Journal:
-    """The journal of a folder."""
+    """Journal of a folder."""
 
     folder: Path
 
@@ -188,7 +188,7 @@ class Journal:
             file.write(line)
 
     def read(self) -> Result:
-        """Return its entries as an interrupted result; CorruptResultError names a line that is damaged."""
+        """Return the entries of the journal as an interrupted result; CorruptResultError names a damaged line."""
         *lines, _ = self.path.read_bytes().split(b"\n")
         try:
             if not lines:
@@ -205,7 +205,7 @@ class Journal:
 
     @property
     def path(self) -> Path:
-        """The file of the journal."""
+        """File of the journal."""
         return self.folder / JOURNAL_FILE
 
 

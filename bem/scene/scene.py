@@ -187,7 +187,7 @@ def read_tables(path: Path | str) -> dict[str, Any]:
 
 
 def scene_of(scene: Scene | Path | str | Table | None, tables: Mapping[str, Any]) -> Scene:
-    """Return the scene that is given as itself, as its file, as a mapping of tables, or by its `tables`.
+    """Return the scene given as a `Scene`, as a file, as a mapping of tables, or by `tables`.
 
     Raises
     ------
