@@ -23,35 +23,35 @@ def outward_motion(first: Patches, last: Patches) -> FloatArray:
     return np.asarray((moved + np.pi) % TWO_PI - np.pi)
 
 
-def tangent(system: System, here: Balance) -> FloatArray:
+def tangent(system: System, forces: Balance) -> FloatArray:
     """Return d(outward motion of the edges) / d(control) along the branch of a stable state, (2 L,)."""
-    return -system.control.rate(here.state) * here.response(here.load_gradient)
+    return -system.control.rate(forces.state) * forces.response(forces.load_gradient)
 
 
-def after_step(system: System, here: Balance, value: float, outward: FloatArray, change: float) -> EventNumbers:
+def after_step(system: System, forces: Balance, value: float, outward: FloatArray, change: float) -> EventNumbers:
     """Return the numbers of a state after short motions of the edges and of the control, to second order."""
-    state, control = here.state, system.control
+    state, control = forces.state, system.control
     rate = control.rate(state)
-    carried = float(here.load_gradient @ outward)
+    carried = float(forces.load_gradient @ outward)
     deeper = rate * (change - control.load_weight * carried)
-    work = float(here.gradient @ outward + outward @ here.hessian @ outward / 2) + change * rate * carried
+    work = float(forces.gradient @ outward + outward @ forces.hessian @ outward / 2) + change * rate * carried
     work += change * (control.force(state) + change / 2 * control.force_rate(state))
     return EventNumbers(
         value + change,
         state.penetration + deeper,
         state.load + carried + state.load_rate * deeper,
-        here.potential + work,
+        forces.potential + work,
     )
 
 
-def numbers_of(here: Balance, value: float) -> EventNumbers:
+def numbers_of(forces: Balance, value: float) -> EventNumbers:
     """Return control value, penetration, load and potential of a state."""
-    return EventNumbers(value, here.state.penetration, here.state.load, here.potential)
+    return EventNumbers(value, forces.state.penetration, forces.state.load, forces.potential)
 
 
-def unstable_patches(here: Balance) -> IntArray:
+def unstable_patches(forces: Balance) -> IntArray:
     """Return the indices of the patches that move most in the softest mode of the Hessian."""
-    return moving_patches(here.state.patches, lowest_modes(here.scaled_hessian, 1)[1][:, 0] * here.scale)
+    return moving_patches(forces.state.patches, lowest_modes(forces.scaled_hessian, 1)[1][:, 0] * forces.scale)
 
 
 def moving_patches(patches: Patches, outward: FloatArray) -> IntArray:

@@ -78,7 +78,7 @@ def descend(
         least = _least(system, patches, steps, accuracy)
         walk = Walk(system, target, accuracy, steps, patches, penetration, patches, steps.largest / 2, rounds, least)
         verdict = walk.to_change()
-        state = None if walk.here is None else walk.here.state
+        state = None if walk.forces is None else walk.forces.state
         if verdict == "closing":
             gone, remaining = without_gaps(walk.patches, walk.gone)
         elif verdict == "vanishing":

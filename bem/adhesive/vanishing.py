@@ -33,16 +33,16 @@ class Change(NamedTuple):
 Remaining = tuple[tuple[Change, ...], Patches | None]
 
 
-def closing_gaps(system: System, here: Balance) -> IntArray:
+def closing_gaps(system: System, forces: Balance) -> IntArray:
     """Return the indices of the gaps about to close, by the patches before them, ascending.
 
     At fixed penetration the mean gap is fixed too, and the last gap stays.
     """
-    gaps = here.state.patches.gap_after
+    gaps = forces.state.patches.gap_after
     wavelength = 2 * np.pi / system.elastic.profile.max_order
     doomed = gaps < min(ABOUT_TO_GO * wavelength, max(0.05 * float(gaps.max()), LAST_GAP * 2 * np.pi))
     closed = gaps < SHUT_GAP * 2 * np.pi
-    closing = np.flatnonzero((doomed & pulled_shut(here)) | closed if doomed.any() else closed)
+    closing = np.flatnonzero((doomed & pulled_shut(forces)) | closed if doomed.any() else closed)
     closing = closing[gaps[closing] <= (1 + TIED) * gaps[closing].min(initial=np.inf)]
     stays = closing.size == gaps.size and system.control.load_weight == 0
     return np.asarray(closing[:0] if stays else closing)
@@ -60,11 +60,11 @@ def without_gaps(patches: Patches, closing: IntArray) -> Remaining:
     return tuple(Change("coalescence", float(x)) for x in positions), remaining
 
 
-def vanishing_patches(system: System, here: Balance) -> IntArray:
+def vanishing_patches(system: System, forces: Balance) -> IntArray:
     """Return the indices of the patches about to vanish, ascending."""
-    patches = here.state.patches
+    patches = forces.state.patches
     count = patches.count
-    inward = here.gradient > 0
+    inward = forces.gradient > 0
     narrow = patches.half_width < ABOUT_TO_GO / system.elastic.profile.max_order  # the widest at pull-off
     shrinking = np.flatnonzero(inward[:count] & inward[count:])
     if not narrow[shrinking].any():
@@ -94,8 +94,8 @@ def pull_off_half_width(system: System, x: FloatArray) -> FloatArray:
     return np.asarray(np.minimum(half_width, 1 / profile.max_order))
 
 
-def pulled_shut(here: Balance) -> NDArray[np.bool_]:
+def pulled_shut(forces: Balance) -> NDArray[np.bool_]:
     """Return whether adhesion wins over the stiffness at both ends of the gap behind each patch, (L,)."""
-    count = here.state.patches.count
-    outward = (here.gradient <= 0) | (here.state.stress_intensity <= 0)
+    count = forces.state.patches.count
+    outward = (forces.gradient <= 0) | (forces.state.stress_intensity <= 0)
     return np.asarray(outward[count:] & np.append(outward[1:count], outward[0]))
