@@ -211,7 +211,7 @@ class Recorder:
             self.record.ahead.append(event)
 
     def keep(self, point: AnyPoint, branch: Branch, index: int | None = None) -> State:
-        """Add a refined point as a state, that of the target with an index, assessed and certified if it has edges."""
+        """Add a refined point as a state, assessed and certified if it has edges; `index` is that of its target."""
         target = index is not None
         state, fields = self._described(point, target), self._fields(point, index)
         tension = tension_of(self.problem, self.path.largest_tension)

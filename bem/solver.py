@@ -369,7 +369,7 @@ class _Run:
         return ahead if is_ahead else self.asked[pressure]
 
     def _is_stop(self, state: State) -> bool:
-        """Return whether a path ends at a stored state, because its mean pressure is the one at which to stop."""
+        """Return whether a path ends at a stored state, because its mean pressure is stop_at_mean_pressure."""
         stop = self.scene.loading.stop_at_mean_pressure
         if stop is None or state.index is None:
             return False

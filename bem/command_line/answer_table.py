@@ -152,7 +152,7 @@ def _held(row: Mapping[str, float], control: str) -> Cell:
 
 
 def _cell(row: Mapping[str, float], name: str, unit: str, inputs: Mapping[str, float]) -> Cell:
-    """Return a number with the digits that its uncertainty, or else that of the contact fraction, allows."""
+    """Return a number with the digits that its uncertainty, or else the uncertainty of the contact fraction, allows."""
     value = row[name]
     if math.isnan(value):
         return UNKNOWN, ""
@@ -186,7 +186,7 @@ def _uncertainty(row: Mapping[str, float], name: str, inputs: Mapping[str, float
 
 
 def pull_off_words(result: Result) -> str:
-    """Return a sentence on the largest tension of the way out, or why there is none; nothing without adhesion."""
+    """Return a sentence on the largest tension of the way out, or on its absence; nothing without adhesion."""
     if stays_complete(result):
         return NO_FLAW
     tension = result.largest_tension

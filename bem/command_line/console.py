@@ -53,7 +53,7 @@ class Reporter(Protocol):
         """Show a report, unless another one was shown just before."""
 
     def close(self) -> None:
-        """Leave the terminal as it was found."""
+        """Restore the terminal."""
 
 
 def described(report: Progress) -> str:
@@ -164,7 +164,7 @@ class BarReporter:
 
 
 def reporter(stream: TextIO, quiet: bool, targets: Sequence[float] = ()) -> Reporter:
-    """Return the reporter that suits a stream; with the targets of the scene it says how long the run will take."""
+    """Return the reporter for a stream; with the targets of the scene the reporter also estimates the time left."""
     if quiet:
         return SilentReporter()
     left = TimeLeft(targets) if targets else None

@@ -1,4 +1,4 @@
-"""Compliance of a body that is no half-space: one object, whatever the effects that change it.
+"""Compliance of a body that is no half-space: one object for all effects that change the compliance.
 
 Mode m of the pressure moves the face by ratio_m / m instead of 1/m.  Effects add what each changes,
 

@@ -171,7 +171,7 @@ def packed_bases(sizes: IntArray) -> tuple[FloatArray, IntArray]:
 
 
 def packed_nodes(sizes: IntArray) -> tuple[FloatArray, IntArray]:
-    """Return nodes and matrices of `coefficients` for all sizes in one array, and the start of each patch in it."""
+    """Return nodes and matrices of `coefficients` for all sizes in one array, and the start of each patch."""
     return _packed(sizes, False)
 
 

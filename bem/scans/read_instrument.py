@@ -41,7 +41,7 @@ class InstrumentScan:
 
 
 def read_instrument(path: Path, content: bytes, channel: int | None) -> InstrumentScan:
-    """Return a channel of heights, counted from 0 among these, of a file and its bytes.
+    """Return a channel of heights of a file and its bytes; channels of heights count from 0.
 
     ScanFileError where the library is not installed, knows no such format, or finds no channel of heights, or more than
     one and none is given.

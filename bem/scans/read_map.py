@@ -60,7 +60,7 @@ def scan_line(table: TextTable, points: ScanLines, heights: FloatArray, row: int
 
 
 def row_of(heights: FloatArray, row: int | str) -> FloatArray:
-    """Return a row of a map, (n_rows, n), or the mean of all rows; NaN where any of them is missing."""
+    """Return a row of a map, (n_rows, n), or the mean of all rows; NaN where a height of the mean is missing."""
     return np.asarray(heights.mean(axis=0) if isinstance(row, str) else heights[_checked_row(row, heights.shape[0])])
 
 

@@ -1,4 +1,4 @@
-"""Warnings about a scene whose numbers are probably not what was meant.
+"""Warnings about a scene whose numbers are probably mistaken, as in a wrong unit.
 
 A profile in a wrong unit is solved as accurately as one in the right unit.  Only dimensionless groups tell.  With the
 harmonics h_m of the profile, q_m = 2 pi m / period and E* = E / (1 - nu^2), `MEANINGS` defines each group.  The energy
@@ -39,7 +39,7 @@ MOST_NOISE = 0.5  # format: of the mean square slope
 
 
 def groups_of(scene: Scene) -> dict[str, float]:
-    """Return the groups of a scene; those that need a rough profile or a scan only where there is one.
+    """Return the groups of a scene; without a rough profile or a scan, the groups that need one are absent.
 
     Examples
     --------
@@ -148,7 +148,7 @@ def _doubted(scene: Scene, *keys: str) -> list[str]:
 
 
 def _unit(scene: Scene, *keys: str) -> str:
-    """Return the question for a unit that ends a warning, empty where the file of a scan states it."""
+    """Return the question for a unit that ends a warning, empty where the file of a scan states the unit."""
     if scene.scan is None:
         return ": in mm instead of m?"
     asked = ", ".join(f'{key} = "{getattr(scene.profile, key)}"' for key in _doubted(scene, *keys))
