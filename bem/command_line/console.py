@@ -245,13 +245,13 @@ def preparation_text(steps: Iterable[Mapping[str, Any]]) -> str:
     # profile: detrend  method mean, rms_height 2e-06 to 1e-06
     """
 
-    def said(value: Any) -> str:
+    def shown(value: Any) -> str:
         if isinstance(value, float):
             return f"{value:.4g}"
-        return " to ".join(map(said, value)) if isinstance(value, list | tuple) else str(value)
+        return " to ".join(map(shown, value)) if isinstance(value, list | tuple) else str(value)
 
     return "\n".join(
-        f"# profile: {step['step']}  " + ", ".join(f"{key} {said(step[key])}" for key in step if key != "step")
+        f"# profile: {step['step']}  " + ", ".join(f"{key} {shown(step[key])}" for key in step if key != "step")
         for step in steps
     )
 
