@@ -51,7 +51,7 @@ def equilibrium_state(
     Parameters
     ----------
     problem, state, assessment
-        What was solved.
+        Problem, its solution, and the assessment of the solution.
     tolerance : float
         accuracy.tolerance of the scene.
     target : bool
@@ -91,27 +91,27 @@ def equilibrium_state(
 
 
 def _gaps(problem: Problem, state: Evaluation | GapEvaluation) -> Gaps:
-    """Return the gaps of a state with contact patches, by its pressure or by its gaps, whichever were the unknowns."""
+    """Return the gaps of a state with contact patches, from the unknowns: its pressure or its gaps."""
     if isinstance(state, Evaluation):
         open_gaps = gaps.open_gaps(problem.profile, state.pressure(), state.penetration, problem.compliance_ratio)
         widths = gaps.gap_widths(state.pressure())
-        found = gaps.statistics(np.split(open_gaps.height, np.cumsum(open_gaps.count)[:-1]), widths)
+        statistics = gaps.statistics(np.split(open_gaps.height, np.cumsum(open_gaps.count)[:-1]), widths)
         separation = problem.profile.max_height - state.penetration
     else:
         widths = 2 * state.gaps.half_width
-        found = gaps.statistics_of_openings(state.gaps.half_width, state.opening)
+        statistics = gaps.statistics_of_openings(state.gaps.half_width, state.opening)
         separation = state.separation
-    return _gaps_of(problem, found, separation * problem.scales.height, float(np.sum(widths)) / (2 * np.pi))
+    return _gaps_of(problem, statistics, separation * problem.scales.height, float(np.sum(widths)) / (2 * np.pi))
 
 
-def _gaps_of(problem: Problem, found: GapStatistics, separation: float, open_fraction: float) -> Gaps:
+def _gaps_of(problem: Problem, statistics: GapStatistics, separation: float, open_fraction: float) -> Gaps:
     """Return gap statistics in SI units."""
     height = problem.scales.height
     return Gaps(
         mean_open=separation / open_fraction,
-        mean_cubic_root=float(np.cbrt(found.mean_cube)) * height,
-        quantiles=GapQuantiles(*(float(quantile) * height for quantile in found.quantiles)),
-        widest_channel=found.widest * problem.scales.length,
+        mean_cubic_root=float(np.cbrt(statistics.mean_cube)) * height,
+        quantiles=GapQuantiles(*(float(quantile) * height for quantile in statistics.quantiles)),
+        widest_channel=statistics.widest * problem.scales.length,
         open_fraction=open_fraction,
     )
 
@@ -119,7 +119,7 @@ def _gaps_of(problem: Problem, found: GapStatistics, separation: float, open_fra
 def _judged(
     problem: Problem, state: Evaluation | GapEvaluation, assessment: Assessment, tolerance: float
 ) -> DimensionlessCertificate:
-    """Return the certificate, by pressures or by gaps, whichever were the unknowns."""
+    """Return the certificate from the unknowns: pressures or gaps."""
     if not isinstance(state, Evaluation):
         from bem.audit import gap_certificate  # only the last gaps
 
@@ -153,8 +153,8 @@ def _judged(
 def _error_estimate(problem: Problem, assessment: Assessment, separation: float | None) -> ErrorEstimate:
     """Return the size of each correction in SI units, with a margin, never below rounding.
 
-    The separation is that of a state given by its gaps, which rounds relative to itself; so does a stiffness, which is
-    large where edges are about to move on their own.
+    `separation` is given for a state whose unknowns are gaps: its rounding is relative to itself.  The rounding of a
+    stiffness is relative too, because the stiffness is large where edges are about to move on their own.
     """
     correction, scales = assessment.correction, problem.scales
     stress, height, energy = scales.stress / (2 * np.pi), scales.height, scales.energy_per_area
@@ -206,7 +206,7 @@ def separated_state(problem: Problem, penetration: float) -> State:
 def complete_state(problem: Problem, complete: CompleteContact, load: float) -> State:
     """Return complete contact under a dimensionless load, nan where penetration control leaves it open.
 
-    It is exact but for the elastic energy of effects that are left out.
+    Complete contact is exact but for the elastic energy of effects that are left out.
     """
     scales, depth = problem.scales, problem.surface.max_height
     mean_pressure = problem.mean_pressure(load)

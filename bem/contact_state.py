@@ -1,7 +1,7 @@
-"""A contact state from given edges, in SI units: the solver's inner layer, usable alone.
+"""Contact state from given edges, in SI units: the solver's inner layer, usable alone.
 
 For convergence studies and for checks of other codes: edges and penetration are prescribed, nothing is searched.
-Edges are pairs (a_i, b_i); arrays that belong to edges have the same shape (L, 2), matrices the order of
+Edges are pairs (a_i, b_i); arrays that belong to edges have shape (L, 2), matrices the order of
 `edges.ravel()`.  Formulas: collocation.py and sensitivities.py.
 """
 
@@ -151,7 +151,7 @@ class ContactState:
         return np.asarray(signed[np.ix_(order, order)] * (self.scales.release_rate / self.scales.length))
 
     def pressure(self, x: ArrayLike) -> FloatArray:
-        """Pressure in Pa at positions in m, nan outside contact and infinite at the edges, same shape as x."""
+        """Return the pressure in Pa at positions in m, nan outside contact and infinite at the edges, shape of x."""
         position = np.asarray(x, dtype=np.float64)
         value = np.full(position.shape, np.nan)
         carried = self.evaluation.pressure()
@@ -165,7 +165,7 @@ class ContactState:
         return value
 
     def displacement(self, x: ArrayLike) -> FloatArray:
-        """Mean-free interface displacement u - u_m in m at positions in m, same shape as x."""
+        """Return the mean-free interface displacement u - u_m in m at positions in m, shape of x."""
         position = np.asarray(x, dtype=np.float64)
         contact = self.profile.height(position) - self.profile.max_height + self.penetration
         patches, period = self.evaluation.patches, 2 * np.pi
@@ -181,7 +181,7 @@ class ContactState:
 
     @cached_property
     def _law(self) -> UniformLaw | None:
-        """The dimensionless law of adhesion, None without."""
+        """Dimensionless law of adhesion; None without adhesion."""
         if self._adhesion is None:
             return None
         from bem.adhesive.adhesion import dimensionless_law
@@ -194,11 +194,11 @@ class ContactState:
         return np.concatenate([patches.left, patches.right])
 
     def _by_edge(self, values: FloatArray) -> FloatArray:
-        """(2 L,) values, all left edges first, as (L, 2)."""
+        """Return (2 L,) values, all left edges first, as (L, 2)."""
         return np.asarray(values.reshape(2, -1).T)
 
     def _in_patch(self, x: FloatArray, index: int) -> FloatArray:
-        """Position in units of patch `index`, in [-1, 1] inside, the nearest periodic image taken."""
+        """Return positions in units of patch `index`, [-1, 1] inside, of the nearest periodic image."""
         patches = self.evaluation.patches
         distance = x / self.scales.length - patches.center[index]
         nearest = distance - 2 * np.pi * np.rint(distance / (2 * np.pi))

@@ -1,8 +1,8 @@
 """Flat profiles: two flat surfaces have an exact answer at every target, and nothing is solved.
 
-They are apart (separation > 0) or in complete contact (separation 0) under a uniform pressure, which only the load,
-or the mean compression of a layer, determines.  With adhesion complete contact carries any tension, because there is
-no crack to grow; without adhesion it carries none.
+The surfaces are apart (separation > 0) or in complete contact (separation 0) under a uniform pressure, which only the
+load, or the mean compression of a layer, determines.  With adhesion complete contact carries any tension, because no
+crack can grow; without adhesion complete contact carries no tension.
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ LISTED = 3  # format: targets missed whose reasons stand in the failure of a res
 
 
 class MissedTargetError(Exception):
-    """A target that is not met: its status, the reason, and remedies in the order in which to try them."""
+    """Error of a target that is not met: its status, the reason, and remedies in the order in which to try them."""
 
     def __init__(self, status: Status, why: str, *remedies: str) -> None:
         super().__init__(why)
@@ -34,7 +34,7 @@ class MissedTargetError(Exception):
 
 
 def no_point(status: str, at: float, control: str, has_history: bool) -> MissedTargetError:
-    """Return the error of a point of this status, at a value of the control, SI, where no state was found."""
+    """Return the error of a point without a state, by its status, at a value of the control in SI."""
     remedies = ["half the accuracy.max_increment", "a slightly different target"] if has_history else []
     remedies += ['loading.control = "separation"'] if has_history and control == "mean_pressure" else []
     return MissedTargetError("not_converged", f"{FAILURES[status]} at {at:.9g} {UNITS[control]}", *remedies, COARSER)
@@ -46,13 +46,13 @@ def not_computed(error: BaseException) -> MissedTargetError:
 
 
 def tension_apart() -> MissedTargetError:
-    """Return the error of a tension that is asked for where nothing touches."""
+    """Return the error of a tension that is asked for while the surfaces are apart."""
     why = "this path has no state there: separated surfaces carry no tension"
     return MissedTargetError("unreachable", why, "a target in compression before it")
 
 
 def beyond_contact(deepest: float) -> MissedTargetError:
-    """Return the error of a motion beyond complete contact, which is at this penetration, m."""
+    """Return the error of a motion beyond complete contact, which is at the penetration `deepest`, m."""
     why = f"this path has no state there: complete contact is at {deepest:.9g} m"
     return MissedTargetError("unreachable", why, "a target before that", 'loading.control = "mean_pressure"')
 
@@ -64,7 +64,7 @@ def passed_over() -> MissedTargetError:
 
 
 def came_apart(at: float) -> MissedTargetError:
-    """Return the error of a tension that no contact carries: the last one came apart at this mean pressure, Pa."""
+    """Return the error of a tension that no contact carries: the last contact came apart at the pressure `at`, Pa."""
     why = f"this path has no state there: the surfaces came apart at {at:.9g} Pa"
     return MissedTargetError("unreachable", why, "less tension", 'loading.control = "separation"')
 
@@ -94,7 +94,7 @@ def sentence(error: MissedTargetError, name: str, control: str, target: float) -
 
 
 def verdict(states: Iterable[State]) -> tuple[Status, str | None]:
-    """Return the status of a path that visited all its targets, and why where it is not `converged`.
+    """Return the status of a path that visited all its targets, and the reason unless `converged`.
 
     Targets alone decide.  A state between targets that is not certified is the subject of a warning (record.py).
     """
@@ -114,5 +114,5 @@ def verdict(states: Iterable[State]) -> tuple[Status, str | None]:
 
 
 def uncertified(state: State) -> str:
-    """Return where a state is that is not certified, and the first demand that it misses."""
+    """Return the separation of an uncertified state, and the first demand that the state misses."""
     return f"at a separation of {state.separation:.9g} m: {next(iter(state.certificate.reasons), '')}"

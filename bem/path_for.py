@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def check_path(scene: Scene) -> None:
-    """Pose the path of a scene as solving it begins: SceneError for what nothing but that shows."""
+    """Pose the path of a scene; raise SceneError for mistakes that only posing the path shows."""
     surface = scene.surface()
     if not surface.is_flat:
         problem = pose(scene, surface)
@@ -32,7 +32,7 @@ def check_path(scene: Scene) -> None:
 def path_for(
     scene: Scene, problem: Problem, complete: CompleteContact, crew: Crew | None = None
 ) -> LoadingPath[Any, Any]:
-    """The path that the effects of the scene call for; parts of it that are independent are its crew's.
+    """Return the path that the effects of the scene require; the crew advances its independent parts.
 
     Raises
     ------

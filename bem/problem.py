@@ -1,4 +1,4 @@
-"""From a scene (SI) to the dimensionless problem that its effects define, and the increments of its path.
+"""Dimensionless problem of a scene (SI) as its effects define it, and the increments of its path.
 
 Only the modules of effects that the scene names are imported: adhesion.py with [adhesion], compliance.py with the
 tables that change the compliance (elastic_tables.py).
@@ -42,7 +42,7 @@ class Problem:
     surface : Profile
         SI.
     elastic : Elastic
-        With the compliance, if it is not that of a half-space.
+        With the compliance, unless the body is a half-space.
     law : InterfaceLaw or None
         None without adhesion.
     """
@@ -115,7 +115,7 @@ def _control(kind: str, scales: Scales, mean_compliance: float | None) -> Contro
 
 
 def increments_of(scene: Scene, problem: Problem) -> Increments:
-    """Increments and accuracies of a scene, in the units of its control."""
+    """Return increments and accuracies of a scene, in the units of its control."""
     unit = 1.0
     if scene.loading.control == "mean_pressure":
         unit = problem.load_of(1e-2 * problem.surface.rms_slope * problem.scales.plane_strain_modulus)
@@ -140,9 +140,10 @@ def increments_of(scene: Scene, problem: Problem) -> Increments:
 
 
 def _critical_intensity(problem: Problem) -> float:
-    """Least critical K: the coarse evaluation, whose K is off by 3e-2 times its tolerance, must resolve it.
+    """Return the least critical K: the coarse evaluation, whose K is off by 3e-2 times its tolerance, must resolve it.
 
-    Over the pressure of complete contact, relative to the half-space (rms): with it K is off by more on thin layers.
+    K is divided by the rms pressure of complete contact relative to the half-space: the error of K grows with this
+    pressure on thin layers.
     """
     if problem.law is None:
         return np.inf
@@ -155,7 +156,7 @@ def _critical_intensity(problem: Problem) -> float:
 
 
 def _jump_distance(problem: Problem) -> float:
-    """Half the distance a^2 kappa over which an isolated contact of the rms curvature jumps in, in rms heights.
+    """Return half the distance a^2 kappa over which an isolated contact of the rms curvature jumps in, in rms heights.
 
     a = (w / (pi kappa^2))^(1/3), Barquins, J. Adhesion 26 (1988) 1: weak adhesion acts over short distances.
     """

@@ -153,7 +153,7 @@ def entries_of(result: Result, begun: Result) -> Iterator[Entry]:
     ----------
     result : Result
     begun : Result
-        Result of the same scene without states.
+        Result of the scene without states.
     """
     before, tension = 0, result.largest_tension
     warnings = tuple(warning for warning in result.warnings if warning not in begun.warnings)
@@ -167,7 +167,7 @@ def entries_of(result: Result, begun: Result) -> Iterator[Entry]:
 
 
 def _lines(scene: Scene) -> dict[str, NDArray[Any]]:
-    """Return the lines of the profile of a scan as it is solved, which its file alone does not give."""
+    """Return wavenumbers and amplitudes of the prepared profile of a scan, which its file alone does not give."""
     surface = scene.surface()
     ascending = np.argsort(surface.orders)
     wavenumbers = 2 * np.pi / surface.period * surface.orders[ascending]
@@ -181,9 +181,9 @@ class Recorder:
     Parameters
     ----------
     scene, problem, complete, path
-        What is solved.
+        Scene, its problem, its complete contact, and its path.
     record : Record
-        To which states, events and fields are added.
+        Record that receives states, events and fields.
     on_state : callable or None
         Called with the record whenever an entry is added.
     """
@@ -201,7 +201,7 @@ class Recorder:
         Raises
         ------
         EnergyGainedError
-            One of them releases less than no energy, beyond its error.
+            An event gains energy, beyond its error.
         """
         for event in [event_of(self.problem, event) for event in events]:
             released, error = event.energy_released, event.error_estimate.energy_released
@@ -211,7 +211,7 @@ class Recorder:
             self.record.ahead.append(event)
 
     def keep(self, point: AnyPoint, branch: Branch, index: int | None = None) -> State:
-        """Add a refined point as a state, that of the target with an index, assessed and certified if it has edges."""
+        """Add a refined point as a state, assessed and certified if it has edges; `index` is that of its target."""
         target = index is not None
         state, fields = self._described(point, target), self._fields(point, index)
         tension = tension_of(self.problem, self.path.largest_tension)
@@ -284,15 +284,15 @@ class Recorder:
             return {}
         observables = import_module("bem.observables.observables")
         state, k = point.state, self.record.stored
-        found: dict[str, NDArray[Any]]
+        fields: dict[str, NDArray[Any]]
         if point.status == "complete_contact":
             load = point.value if self.scene.loading.control == "mean_pressure" else self.complete.least_load
-            found = observables.complete_contact_fields(wanted, self.problem, self.complete, load, k)
+            fields = observables.complete_contact_fields(wanted, self.problem, self.complete, load, k)
         else:
             pressure = PatchPressure(np.empty(0), np.empty(0), ()) if state is None else state.pressure()
             depth = self._penetration_of(point) if state is None else state.penetration
-            found = observables.contact_fields(wanted, self.problem, pressure, depth, k)
-        return found
+            fields = observables.contact_fields(wanted, self.problem, pressure, depth, k)
+        return fields
 
     def _penetration_of(self, point: AnyPoint) -> float:
         """Return the penetration of surfaces that are apart."""

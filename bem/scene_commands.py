@@ -77,9 +77,11 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     cores = os.cpu_count() or 1
     many = f"processes for large contacts with adhesion, at a tolerance of 1e-4 or more (default: {cores})"
     run.add_argument("--jobs", type=positive, default=cores, metavar="N", help=many)
-    said = run.add_mutually_exclusive_group()
-    said.add_argument("--json", action="store_true", help="print the summary as JSON")
-    said.add_argument("--table", action="store_true", help="print the answer too: a column of numbers for each target")
+    output = run.add_mutually_exclusive_group()
+    output.add_argument("--json", action="store_true", help="print the summary as JSON")
+    output.add_argument(
+        "--table", action="store_true", help="print the answer too: a column of numbers for each target"
+    )
     run.set_defaults(command=_run, perform=perform)
 
     keys = commands.add_parser("keys", help="print what every key of a scene is, or those of one section")

@@ -1,6 +1,6 @@
-"""A scene solved: follow the path through its targets, certify every state kept, keep what converged.
+"""Solution of a scene: the path through its targets, with every stored state certified.
 
-The order of things is that of the method: the scene is posed in dimensionless form, complete contact is written down,
+The steps follow the method: the scene is posed in dimensionless form, complete contact is written down,
 the path is followed from target to target (with adhesion event by event, without adhesion target by target), and
 every stored state is refined, assessed by a finer evaluation and certified by an independent one.  Increments
 between targets are stored at most once per largest increment, of the control and by default of the penetration, at
@@ -118,7 +118,7 @@ def solve(
 
 
 class _Run:
-    """One path through the targets of a scene."""
+    """Path through the targets of a scene."""
 
     def __init__(
         self, scene: Scene, problem: Problem, record: Record, progress: OnProgress, on_state: OnState, crew: Crew
@@ -138,7 +138,7 @@ class _Run:
         self.asked = {pressure: len(self.goals) + k for k, pressure in reversed(list(enumerate(pressures)))}  # index
         self.met: set[float] = set()  # mean pressures asked for that this leg of the path has met
         self.last: tuple[State, float | None] | None = None  # state kept, and the value of the control if at a target
-        self.kept, self.kept_penetration = np.inf, np.nan  # of the last state stored: value, penetration in m
+        self.stored_value, self.stored_penetration = np.inf, np.nan  # of the last state stored: value, penetration in m
         self.branch: Branch = "loading"
         if scene.start_state is not None:
             self.last, self.branch = (scene.start_state, None), scene.start_state.branch
@@ -146,7 +146,7 @@ class _Run:
         self.stands = self.last is None  # whether the path goes on from `point`, not from the last state as stored
 
     def _start(self) -> AnyPoint:
-        """Where a path begins that has no state yet: surfaces apart, or complete contact."""
+        """Return the first point of a path: surfaces apart, or complete contact."""
         first = self.goals[0].value
         if self.scene.loading.initial != "complete_contact":
             return Separated(min(0.0, first) - 1.0)
@@ -154,18 +154,18 @@ class _Run:
         return Complete(self.problem.profile.max_height if fixed else first + 1.0)
 
     def _standing(self) -> AnyPoint:
-        """Where the path goes on: at the last state, from its numbers as they are stored."""
+        """Return the point from which the path continues: the last state, from its stored numbers."""
         if self.stands:
             return self.point
         if self.last is None:
             return self._start()
         state, value = self.last
         point = self._checked(self._point_of(state, value))
-        self.kept, self.kept_penetration = point.value, state.penetration
+        self.stored_value, self.stored_penetration = point.value, state.penetration
         return point
 
     def take_over(self, result: Result) -> None:
-        """Keep an interrupted result up to its last target and stand there; what came after it is computed again."""
+        """Keep an interrupted result up to its last target and continue there; later states are computed again."""
         entries = tuple(entries_of(result, self.record.begun))
         ends = [count for count, entry in enumerate(entries, 1) if self._ends_leg(entry.state)]
         entries = entries[: ends[-1]] if ends else ()
@@ -184,7 +184,7 @@ class _Run:
         self.stands = self.stands and not entries
 
     def follow(self) -> tuple[Status, str | None]:
-        """Visit the remaining targets; the status of the result, and why, where it is not `converged`."""
+        """Visit the remaining targets; return the status of the result, and the reason unless `converged`."""
         try:
             for index in range(self.done, len(self.goals)):
                 if self._reach(index):
@@ -194,7 +194,7 @@ class _Run:
         return missed.verdict(self.record.states)
 
     def _reach(self, index: int) -> bool:
-        """Follow the path to one target, or say why it is missed; whether the path ends on the way, as asked."""
+        """Follow the path to a target, or record why it is missed; return whether the path ends on the way."""
         goal = self.goals[index]
         try:
             return self._visit(goal, index)
@@ -212,7 +212,7 @@ class _Run:
         self.recorder.miss(index, why.status, reason, self.branch)
 
     def _visit(self, goal: Goal, index: int) -> bool:
-        """Follow the path to a target and keep the state there; whether the path ends on the way, as asked."""
+        """Follow the path to a target and store its state; return whether the path ends on the way, as asked."""
         self.point, self.stands = self._standing(), True
         direction = self.path.direction(self.point, goal.value, goal.separation)
         if direction:
@@ -228,7 +228,7 @@ class _Run:
         return False
 
     def _follow_to(self, goal: Goal, spacing: float, index: int) -> bool:
-        """Follow the path to a goal, storing what is asked for on the way; whether the path ends there, as asked."""
+        """Follow the path to a goal and store states asked for on the way; return whether the path ends, as asked."""
         direction = self.path.direction(self.point, goal.value, goal.separation)
         for point in self.path.advance(self.point, goal.value, goal.separation):
             before, self.point = self.point, self._checked(point)
@@ -247,11 +247,11 @@ class _Run:
         return False
 
     def _separation(self, target: float) -> float | None:
-        """The separation that a target asks for, dimensionless and to its last digit; None under another control."""
+        """Return the separation of a target, dimensionless and to its last digit; None under another control."""
         return target / self.problem.scales.height if self.control == "separation" else None
 
     def _checked(self, point: AnyPoint) -> AnyPoint:
-        """The point, if there is one; MissedTargetError where none was found."""
+        """Return the point; raise MissedTargetError if its status is a failure."""
         if point.status in FAILURES:
             raise missed.no_point(point.status, self.recorder.target_of(point), self.control, self.path.has_history)
         return point
@@ -263,13 +263,16 @@ class _Run:
         return max(self.path.increments.apart, abs(stop - start) / MOST_BETWEEN)
 
     def _is_far(self, point: AnyPoint, spacing: float) -> bool:
-        """Whether a point between targets is far enough from the last state stored to be stored as well."""
+        """Return whether a point between targets is far enough from the last stored state to be stored as well."""
         depth = np.nan if point.state is None else point.state.penetration * self.problem.scales.height
         deeper = min(self.scene.accuracy.max_increment, DEEPER) * self.problem.scales.height
-        return abs(point.value - self.kept) >= spacing and not abs(depth - self.kept_penetration) < deeper * ALMOST
+        return (
+            abs(point.value - self.stored_value) >= spacing
+            and not abs(depth - self.stored_penetration) < deeper * ALMOST
+        )
 
     def _refined(self, point: AnyPoint, direction: float) -> AnyPoint:
-        """The point at the accuracy of a target, the events on the way to which are kept."""
+        """Return the point at the accuracy of a target, and keep the events of the refinement."""
         refined = self._checked(self.path.refine(point, direction))
         self.recorder.note(refined.events)
         return refined
@@ -278,10 +281,10 @@ class _Run:
         """Store a refined point as a state, with the index of its target; `goal` is its value of the control."""
         state = self.recorder.keep(point, self.branch, index)
         self.last = state, goal
-        self.kept, self.kept_penetration = point.value, state.penetration
+        self.stored_value, self.stored_penetration = point.value, state.penetration
 
     def _take_branch(self, branch: Branch) -> None:
-        """Turn to loading or unloading; every leg of the path meets the mean pressures asked for anew."""
+        """Turn to loading or unloading; every leg of the path meets all mean pressures asked for again."""
         if branch != self.branch:
             self.met.clear()
         self.branch = branch
@@ -289,35 +292,35 @@ class _Run:
     def _passed(self, before: AnyPoint, after: AnyPoint, index: int) -> bool:
         """Keep the events between two points, and states where asked mean pressures are crossed, in their order.
 
-        `index` is that of the target ahead.
+        `index` is the index of the target ahead.
 
         Returns
         -------
         bool
-            Whether the path ends at one of them.
+            Whether the path ends at one of the pressures.
         """
         ahead, direction = after.events, float(np.sign(after.value - before.value))
         for pressure in self._crossed(before, after):
-            found: AnyPoint | None = self.path.at_load(before, after, self.problem.load_of(pressure))
-            if found is None:
+            meeting: AnyPoint | None = self.path.at_load(before, after, self.problem.load_of(pressure))
+            if meeting is None:
                 continue
             self.met.add(pressure)
             try:
-                found = self._checked(found)
-                behind = tuple(event for event in ahead if direction * (event.at.value - found.value) <= 0)
+                meeting = self._checked(meeting)
+                behind = tuple(event for event in ahead if direction * (event.at.value - meeting.value) <= 0)
                 self.recorder.note(behind)
                 ahead = ahead[len(behind) :]
-                self._keep(found, self._index_of(pressure, index))
+                self._keep(meeting, self._index_of(pressure, index))
             except MissedTargetError as why:
                 self._miss(why, "a pressure on the way", self.asked[pressure])
             if pressure == self.scene.loading.stop_at_mean_pressure:
-                self.point = found
+                self.point = meeting
                 return True
         self.recorder.note(ahead)
         return False
 
     def _crossed(self, before: AnyPoint, after: AnyPoint) -> list[float]:
-        """Mean pressures asked for that lie between those of two points, in the order in which they are crossed."""
+        """Return the mean pressures asked for between the pressures of two points, in the order of the path."""
         wanted = self.asked.keys() - self.met
         start, end = (self.path.load_of(point) for point in (before, after)) if wanted else (None, None)
         if start is None or end is None:
@@ -345,7 +348,7 @@ class _Run:
         )
 
     def _check_reach(self, goal: float) -> None:
-        """MissedTargetError at a tension before first touch, or a penetration beyond complete contact."""
+        """Raise MissedTargetError at a tension before first touch, or a penetration beyond complete contact."""
         if self.control == "mean_pressure":
             if goal < 0 and self.point.status == "separated":
                 raise missed.tension_apart()
@@ -353,7 +356,7 @@ class _Run:
             raise missed.beyond_contact(self.problem.surface.max_height)
 
     def _lost_under_load(self, point: AnyPoint, goal: float) -> bool:
-        """Whether load control pulled off: no state carries the tension asked for."""
+        """Return whether the surfaces came apart under load control: no state carries the tension asked for."""
         return self.control == "mean_pressure" and point.status == "separated" and goal < 0
 
     def _asked_at(self, index: int) -> float:
@@ -366,7 +369,7 @@ class _Run:
         return ahead if is_ahead else self.asked[pressure]
 
     def _is_stop(self, state: State) -> bool:
-        """Return whether a path ends at a stored state, because its mean pressure is the one at which to stop."""
+        """Return whether a path ends at a stored state, because its mean pressure is stop_at_mean_pressure."""
         stop = self.scene.loading.stop_at_mean_pressure
         if stop is None or state.index is None:
             return False
@@ -378,7 +381,7 @@ class _Run:
         return state.index is not None and (state.index < len(self.goals) or self._is_stop(state))
 
     def _point_of(self, state: State, goal: float | None = None) -> AnyPoint:
-        """The point of the path at a stored state, which stands at a goal unless the scene starts there."""
+        """Return the point of the path at a stored state; `goal` is its control value if the state is at a target."""
         scales = self.problem.scales
         penetration = state.penetration / scales.height
         load = self.problem.load_of(state.mean_pressure)

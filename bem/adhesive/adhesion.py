@@ -63,23 +63,23 @@ class UniformLaw:
         return self.work
 
     def work_of_adhesion(self, x: FloatArray) -> FloatArray:
-        """w at the positions x, same shape."""
+        """Return w at the positions x, shape of x."""
         return np.full(x.shape, self.work)
 
     def work_and_gradient(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """w and dw/dx at the positions x, same shape."""
+        """Return w and dw/dx at the positions x, shape of x."""
         return np.full(x.shape, self.work), np.zeros(x.shape)
 
     def work_curvature(self, x: FloatArray) -> FloatArray:
-        """d2w/dx2 at the positions x, same shape."""
+        """Return d2w/dx2 at the positions x, shape of x."""
         return np.zeros(x.shape)
 
     def critical_stress_intensity(self, x: FloatArray) -> FloatArray:
-        """K = 2 sqrt(w) at the positions x, same shape."""
+        """Return K = 2 sqrt(w) at the positions x, shape of x."""
         return np.asarray(2 * np.sqrt(self.work_of_adhesion(x)))
 
     def energy(self, patches: Patches) -> float:
-        """U_ad = -int w dx over the patches."""
+        """Return U_ad = -int w dx over the patches."""
         return -self.work * float(np.sum(patches.width))
 
 
@@ -90,12 +90,12 @@ class TrueLength:
     Parameters
     ----------
     start : (P,) array
-        Where the panels begin, ascending from 0.
+        Left ends of the panels, ascending from 0.
     width : (P,) array
     series : (P, n) array
-        Of the integral.
+        Chebyshev coefficients of the integral.
     whole : float
-        Over the circle.
+        Integral over the circle.
     """
 
     start: FloatArray
@@ -104,18 +104,18 @@ class TrueLength:
     whole: float
 
     def __call__(self, x: FloatArray) -> FloatArray:
-        """The integral up to the positions x on the line, (n,)."""
+        """Return int_0^x sqrt(1 + h'^2) dx at the positions x on the line, (n,)."""
         return integral(self.start, self.width, self.series, self.whole, x)
 
 
 def true_length(profile: Profile, slope_scale: float) -> TrueLength:
-    """The integral of sqrt(1 + (slope_scale h')^2); panels are halved until their series have decayed.
+    """Integrate sqrt(1 + (slope_scale h')^2); halve panels until their series have decayed.
 
     Where slopes are steep the integrand has kinks of the width 1 / (slope_scale h'') at crests and troughs.
     """
     count = profile.max_order
     start, width = np.arange(count) * (TWO_PI / count), np.full(count, TWO_PI / count)
-    kept: list[tuple[FloatArray, FloatArray, FloatArray]] = []
+    panels: list[tuple[FloatArray, FloatArray, FloatArray]] = []
     for halvings in range(MAXIMUM_HALVINGS):
         x = start[:, None] + width[:, None] * (1 + chebyshev.basis_nodes(NODES)) / 2
         series = chebyshev.coefficients(np.hypot(1.0, slope_scale * profile.slope(x)))
@@ -123,12 +123,12 @@ def true_length(profile: Profile, slope_scale: float) -> TrueLength:
         done = last * width <= UNRESOLVED * TWO_PI * np.abs(series[:, 0])
         if halvings == MAXIMUM_HALVINGS - 1:
             done[:] = True
-        kept.append((start[done], width[done], series[done]))
+        panels.append((start[done], width[done], series[done]))
         half = width[~done] / 2
         start, width = np.concatenate([start[~done], start[~done] + half]), np.concatenate([half, half])
         if start.size == 0:
             break
-    start, width, series = (np.concatenate(parts) for parts in zip(*kept, strict=True))
+    start, width, series = (np.concatenate(parts) for parts in zip(*panels, strict=True))
     order = np.argsort(start)
     start, width, series = start[order], width[order], series[order]
     summed = np.ascontiguousarray(np.polynomial.chebyshev.chebint(series, lbnd=-1, axis=1) * (width / 2)[:, None])
@@ -158,30 +158,30 @@ class SlopeLaw(UniformLaw):
     length: TrueLength
 
     def work_of_adhesion(self, x: FloatArray) -> FloatArray:
-        """w at the positions x, same shape."""
+        """Return w at the positions x, shape of x."""
         return np.asarray(self.work * np.hypot(1.0, self.slope_scale * self.profile.slope(x)))
 
     def work_and_gradient(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """w and dw/dx at the positions x, same shape."""
+        """Return w and dw/dx at the positions x, shape of x."""
         _, slope, curvature = self.profile.height_slope_curvature(x)
         stretch = np.hypot(1.0, self.slope_scale * slope)
         return self.work * stretch, self.work * self.slope_scale**2 * slope * curvature / stretch
 
     def work_curvature(self, x: FloatArray) -> FloatArray:
-        """d2w/dx2 at the positions x, same shape."""
+        """Return d2w/dx2 at the positions x, shape of x."""
         _, slope, curvature, third = self.profile.derivatives(x)
         stretch = np.hypot(1.0, self.slope_scale * slope)
         bent = curvature**2 / stretch**2 + slope * third
         return np.asarray(self.work * self.slope_scale**2 * bent / stretch)
 
     def energy(self, patches: Patches) -> float:
-        """U_ad = -int w dx over the patches."""
+        """Return U_ad = -int w dx over the patches."""
         ends = self.length(np.concatenate([patches.left, patches.right]))
         return -self.work * float(np.sum(ends[patches.count :] - ends[: patches.count]))
 
 
 def dimensionless_law(adhesion: Adhesion, profile: Profile, scales: Scales) -> UniformLaw:
-    """The law of an interface in the units of the solver.
+    """Return the law of an interface in the units of the solver.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A branch of equilibria near one of its points: motions of edges, its tangent, and numbers after a short step.
+"""Branch of equilibria near one of its points: motions of edges, its tangent, and numbers after a short step.
 
 Along a branch the edges move by -H^-1 dg/dtau, and the potential grows by the integral of the force that the control
 exerts.  Dimensionless.
@@ -18,43 +18,43 @@ MOVING = 0.3  # of the largest motion in units of the edge scale: patches that m
 
 
 def outward_motion(first: Patches, last: Patches) -> FloatArray:
-    """Motion of the edges from some patches to others, (2 L,); across the end of the period too."""
+    """Return the outward motion of the edges from `first` to `last`, (2 L,); across the end of the period too."""
     moved = np.concatenate([first.left - last.left, last.right - first.right])
     return np.asarray((moved + np.pi) % TWO_PI - np.pi)
 
 
-def tangent(system: System, here: Balance) -> FloatArray:
-    """d(outward motion of the edges) by the control along the branch of a stable state, (2 L,)."""
-    return -system.control.rate(here.state) * here.response(here.load_gradient)
+def tangent(system: System, forces: Balance) -> FloatArray:
+    """Return d(outward motion of the edges) / d(control) along the branch of a stable state, (2 L,)."""
+    return -system.control.rate(forces.state) * forces.response(forces.load_gradient)
 
 
-def after_step(system: System, here: Balance, value: float, outward: FloatArray, change: float) -> EventNumbers:
-    """Numbers of the state to which short motions of the edges and of the control lead, to second order."""
-    state, control = here.state, system.control
+def after_step(system: System, forces: Balance, value: float, outward: FloatArray, change: float) -> EventNumbers:
+    """Return the numbers of a state after short motions of the edges and of the control, to second order."""
+    state, control = forces.state, system.control
     rate = control.rate(state)
-    carried = float(here.load_gradient @ outward)
+    carried = float(forces.load_gradient @ outward)
     deeper = rate * (change - control.load_weight * carried)
-    work = float(here.gradient @ outward + outward @ here.hessian @ outward / 2) + change * rate * carried
+    work = float(forces.gradient @ outward + outward @ forces.hessian @ outward / 2) + change * rate * carried
     work += change * (control.force(state) + change / 2 * control.force_rate(state))
     return EventNumbers(
         value + change,
         state.penetration + deeper,
         state.load + carried + state.load_rate * deeper,
-        here.potential + work,
+        forces.potential + work,
     )
 
 
-def numbers_of(here: Balance, value: float) -> EventNumbers:
-    """Numbers of a state."""
-    return EventNumbers(value, here.state.penetration, here.state.load, here.potential)
+def numbers_of(forces: Balance, value: float) -> EventNumbers:
+    """Return control value, penetration, load and potential of a state."""
+    return EventNumbers(value, forces.state.penetration, forces.state.load, forces.potential)
 
 
-def unstable_patches(here: Balance) -> IntArray:
-    """Patches that move most in the softest mode of the Hessian."""
-    return moving_patches(here.state.patches, lowest_modes(here.scaled_hessian, 1)[1][:, 0] * here.scale)
+def unstable_patches(forces: Balance) -> IntArray:
+    """Return the indices of the patches that move most in the softest mode of the Hessian."""
+    return moving_patches(forces.state.patches, lowest_modes(forces.scaled_hessian, 1)[1][:, 0] * forces.scale)
 
 
 def moving_patches(patches: Patches, outward: FloatArray) -> IntArray:
-    """Patches that move most in a motion of the edges."""
+    """Return the indices of the patches that move most in a motion of the edges."""
     size = np.abs(outward) / patches.edge_scale
     return np.unique(np.flatnonzero(size > MOVING * size.max()) % patches.count)

@@ -31,13 +31,13 @@ class Descent:
         `touched` (a crest touched ahead of an edge), `not_converged` (also before an edge runs into patches that are
         not its own) or `ill_conditioned`.
     patches : Patches
-        Where it ended.
+        Patches at the end of the descent.
     changes : tuple of Change
         Patches and gaps that vanished, in order.
     system, target
-        What `descend` was asked.
+        Arguments of `descend`.
     state : Evaluation or None
-        Of the patches; None without patches or gaps, or where they cannot be solved for.
+        Solution on the patches; None without patches or gaps, or if their system is ill-conditioned.
     touching : GapMinima or None
         Crests that touched, dimensionless; their gaps are those of `patches`.
     """
@@ -52,7 +52,7 @@ class Descent:
 
     @cached_property
     def balance(self) -> Balance | None:
-        """Forces there; None without a state."""
+        """Forces on the edges at the end of the descent; None without a state."""
         return None if self.state is None else forces(self.system, self.state, self.target)
 
 
@@ -78,7 +78,7 @@ def descend(
         least = _least(system, patches, steps, accuracy)
         walk = Walk(system, target, accuracy, steps, patches, penetration, patches, steps.largest / 2, rounds, least)
         verdict = walk.to_change()
-        state = None if walk.here is None else walk.here.state
+        state = None if walk.forces is None else walk.forces.state
         if verdict == "closing":
             gone, remaining = without_gaps(walk.patches, walk.gone)
         elif verdict == "vanishing":
@@ -94,7 +94,7 @@ def descend(
 
 
 def _least(system: System, patches: Patches, steps: Steps, accuracy: Accuracy) -> Resolution | None:
-    """Resolution of patches as parts of all, frozen ones too; None where none are, or where they overlap."""
+    """Return the resolution of patches among the frozen ones; None without frozen patches or if patches overlap."""
     together = None if steps.beside is None else steps.beside.joined(patches)
     if steps.beside is None or together is None:
         return None

@@ -26,12 +26,12 @@ from bem.loading.increments import Effort
 from bem.loading.interface_law import InterfaceLaw
 
 ENERGY_TRUNCATION = 3e-3  # relative error of the energy over the square of the tolerance of the evaluation
-KERNEL_TRUNCATION = 5e-3  # the same over the tolerance itself, where an effect adds to the kernel; measured on layers
+KERNEL_TRUNCATION = 5e-3  # relative error of the energy over the tolerance, if an effect adds to the kernel; measured
 
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """What an equilibrium depends on besides edges and target, and the account of what its evaluations cost."""
+    """Elastic body, law of adhesion and control of an equilibrium, and the count of its evaluations."""
 
     elastic: Elastic
     law: InterfaceLaw
@@ -40,12 +40,12 @@ class System:
 
     @cached_property
     def sloped(self) -> System:
-        """The same, and its states know the slopes that edges make at edges."""
+        """System with edge slopes switched on: every state also holds the slopes that edges make at edges."""
         return replace(self, elastic=replace(self.elastic, slopes=True))
 
     @cached_property
     def pinning(self) -> PinningWaves:
-        """Waves of the profile by what they do to edges."""
+        """Waves of the profile that may pin edges, with their strength."""
         return PinningWaves.of(self.elastic.profile)
 
 
@@ -70,7 +70,7 @@ class Balance:
     load_gradient : (2 L,) array
         d(load) / d(outward motion).
     potential : float
-        What the equilibrium minimises.
+        Potential under control, which the equilibrium minimises.
     energy : float
         U = U_el + U_ad.
     penetration_rate : float
@@ -100,7 +100,7 @@ class Balance:
         return float(np.max(np.abs(self.gradient / self.work)))
 
     def is_equilibrium(self, limit: float) -> bool:
-        """Whether |G/w - 1| is at most the limit at every edge, or what rounding of K leaves where w is tiny."""
+        """Return whether |G/w - 1| at every edge is at most the limit, or the rounding of K where w is tiny."""
         missing = np.abs(self.gradient / self.work)
         if np.all(missing <= limit):
             return True
@@ -108,7 +108,7 @@ class Balance:
 
     @property
     def all_tensile(self) -> bool:
-        """Whether K > 0 at every edge, as at the tip of a crack."""
+        """True if K > 0 at every edge, as at the tip of a crack."""
         return bool(np.all(self.state.stress_intensity > 0))
 
     @cached_property
@@ -124,17 +124,17 @@ class Balance:
 
     @cached_property
     def edge_fields(self) -> EdgeFields:
-        """What moving edges add to the pressure."""
+        """Pressure fields that moving edges add, at all edges."""
         return EdgeFields(self.state, self.jacobian)
 
     @property
     def stable_at_fixed_load(self) -> bool:
-        """Whether the Hessian bordered with Delta, of U - load Delta, is positive definite."""
+        """True if the Hessian bordered with Delta, of U - load Delta, is positive definite."""
         soft = self.fixed_penetration_hessian - np.outer(self.load_gradient, self.load_gradient) / self.state.load_rate
         return bool(lowest_modes(symmetric_part(soft, self.scale), 1)[0][0] > 0)
 
     def response(self, force: FloatArray) -> FloatArray:
-        """Outward motion of the edges under a force on them, H^-1 force, (2 L,)."""
+        """Return the outward motion of the edges under a force on them, H^-1 force, (2 L,)."""
         scale = self.state.patches.edge_scale
         if self.factor is not None:
             return np.asarray(scale * lapack.dpotrs(self.factor, scale * force, lower=0)[0])
@@ -173,7 +173,7 @@ class Balance:
 
 
 def symmetric_part(hessian: FloatArray, scale: FloatArray) -> FloatArray:
-    """Symmetric part of a Hessian in units of length of every edge, (2 L, 2 L)."""
+    """Return the symmetric part of a Hessian in units of length of every edge, (2 L, 2 L)."""
     result = hessian + hessian.T
     result *= (scale / 2)[:, None]  # in place: fresh memory for large matrices takes longer than the product
     result *= scale
@@ -181,7 +181,7 @@ def symmetric_part(hessian: FloatArray, scale: FloatArray) -> FloatArray:
 
 
 def edge_positions(patches: Patches) -> FloatArray:
-    """All left edges, then all right ones, (2 L,)."""
+    """Return all left edges, then all right edges, (2 L,)."""
     return np.concatenate([patches.left, patches.right])
 
 
@@ -193,14 +193,14 @@ def balance(
     tolerance: float,
     resolution: Resolution | None = None,
 ) -> Balance:
-    """Evaluate the forces on the edges at the target; `penetration` is where load control starts from."""
+    """Evaluate the forces on the edges at the target; load control starts from `penetration`."""
     system.effort.evaluations += 1
     state = evaluate(system.elastic, patches, system.control.guess(penetration, target), tolerance, resolution)
     return forces(system, system.control.reach(state, target), target)
 
 
 def forces(system: System, state: Evaluation, target: float) -> Balance:
-    """Forces on the edges of an evaluated state that is at the target."""
+    """Return the forces on the edges of an evaluated state at the target."""
     patches = state.patches
     edges, intensity = edge_positions(patches), state.stress_intensity
     work, work_gradient = system.law.work_and_gradient(edges)
@@ -226,6 +226,6 @@ def forces(system: System, state: Evaluation, target: float) -> Balance:
 
 
 def energy_noise(system: System, first: Balance, last: Balance, tolerance: float) -> float:
-    """Error of the difference in elastic energy of two states evaluated to `tolerance`, dimensionless."""
+    """Return the error of the difference in elastic energy of two states evaluated to `tolerance`, dimensionless."""
     share = ENERGY_TRUNCATION * tolerance**2 if system.elastic.kernel is None else KERNEL_TRUNCATION * tolerance
     return share * (first.state.elastic_energy + last.state.elastic_energy)

@@ -16,19 +16,19 @@ from bem.elastic.collocation import Evaluation, finer
 from bem.loading.assessment import UNKNOWN, Assessment, Quantities, quantities_of, stiffened, with_left_out
 
 
-def assess_equilibrium(system: System, here: Balance, value: float, tolerance: float) -> Assessment:
+def assess_equilibrium(system: System, forces: Balance, value: float, tolerance: float) -> Assessment:
     """Assess an adhesive equilibrium at a value of the control by two evaluations at `tolerance`.
 
     Parameters
     ----------
     system : System
-    here : Balance
+    forces : Balance
     value : float
         Of the control.
     tolerance : float
-        Finer than that of `here`.
+        Finer than the tolerance of `forces`.
     """
-    state = here.state
+    state = forces.state
     resolution = finer(system.elastic, state.patches, state.resolution, tolerance)
     system = replace(system, elastic=with_left_out(system.elastic, state))
     fine = balance(system, state.patches, state.penetration, value, tolerance, resolution)
@@ -36,29 +36,32 @@ def assess_equilibrium(system: System, here: Balance, value: float, tolerance: f
     correction = UNKNOWN
     if corrected.is_ordered:
         exact = balance(system, corrected, state.penetration, value, tolerance, resolution)
-        correction = _of_equilibrium(exact).minus(_of_equilibrium(here))
+        correction = _of_equilibrium(exact).minus(_of_equilibrium(forces))
         correction = replace(correction, stress_intensity=_most_changed(exact.state, state))
-        correction = stiffened(correction, system.elastic, state, here.stiffness)
+        correction = stiffened(correction, system.elastic, state, forces.stiffness)
     return Assessment(
-        work=here.work,
-        adhesion_energy=here.energy - state.elastic_energy,
-        min_eigenvalue=here.smallest_eigenvalue,
-        hessian_asymmetry=here.hessian_asymmetry,
-        stiffness=here.stiffness,
-        stable_at_fixed_load=here.stable_at_fixed_load,
+        work=forces.work,
+        adhesion_energy=forces.energy - state.elastic_energy,
+        min_eigenvalue=forces.smallest_eigenvalue,
+        hessian_asymmetry=forces.hessian_asymmetry,
+        stiffness=forces.stiffness,
+        stable_at_fixed_load=forces.stable_at_fixed_load,
         correction=correction,
     )
 
 
 def _most_changed(exact: Evaluation, state: Evaluation) -> float:
-    """Largest change of K of any edge: that of the largest K may be nil by chance, all of them being nearly equal."""
+    """Return the largest change of K of any edge.
+
+    The change at the edge of the largest K may be zero by chance, because all K are nearly equal.
+    """
     return float(np.max(np.abs(exact.stress_intensity - state.stress_intensity)))
 
 
-def _of_equilibrium(here: Balance) -> Quantities:
+def _of_equilibrium(forces: Balance) -> Quantities:
     return replace(
-        quantities_of(here.state),
-        adhesion_energy=here.energy - here.state.elastic_energy,
-        total_energy=here.energy,
-        stiffness=here.stiffness,
+        quantities_of(forces.state),
+        adhesion_energy=forces.energy - forces.state.elastic_energy,
+        total_energy=forces.energy,
+        stiffness=forces.stiffness,
     )

@@ -1,4 +1,4 @@
-"""Would the tension inside a contact open it at a flaw?  The equilibria of JKR hold any tension away from the edges.
+"""Tension inside a contact and at a flaw.  The equilibria of JKR hold any tension away from the edges.
 
 A flaw is a crack of length 2 c on the interface.  Without friction the solid and its mirror image are one body with
 that crack, so that tension sigma over it gives K = sigma sqrt(pi c), and it runs where G = K^2 / (2 E*) exceeds w
@@ -20,7 +20,7 @@ from bem.geometry.patches import PatchPressure
 
 
 def largest_tension(pressure: PatchPressure, margin: float) -> float:
-    """The largest tension at least `margin` away from the edges, at the nodes of the series and between; 0 if none.
+    """Return the largest tension at least `margin` from the edges, at nodes of the series and between; 0 if none.
 
     Examples
     --------
@@ -28,7 +28,7 @@ def largest_tension(pressure: PatchPressure, margin: float) -> float:
     >>> largest_tension(pressure, 0.9)
     2.5
     """
-    found = 0.0
+    largest = 0.0
     for left, right, series in zip(pressure.left, pressure.right, pressure.charges, strict=True):
         radius, count = (right - left) / 2, 2 * series.size
         angle = np.arange(1, count) * (np.pi / count)
@@ -37,12 +37,12 @@ def largest_tension(pressure: PatchPressure, margin: float) -> float:
         spectrum[: series.size] = count * series
         spectrum[0] *= 2
         regular = np.fft.irfft(spectrum, 2 * count)[1:count]
-        found = max(found, float(np.max(-regular[inside] / (radius * np.sin(angle[inside])), initial=0.0)))
-    return found
+        largest = max(largest, float(np.max(-regular[inside] / (radius * np.sin(angle[inside])), initial=0.0)))
+    return largest
 
 
 def opening_tension(work: FloatArray, flaw: float) -> float:
-    """The tension that opens a flaw of a length, where the work of adhesion is the largest of some.
+    """Return the tension that opens a flaw of length `flaw` at the largest of the given works of adhesion.
 
     Examples
     --------

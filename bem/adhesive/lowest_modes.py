@@ -1,4 +1,4 @@
-"""The lowest eigenvalues of a symmetric matrix with their modes: LAPACK without what a general interface adds.
+"""Lowest eigenvalues of a symmetric matrix with their modes: LAPACK without the checks of a general interface.
 
 Hessians of a hundred edges are looked at a few thousand times on a path, and checks of arguments and choices of drivers
 took as long as the algebra (Parlett, Dhillon, Linear Algebra Appl. 387 (2004) 1: dsyevr).
@@ -15,7 +15,7 @@ from bem.geometry.arrays import FloatArray
 
 
 def lowest_modes(matrix: FloatArray, count: int | None = None) -> tuple[FloatArray, FloatArray]:
-    """Eigenvalues, ascending, and modes, one a column: the lowest `count` of them, or all.
+    """Return the lowest `count` eigenvalues, ascending, and their modes as columns; all if `count` is None.
 
     Parameters
     ----------
@@ -48,6 +48,6 @@ def lowest_modes(matrix: FloatArray, count: int | None = None) -> tuple[FloatArr
 
 @lru_cache(maxsize=4096)
 def _workspace(size: int) -> tuple[int, int]:
-    """Sizes that LAPACK wants."""
+    """Return the sizes of the work arrays of LAPACK."""
     work, iwork, _ = lapack.dsyevr_lwork(size, lower=1)
     return int(work), int(iwork)

@@ -1,4 +1,4 @@
-"""The shortest wave of the roughness that may pin an edge, so that the edge snaps from wave to wave.
+"""Shortest wave of the roughness that may pin an edge, so that the edge snaps from wave to wave.
 
 Full contact with a wave h cos(q x + phi) has the pressure q h cos(q x + phi); where the contact ends, that adds
 h sqrt(2 q) cos(phi') to K, and with K = 2 sqrt(w) a part h sqrt(2 q/w) of the work of adhesion to G.  An edge is pinned
@@ -25,7 +25,7 @@ PINS = 0.03  # of the strength at which waves pin an edge on its own: modes of s
 
 @dataclass(frozen=True, eq=False)
 class PinningWaves:
-    """Waves of a profile by what they do to edges.
+    """Waves of a profile with the strength at which they pin edges.
 
     Attributes
     ----------
@@ -40,14 +40,14 @@ class PinningWaves:
 
     @classmethod
     def of(cls, profile: Profile) -> PinningWaves:
-        """The waves of a dimensionless profile."""
+        """Return the waves of a dimensionless profile."""
         ascending = np.argsort(profile.orders)
         orders, amplitudes = profile.orders[ascending], profile.amplitudes[ascending]
         squares = 2 * amplitudes**2 * orders.astype(float) ** 3
         return cls(orders, np.sqrt(np.cumsum(squares[::-1])[::-1]))
 
     def shortest(self, work: FloatArray, edge_scale: FloatArray) -> FloatArray:
-        """Length of the shortest wave that may pin each edge; inf where none does.
+        """Return the length of the shortest wave that may pin each edge; inf where none does.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""What happens where a branch ends: new contacts, coalescence, detachment, and the jump to the nearest minimum.
+"""Events at the end of a branch: new contacts, coalescence, detachment, and the jump to the nearest minimum.
 
 An event is resolved first where it happens and then everywhere: of more than 18 patches, those concerned and four
 neighbours each side move at fixed penetration in the frozen field of all others (small trust-region steps, cheap
@@ -28,7 +28,7 @@ from bem.loading.control import DisplacementControl
 from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
 
 GLOBAL_STEP = 0.4  # step scales: largest trust radius; below 0.7, or the two edges of a gap may cross
-LOCAL_STEP, LOCAL_RESIDUAL = GLOBAL_STEP / 2, 1e-2  # the same, and the residual, in the field of frozen patches
+LOCAL_STEP, LOCAL_RESIDUAL = GLOBAL_STEP / 2, 1e-2  # trust radius and residual in the field of frozen patches
 NEIGHBOURS = 4
 
 
@@ -55,7 +55,7 @@ class Relaxed:
 
 
 def interpenetration(system: System, state: Evaluation, allowed: float) -> GapMinima:
-    """Minima of the gap below -allowed (dimensionless), each a new contact."""
+    """Return the minima of the gap below -allowed (dimensionless), each a new contact."""
     low = low_minima(gap_field(system.elastic, state))
     bad = low.depth < -allowed
     return GapMinima(low.position[bad], low.depth[bad], low.gap[bad])
@@ -63,20 +63,20 @@ def interpenetration(system: System, state: Evaluation, allowed: float) -> GapMi
 
 @dataclass(frozen=True, eq=False)
 class Cause:
-    """What ended the last equilibrium.
+    """Cause of the end of the last equilibrium.
 
     Attributes
     ----------
     unstable : int array or None
         Patches that are about to jump; they move first.
     found : GapMinima or None
-        Where the equilibrium at the given edges interpenetrates.
+        Minima of the gap at which the equilibrium at the given edges interpenetrates.
     state : Evaluation or None
         The last equilibrium, from which far patches keep their pressure while near ones move first.
     local_step : float
-        Largest step of these.
+        Largest step of the near patches.
     local_tolerance : float
-        Of their evaluations, where that of the equilibrium is less.
+        Tolerance of the evaluations of near patches, if the tolerance of the equilibrium is less.
     """
 
     unstable: IntArray | None = None
@@ -131,21 +131,21 @@ def relax(
             return Relaxed(end.status, target, end.balance, tuple(changes))
         patches, state = end.patches, end.state
         penetration = state.penetration
-        found = interpenetration(system, state, accuracy.allowed) if end.touching is None else end.touching
-        if found.position.size == 0:
+        minima = interpenetration(system, state, accuracy.allowed) if end.touching is None else end.touching
+        if minima.position.size == 0:
             return Relaxed("converged", target, end.balance, tuple(changes))
-        patches, active, formed = _with_new_contacts(system, patches, found)
+        patches, active, formed = _with_new_contacts(system, patches, minima)
         changes += formed
     return Relaxed("not_converged", target, None, tuple(changes))
 
 
 def _most_rounds(system: System) -> int:
-    """How often an avalanche may continue: every crest may touch, twice, besides equilibria that interpenetrate."""
+    """Return the limit of rounds of an avalanche: two touches of every crest, and equilibria that interpenetrate."""
     return MAXIMUM_ITERATIONS + 2 * int(system.elastic.profile.crests[0].size)
 
 
 def first_contact(system: System, positions: FloatArray) -> Patches:
-    """Small patches on the crests that have just been touched, wide enough for their edges to be tensile."""
+    """Return small patches on the crests just touched, wide enough for their edges to be tensile."""
     widest = 0.25 * np.pi
     if positions.size > 1:
         order = np.sort(positions)
@@ -155,19 +155,19 @@ def first_contact(system: System, positions: FloatArray) -> Patches:
 
 
 def _with_new_contacts(
-    system: System, patches: Patches, found: GapMinima
+    system: System, patches: Patches, minima: GapMinima
 ) -> tuple[Patches, IntArray, list[tuple[str, float]]]:
-    """Patches with new ones where the gap is deepest below zero, their indices, and the changes."""
-    tied = np.flatnonzero(found.depth <= (1 - TIED) * found.depth.min())
-    where = found.position[tied]
-    for position, depth in zip(where, found.depth[tied], strict=True):
+    """Add patches at the deepest minima of the gap; return all patches, the new indices, and the changes."""
+    tied = np.flatnonzero(minima.depth <= (1 - TIED) * minima.depth.min())
+    where = minima.position[tied]
+    for position, depth in zip(where, minima.depth[tied], strict=True):
         patches = _with_new_contact(system, patches, float(position), float(depth), where[where != position])
     active = np.array([_nearest(patches, float(position)) for position in where])
     return patches, active, [("new_contact", float(position)) for position in where]
 
 
 def _with_new_contact(system: System, patches: Patches, position: float, depth: float, others: FloatArray) -> Patches:
-    """Patches with a new one around a point that interpenetrates by -depth, clear of `others` that do so too."""
+    """Add a patch around a point that interpenetrates by -depth, clear of `others`, which interpenetrate too."""
     at = np.array([position])
     curvature = max(float(-system.elastic.profile.curvature(at)[0]), EQUAL_HEIGHTS)
     geometric = np.sqrt(-2 * depth / curvature)
@@ -179,7 +179,7 @@ def _with_new_contact(system: System, patches: Patches, position: float, depth: 
 
 
 def _nearest(patches: Patches, position: float) -> int:
-    """Index of the patch whose centre is nearest."""
+    """Return the index of the patch whose centre is nearest to a position."""
     return int(np.argmin(np.abs((patches.center - position + np.pi) % TWO_PI - np.pi)))
 
 
@@ -227,7 +227,7 @@ def _relaxed_locally(
 def _frozen_field(
     system: System, patches: Patches, members: IntArray, state: Evaluation, penetration: float
 ) -> Callable[[FloatArray], FloatArray]:
-    """The displacement (as a function of x) by the patches of a state apart from some members, at a penetration."""
+    """Return the displacement (as a function of x) by all patches of a state but `members`, at a penetration."""
     apart = np.subtract.outer(state.patches.center, patches.center[members])
     frozen = np.all(np.abs((apart + np.pi) % TWO_PI - np.pi) > patches.half_width[members], axis=1)
     keep = np.repeat(frozen, state.resolution.modes)

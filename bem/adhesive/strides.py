@@ -33,14 +33,14 @@ Verdict = DescentStatus | Literal["closing", "vanishing"]
 
 @dataclass(frozen=True)
 class Steps:
-    """How a descent steps.
+    """Step sizes of a descent, and the patches and crests beside its edges.
 
     Attributes
     ----------
     largest : float
         Trust radius in units of the step scale; small values follow the descent path closely.
     beside : Patches or None
-        Patches whose field is frozen: those next to them are resolved as finely as if they moved too.
+        Patches whose field is frozen: patches next to them are resolved as finely as if the frozen ones moved too.
     ahead : CrestsAhead or None
         Finds the crests that touch after a step; the descent ends there, or before edges reach neighbouring patches.
         Motions smaller than it minds, just before a patch or a gap vanishes, are not looked ahead of.
@@ -53,7 +53,7 @@ class Steps:
 
 @dataclass(frozen=True, eq=False)
 class _Step:
-    """A trust-region step: the step scale of each edge, the parts of it moved, and the fall that the model predicts."""
+    """Trust-region step: step scale of each edge, motion in units of the scale, and fall predicted by the model."""
 
     scale: FloatArray
     parts: FloatArray
@@ -83,7 +83,7 @@ class Walk:
         Steps left, refused ones included.
     least : Resolution or None
         Lower bound of the resolution of the patches.
-    here : Balance or None
+    forces : Balance or None
         Forces on the edges; None where they are not evaluated yet.
     resolution : Resolution or None
         Resolution of the last evaluation, which both sides of a step share.
@@ -103,7 +103,7 @@ class Walk:
     radius: float
     rounds: int
     least: Resolution | None = None
-    here: Balance | None = None
+    forces: Balance | None = None
     resolution: Resolution | None = None
     gone: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     touching: GapMinima | None = None
@@ -125,68 +125,68 @@ class Walk:
         return verdict
 
     def round(self) -> Verdict | Literal["again"]:
-        """Evaluate, and take a step or return the reason why none is taken."""
-        here = self.evaluated()
-        if here is None:
+        """Evaluate the forces and take a step, or return the reason why no step is taken."""
+        forces = self.evaluated()
+        if forces is None:
             return "ill_conditioned"
-        verdict = self.reshaped(here)
+        verdict = self.reshaped(forces)
         if verdict is not None:
             return verdict
-        step = self.step(here)
-        inside = step.size < 0.9 * self.radius and here.is_equilibrium(self.accuracy.residual)
-        return "converged" if inside else self.tried(here, step)
+        step = self.step(forces)
+        inside = step.size < 0.9 * self.radius and forces.is_equilibrium(self.accuracy.residual)
+        return "converged" if inside else self.tried(forces, step)
 
     def evaluated(self) -> Balance | None:
-        """Forces on the edges; where none are known, with the resolution that the patches ask for; None: unsolvable."""
-        if self.here is None:
+        """Return the forces on the edges, evaluated if unknown; None if their system is ill-conditioned."""
+        if self.forces is None:
             wanted = resolve(self.system.elastic, self.patches, self.accuracy.tolerance)
             self.resolution = _at_least(wanted, self.least)
-            self.here = self._balance(self.patches, self.penetration, self.resolution)
-        return self.here
+            self.forces = self._balance(self.patches, self.penetration, self.resolution)
+        return self.forces
 
-    def reshaped(self, here: Balance) -> Verdict | Literal["again"] | None:
-        """Whether gaps close, edges move out of interpenetration or patches vanish; None where none of these does."""
-        self.gone = closing_gaps(self.system, here)
+    def reshaped(self, forces: Balance) -> Verdict | Literal["again"] | None:
+        """Find gaps that close or patches that vanish, or move edges with K <= 0 outward; return a verdict or None."""
+        self.gone = closing_gaps(self.system, forces)
         if self.gone.size:
             return "closing"
-        if not here.all_tensile:
-            wider = _expanded(self.system, here)
+        if not forces.all_tensile:
+            wider = _expanded(self.system, forces)
             if wider is None or not self._is_free(wider):
                 return "not_converged"
-            self.patches, self.penetration, self.here = wider, here.state.penetration, None
+            self.patches, self.penetration, self.forces = wider, forces.state.penetration, None
             return "again"
-        self.gone = vanishing_patches(self.system, here)
+        self.gone = vanishing_patches(self.system, forces)
         return "vanishing" if self.gone.size else None
 
-    def step(self, here: Balance) -> _Step:
-        """The step that minimises the quadratic model within the trust radius."""
-        scale = step_scale(self.system, here)
-        hessian = symmetric_part(here.hessian, scale)
-        gradient = here.gradient * scale
+    def step(self, forces: Balance) -> _Step:
+        """Return the step that minimises the quadratic model within the trust radius."""
+        scale = step_scale(self.system, forces)
+        hessian = symmetric_part(forces.hessian, scale)
+        gradient = forces.gradient * scale
         parts = trust_region_step(gradient, hessian, self.radius)
         return _Step(scale, parts, -float(gradient @ parts + 0.5 * parts @ hessian @ parts))
 
-    def tried(self, here: Balance, step: _Step) -> Verdict | Literal["again"]:
+    def tried(self, forces: Balance, step: _Step) -> Verdict | Literal["again"]:
         """Try a step: take it where the potential falls about as far as predicted, else shrink the radius."""
         trial = self.patches.moved(step.parts * step.scale)
         if not self._is_free(trial):
             return "not_converged"
         wanted = _at_least(resolve(self.system.elastic, trial, self.accuracy.tolerance), self.resolution)
-        ahead = self._balance(trial, here.state.penetration, wanted)
+        ahead = self._balance(trial, forces.state.penetration, wanted)
         if ahead is None:
             return "ill_conditioned"
         alike = self.resolution is not None and _equal(wanted, self.resolution)
-        ratio = self._ratio(here, ahead, step, alike)
+        ratio = self._ratio(forces, ahead, step, alike)
         compressed = ahead.state.stress_intensity <= 0
         if not (LEAST_RATIO < ratio < LARGEST_RATIO and np.all(step.parts[compressed] > 0)):
             if alike:
                 self.radius = min(self.radius, step.size) / 3
                 return "again"
-            self.resolution, self.here = wanted, self._balance(self.patches, self.penetration, wanted)
-            return "ill_conditioned" if self.here is None else "again"
+            self.resolution, self.forces = wanted, self._balance(self.patches, self.penetration, wanted)
+            return "ill_conditioned" if self.forces is None else "again"
         if self.steps.ahead is not None:
             self.touching, self.seen = self.steps.ahead(self.seen, ahead)
-        self.patches, self.here, self.penetration = trial, ahead, ahead.state.penetration
+        self.patches, self.forces, self.penetration = trial, ahead, ahead.state.penetration
         self.resolution = wanted
         if self.touching is not None:
             return "touched"
@@ -194,25 +194,25 @@ class Walk:
             self.radius = min(2 * self.radius, self.steps.largest)
         return "again"
 
-    def _ratio(self, here: Balance, ahead: Balance, step: _Step, alike: bool) -> float:
-        """Fall of the potential over that predicted; by the work of the forces, where energies cancel.
+    def _ratio(self, forces: Balance, ahead: Balance, step: _Step, alike: bool) -> float:
+        """Return the actual over the predicted fall of the potential; by the work of the forces where energies cancel.
 
         Energies of resolutions that are not `alike` differ by more than either is off, and are not compared.
         """
-        noise = 1e-13 * (abs(here.potential) + abs(ahead.potential))
-        noise += energy_noise(self.system, here, ahead, self.accuracy.tolerance)
-        actual = here.potential - ahead.potential
+        noise = 1e-13 * (abs(forces.potential) + abs(ahead.potential))
+        noise += energy_noise(self.system, forces, ahead, self.accuracy.tolerance)
+        actual = forces.potential - ahead.potential
         if step.predicted < 100 * noise or not alike:
-            actual = -0.5 * float((here.gradient + ahead.gradient) @ (step.parts * step.scale))
+            actual = -0.5 * float((forces.gradient + ahead.gradient) @ (step.parts * step.scale))
         return actual / step.predicted if step.predicted > 0 else -1.0
 
     def _balance(self, patches: Patches, penetration: float, resolution: Resolution) -> Balance | None:
-        """Forces on some edges; None where their system is ill-conditioned."""
+        """Return the forces on the edges of `patches`; None if their system is ill-conditioned."""
         tolerance = self.accuracy.tolerance
         return if_solvable(balance, self.system, patches, penetration, self.target, tolerance, resolution)
 
     def _is_free(self, patches: Patches) -> bool:
-        """Whether edges keep clear of neighbouring patches, which are frozen."""
+        """Return whether edges keep clear of neighbouring patches, which are frozen."""
         others = None if self.steps.ahead is None else self.steps.ahead.occupied
         return others is None or patches.joined(others) is not None
 
@@ -227,16 +227,16 @@ def _equal(first: Resolution, second: Resolution) -> bool:
     return bool(np.all(first.nodes == second.nodes) and np.all(first.modes == second.modes))
 
 
-def step_scale(system: System, here: Balance) -> FloatArray:
-    """Unit of the motion of each edge, (2 L,): the edge scale, at most half the shortest wavelength."""
-    return np.minimum(here.state.patches.edge_scale, np.pi / system.elastic.profile.max_order)
+def step_scale(system: System, forces: Balance) -> FloatArray:
+    """Return the unit of the motion of each edge, (2 L,): the edge scale, at most half the shortest wavelength."""
+    return np.minimum(forces.state.patches.edge_scale, np.pi / system.elastic.profile.max_order)
 
 
-def _expanded(system: System, here: Balance) -> Patches | None:
-    """Edges with too small a K moved outward by Newton on K; None where no space is left."""
-    state, scale = here.state, step_scale(system, here)
-    least = LEAST_INTENSITY * 2 * np.sqrt(here.work)
-    slope = np.diagonal(here.jacobian)
+def _expanded(system: System, forces: Balance) -> Patches | None:
+    """Move edges with too small a K outward by Newton on K; return None if no space is left."""
+    state, scale = forces.state, step_scale(system, forces)
+    least = LEAST_INTENSITY * 2 * np.sqrt(forces.work)
+    slope = np.diagonal(forces.jacobian)
     wanted = (least - state.stress_intensity) / np.where(slope > 0, slope, np.inf)
     step = np.where(state.stress_intensity < least, np.clip(wanted, 0.02 * scale, LEAST_INTENSITY * scale), 0.0)
     moved = state.patches.moved(step)

@@ -28,7 +28,7 @@ AHEAD = 4.0  # shortest wavelengths ahead of an edge
 
 @dataclass(frozen=True, eq=False)
 class CrestsAhead:
-    """Looks for crests that touch ahead of edges that moved outward.
+    """Search for crests that touch ahead of edges that moved outward.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class CrestsAhead:
     allowed : float
         Interpenetration that is not yet a contact, dimensionless.
     occupied : Patches, optional
-        Patches beside those of the states looked at, in which no crest can touch.
+        Patches outside the states examined, in which no crest can touch.
     """
 
     system: System
@@ -44,12 +44,12 @@ class CrestsAhead:
     occupied: Patches | None = None
 
     def __call__(self, seen: Patches, after: Balance) -> tuple[GapMinima | None, Patches]:
-        """Crests in contact ahead of edges that moved outward since they were last looked ahead of.
+        """Return the crests in contact ahead of edges that moved outward since the last search ahead of them.
 
         Parameters
         ----------
         seen : Patches
-            Where each edge was then; as many patches as those after.
+            Edges at the last search; as many patches as in `after`.
         after : Balance
             Forces on the edges now, which need not be in equilibrium.
 
@@ -58,7 +58,7 @@ class CrestsAhead:
         touching : GapMinima or None
             The crests that interpenetrate; None where none does.
         seen : Patches
-            The same with the edges that have been looked ahead of now.
+            `seen` with the edges searched ahead of in this call at their new positions.
         """
         state = after.state
         edges, position, gap = self._ahead(seen, after)
@@ -74,7 +74,7 @@ class CrestsAhead:
         return (GapMinima(position[touching], depth[touching], gap[touching]) if touching.any() else None), seen
 
     def _ahead(self, seen: Patches, after: Balance) -> tuple[list[int], FloatArray, IntArray]:
-        """Edges that moved, of gaps with tension at both ends; crests ahead, on the turn of their gap; these gaps."""
+        """Return moved edges of gaps in tension at both ends; crests ahead, on the turn of their gap; and the gaps."""
         profile, patches, count = self.system.elastic.profile, after.state.patches, seen.count
         wavelength = TWO_PI / profile.max_order
         outward = np.concatenate([seen.left - patches.left, patches.right - seen.right])
@@ -98,7 +98,7 @@ class CrestsAhead:
 
 
 def _moved_along(patches: Patches, to: Patches, edges: list[int]) -> Patches:
-    """Patches with some of their edges, in the order of edge vectors, where they are in others."""
+    """Return `patches` with the edges of the given indices (order of edge vectors) at their positions in `to`."""
     looked = np.zeros(2 * to.count, dtype=bool)
     looked[edges] = True
     left, right = looked[: to.count], looked[to.count :]

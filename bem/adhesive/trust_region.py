@@ -1,4 +1,4 @@
-"""The minimiser of a quadratic model in a ball: by Cholesky inside it and on its surface.
+"""Minimiser of a quadratic model in a ball: by Cholesky inside it and on its surface.
 
 On the surface the shift that makes the step as long as the radius is found by Newton (More and Sorensen), one Cholesky
 factorisation each; of the eigenvalues only the smallest is needed, and only where the Hessian is indefinite.
@@ -15,7 +15,7 @@ from bem.geometry.arrays import FloatArray
 
 
 def trust_region_step(gradient: FloatArray, hessian: FloatArray, radius: float) -> FloatArray:
-    """Minimiser of the quadratic model in a ball, (n,).
+    """Return the minimiser of the quadratic model in a ball, (n,).
 
     In the hard case (no force along the most negative mode) the step leaves along that mode, in the direction
     in which its largest component is positive.
@@ -46,21 +46,21 @@ def trust_region_step(gradient: FloatArray, hessian: FloatArray, radius: float) 
 
 
 def _on_surface(gradient: FloatArray, hessian: FloatArray, radius: float, low: float, start: float) -> FloatArray:
-    """The step that a shift of all eigenvalues makes as long as the radius, (n,); `low` is the least shift there is.
+    """Return the step as long as the radius by a shift of all eigenvalues, (n,); `low` is the least shift allowed.
 
-    The length falls as the shift grows, and its inverse is nearly linear: Newton on that, within bounds that close in,
-    from a shift that is not too large: that of Newton from none, or of the force along the lowest mode alone.
+    The length falls as the shift grows, and its inverse is nearly linear: Newton on the inverse, within bounds that
+    close in, from a shift that is not too large: by Newton from no shift, or by the force along the lowest mode alone.
     Where every step is shorter (the hard case) the bounds close in on the least shift, and so is the step.
     """
     resolved = 1e-15 * float(np.abs(hessian).sum(axis=1).max())
     high = low + float(np.linalg.norm(gradient)) / radius
     shift, step = max(start, low + 1e-3 * (high - low)), np.zeros(gradient.size)
     while high - low > max(1e-10 * high, resolved):
-        found = _shifted(gradient, hessian, shift)
-        if found is None:
+        solution = _shifted(gradient, hessian, shift)
+        if solution is None:
             low, shift = shift, (shift + high) / 2
             continue
-        step, bend = found
+        step, bend = solution
         square = float(step @ step)
         excess = np.sqrt(square) / radius - 1
         if abs(excess) <= 1e-10:
@@ -68,12 +68,12 @@ def _on_surface(gradient: FloatArray, hessian: FloatArray, radius: float, low: f
         low, high = (shift, high) if excess > 0 else (low, shift)
         newton = shift + excess * square / bend
         shift = newton if low < newton < high else (low + high) / 2
-    found = _shifted(gradient, hessian, high)
-    return step if found is None else found[0]
+    solution = _shifted(gradient, hessian, high)
+    return step if solution is None else solution[0]
 
 
 def _shifted(gradient: FloatArray, hessian: FloatArray, shift: float) -> tuple[FloatArray, float] | None:
-    """-(H + shift)^-1 g, (n,), and its product with (H + shift)^-1 itself; None where H + shift is not definite."""
+    """Return s = -(H + shift)^-1 g, (n,), and s^T (H + shift)^-1 s; None where H + shift is not positive definite."""
     matrix = hessian.T.copy()
     matrix.ravel()[:: gradient.size + 1] += shift
     factor, step, info = lapack.dposv(matrix.T, -gradient, lower=0, overwrite_a=1)

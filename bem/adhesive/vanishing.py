@@ -1,4 +1,4 @@
-"""Patches that vanish and gaps that close while edges move: when they are about to, and what remains.
+"""Patches that vanish and gaps that close while edges move: criteria, and the patches that remain.
 
 A gap goes where both its edges advance and it is narrow against the shortest wavelength and against the widest gap; a
 patch where both its edges recede and it is narrow against an isolated contact at pull-off.  What is as narrow to within
@@ -24,7 +24,7 @@ TIED = 1e-3  # relative difference of what vanishes or touches at the same insta
 
 
 class Change(NamedTuple):
-    """A patch or gap that vanished in a descent."""
+    """Patch or gap that vanished in a descent."""
 
     kind: Literal["coalescence", "detachment", "complete_contact"]
     position: float
@@ -33,23 +33,23 @@ class Change(NamedTuple):
 Remaining = tuple[tuple[Change, ...], Patches | None]
 
 
-def closing_gaps(system: System, here: Balance) -> IntArray:
-    """Indices of the gaps about to close, by the patches before them, ascending.
+def closing_gaps(system: System, forces: Balance) -> IntArray:
+    """Return the indices of the gaps about to close, by the patches before them, ascending.
 
     At fixed penetration the mean gap is fixed too, and the last gap stays.
     """
-    gaps = here.state.patches.gap_after
+    gaps = forces.state.patches.gap_after
     wavelength = 2 * np.pi / system.elastic.profile.max_order
     doomed = gaps < min(ABOUT_TO_GO * wavelength, max(0.05 * float(gaps.max()), LAST_GAP * 2 * np.pi))
     closed = gaps < SHUT_GAP * 2 * np.pi
-    closing = np.flatnonzero((doomed & pulled_shut(here)) | closed if doomed.any() else closed)
+    closing = np.flatnonzero((doomed & pulled_shut(forces)) | closed if doomed.any() else closed)
     closing = closing[gaps[closing] <= (1 + TIED) * gaps[closing].min(initial=np.inf)]
     stays = closing.size == gaps.size and system.control.load_weight == 0
     return np.asarray(closing[:0] if stays else closing)
 
 
 def without_gaps(patches: Patches, closing: IntArray) -> Remaining:
-    """What happens where gaps close, with the patches that remain (None: none do, contact is complete)."""
+    """Close gaps; return the changes and the patches that remain, None if contact is complete."""
     positions = patches.right[closing] + patches.gap_after[closing] / 2
     if closing.size == patches.count:
         return tuple(Change("complete_contact", float(x)) for x in positions), None
@@ -60,11 +60,11 @@ def without_gaps(patches: Patches, closing: IntArray) -> Remaining:
     return tuple(Change("coalescence", float(x)) for x in positions), remaining
 
 
-def vanishing_patches(system: System, here: Balance) -> IntArray:
-    """Indices of the patches about to vanish, ascending."""
-    patches = here.state.patches
+def vanishing_patches(system: System, forces: Balance) -> IntArray:
+    """Return the indices of the patches about to vanish, ascending."""
+    patches = forces.state.patches
     count = patches.count
-    inward = here.gradient > 0
+    inward = forces.gradient > 0
     narrow = patches.half_width < ABOUT_TO_GO / system.elastic.profile.max_order  # the widest at pull-off
     shrinking = np.flatnonzero(inward[:count] & inward[count:])
     if not narrow[shrinking].any():
@@ -74,7 +74,7 @@ def vanishing_patches(system: System, here: Balance) -> IntArray:
 
 
 def without_patches(patches: Patches, gone: IntArray) -> Remaining:
-    """What happens where patches vanish, with those that remain (None: none do, the surfaces are apart)."""
+    """Remove patches; return the changes and the patches that remain, None if the surfaces are apart."""
     changes = tuple(Change("detachment", float(x)) for x in patches.center[gone])
     if gone.size == patches.count:
         return changes, None
@@ -82,10 +82,10 @@ def without_patches(patches: Patches, gone: IntArray) -> Remaining:
 
 
 def pull_off_half_width(system: System, x: FloatArray) -> FloatArray:
-    """Half width (2 w R^2 / (pi E*))^(1/3) of an isolated JKR line contact at pull-off, per position, dimensionless.
+    """Return the half width (2 w R^2 / (pi E*))^(1/3) of an isolated JKR line contact at pull-off, (n,), dimensionless.
 
-    R is the radius of curvature there, at most that of the rms curvature of the profile.  A crest is no parabola beyond
-    a fraction of the shortest wave, which bounds the width where adhesion is strong.
+    R is the radius of curvature at each position, at most the radius of the rms curvature of the profile.  A crest is
+    no parabola beyond a fraction of the shortest wave, which bounds the width where adhesion is strong.
     Source: Barquins, J. Adhesion 26 (1988) 1.
     """
     profile = system.elastic.profile
@@ -94,8 +94,8 @@ def pull_off_half_width(system: System, x: FloatArray) -> FloatArray:
     return np.asarray(np.minimum(half_width, 1 / profile.max_order))
 
 
-def pulled_shut(here: Balance) -> NDArray[np.bool_]:
-    """Gaps behind the patches at whose ends adhesion wins over the stiffness, (L,)."""
-    count = here.state.patches.count
-    outward = (here.gradient <= 0) | (here.state.stress_intensity <= 0)
+def pulled_shut(forces: Balance) -> NDArray[np.bool_]:
+    """Return whether adhesion wins over the stiffness at both ends of the gap behind each patch, (L,)."""
+    count = forces.state.patches.count
+    outward = (forces.gradient <= 0) | (forces.state.stress_intensity <= 0)
     return np.asarray(outward[count:] & np.append(outward[1:count], outward[0]))

@@ -1,1 +1,1 @@
-"""What the commands print, keep and lock."""
+"""Output, checkpoints, locks and exit codes of the commands."""

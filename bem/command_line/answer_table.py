@@ -125,7 +125,8 @@ def share(relative: float) -> str:
 def answer(result: Result, inputs: Inputs | None = None) -> tuple[list[str], list[list[Cell]]]:
     """Return the headings of the answer and the cells of each target.
 
-    A heading "± ..." is that of the uncertainties of the quantity before it; `inputs` are relative ones of the input.
+    A heading "± ..." belongs to the uncertainties of the quantity before it; `inputs` are relative uncertainties of
+    the input.
     """
     control = result.scene["loading"]["control"]
     columns = {name: values.tolist() for name, values in result.to_table("targets").items()}
@@ -151,7 +152,7 @@ def _held(row: Mapping[str, float], control: str) -> Cell:
 
 
 def _cell(row: Mapping[str, float], name: str, unit: str, inputs: Mapping[str, float]) -> Cell:
-    """Return a number with the digits that its uncertainty allows, or that of the contact fraction if it has none."""
+    """Return a number with the digits that its uncertainty, or else the uncertainty of the contact fraction, allows."""
     value = row[name]
     if math.isnan(value):
         return UNKNOWN, ""
@@ -185,7 +186,7 @@ def _uncertainty(row: Mapping[str, float], name: str, inputs: Mapping[str, float
 
 
 def pull_off_words(result: Result) -> str:
-    """Return a sentence on the largest tension of the way out, or why there is none; nothing without adhesion."""
+    """Return a sentence on the largest tension of the way out, or on its absence; nothing without adhesion."""
     if stays_complete(result):
         return NO_FLAW
     tension = result.largest_tension

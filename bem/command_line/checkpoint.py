@@ -49,7 +49,7 @@ def usable(folder: Path) -> None:
 def stored_result(scene: Scene, folder: Path, resume: bool, overwrite: bool) -> Result | None:
     """Return the stored result to continue from, None to begin a new one; nothing is written.
 
-    OutputFolderError where neither resume nor overwrite is asked for; its result is corrupt or that of another scene.
+    OutputFolderError without resume and overwrite, or if the stored result is corrupt or belongs to another scene.
     """
     if overwrite:
         return None
@@ -98,7 +98,7 @@ class Checkpoint:
         self.shown_at, self.duration = -math.inf, 0.0
 
     def keep(self, record: Kept) -> None:
-        """Append the last entry of a record; write result.json if it is time."""
+        """Append the last entry of a record to the journal; write result.json if the pause is over."""
         if self.begun:
             self.journal.add(record.entries[-1])
         else:
@@ -111,7 +111,7 @@ class Checkpoint:
             self.duration = self.shown_at - now
 
     def finish(self, result: Result) -> None:
-        """Write the result in place of the journal; what is in the folder can be continued from at any moment."""
+        """Write the result in place of the journal; at any moment a run can continue from the files in the folder."""
         if not self.journal.path.exists():
             self.journal.begin(result, ())
         write_result(result, self.journal.folder)

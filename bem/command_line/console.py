@@ -53,7 +53,7 @@ class Reporter(Protocol):
         """Show a report, unless another one was shown just before."""
 
     def close(self) -> None:
-        """Leave the terminal as it was found."""
+        """Restore the terminal."""
 
 
 def described(report: Progress) -> str:
@@ -164,7 +164,7 @@ class BarReporter:
 
 
 def reporter(stream: TextIO, quiet: bool, targets: Sequence[float] = ()) -> Reporter:
-    """Return the reporter that suits a stream; with the targets of the scene it says how long the run will take."""
+    """Return the reporter for a stream; with the targets of the scene the reporter also estimates the time left."""
     if quiet:
         return SilentReporter()
     left = TimeLeft(targets) if targets else None
@@ -173,19 +173,19 @@ def reporter(stream: TextIO, quiet: bool, targets: Sequence[float] = ()) -> Repo
 
 def summary(result: Result, folder: str, targets: int) -> dict[str, Any]:
     """Return the summary of a run as plain values; `targets` is the number of targets of the scene."""
-    found = [state for state in result.states if state.found]
-    last = found[-1] if found else None
+    states = [state for state in result.states if state.found]
+    last = states[-1] if states else None
     return {
         "status": result.status,
         "answered": result.answered,
         "failure": result.failure,
         "targets": targets,
-        "target_states": sum(state.target for state in found),
+        "target_states": sum(state.target for state in states),
         "missed_targets": [
             reason for state in result.states if not state.found for reason in state.certificate.reasons
         ],
-        "states": len(found),
-        "certified": sum(state.certificate.ok for state in found),
+        "states": len(states),
+        "certified": sum(state.certificate.ok for state in states),
         "events": len(result.events),
         "mean_pressure": None if last is None or math.isnan(last.mean_pressure) else last.mean_pressure,
         "contact_fraction": None if last is None else last.contact_fraction,
@@ -245,22 +245,22 @@ def preparation_text(steps: Iterable[Mapping[str, Any]]) -> str:
     # profile: detrend  method mean, rms_height 2e-06 to 1e-06
     """
 
-    def said(value: Any) -> str:
+    def shown(value: Any) -> str:
         if isinstance(value, float):
             return f"{value:.4g}"
-        return " to ".join(map(said, value)) if isinstance(value, list | tuple) else str(value)
+        return " to ".join(map(shown, value)) if isinstance(value, list | tuple) else str(value)
 
     return "\n".join(
-        f"# profile: {step['step']}  " + ", ".join(f"{key} {said(step[key])}" for key in step if key != "step")
+        f"# profile: {step['step']}  " + ", ".join(f"{key} {shown(step[key])}" for key in step if key != "step")
         for step in steps
     )
 
 
 def groups_text(groups: Mapping[str, float], cautions: Iterable[Caution]) -> str:
     """Return the groups of a scene with their meanings, and the warnings."""
-    said = {name: f"# {name} = {value:.4g}" for name, value in groups.items()}
-    width = max(map(len, said.values()), default=0)
-    lines = [f"{said[name]:<{width}}  {MEANINGS.get(name, '')}" for name in said]
+    texts = {name: f"# {name} = {value:.4g}" for name, value in groups.items()}
+    width = max(map(len, texts.values()), default=0)
+    lines = [f"{texts[name]:<{width}}  {MEANINGS.get(name, '')}" for name in texts]
     return "\n".join([*lines, *(f"warning: {caution.about}: {caution.message}" for caution in cautions)])
 
 

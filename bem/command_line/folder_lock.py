@@ -1,4 +1,4 @@
-"""One writer for an output folder: a lock file in it, held while a command writes there.
+"""Lock of an output folder: a lock file in the folder, held while a command writes to it.
 
 The lock is the operating system's (flock through `filelock`), so that it ends with the process that holds it, also when
 that is killed; the file `.lock` names the holder and is removed at the end.  Limits: file systems without flock, where
@@ -37,11 +37,11 @@ def locked(folder: Path) -> Iterator[bool]:
     Raises
     ------
     FolderInUseError
-        Another process holds it; who, where and since when.
+        Another process holds the folder; who, where and since when.
     FolderError
-        It cannot be made; why.
+        The folder cannot be made; why.
     FileExistsError
-        It is not a folder.
+        The path is not a folder.
 
     Examples
     --------

@@ -101,12 +101,12 @@ def _section(name: str, schema: Mapping[str, Any]) -> Iterator[str]:
     yield f"{words()[name]['about']} It {'is needed' if name in REQUIRED_TABLES else 'may be absent'}."
     yield ""
     for key, shape in schema[class_of(name).__name__]["properties"].items():
-        said = words()[name][key]
-        kind = " or ".join(dict.fromkeys(_types(shape))) + (f", {said['unit']}" if "unit" in said else "")
+        entry = words()[name][key]
+        kind = " or ".join(dict.fromkeys(_types(shape))) + (f", {entry['unit']}" if "unit" in entry else "")
         does, _, rest = _description(name, key).partition(" Allowed: ")
         yield f"- `{key}` ({kind}): {does}"
         yield f"  Allowed: {rest}"
-        yield f"  Example: `{key} = {toml(said['example'])}`"
+        yield f"  Example: `{key} = {toml(entry['example'])}`"
 
 
 def _types(shape: Mapping[str, Any]) -> Iterator[str]:
@@ -121,11 +121,11 @@ def _types(shape: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _description(name: str, key: str) -> str:
-    """Return what a key does, what is allowed, what is taken where it is absent, and which kinds of profile use it."""
-    said = words()[name][key]
+    """Return the purpose of a key, its allowed values, its default, and the kinds of profile that use it."""
+    entry = words()[name][key]
     (default,) = (item.default for item in fields(class_of(name)) if item.name == key)
-    sentences = [said["does"], f"Allowed: {allowed(f'{name}.{key}')}."]
-    absent = said.get("absent") or ("" if default in (None, (), MISSING) else toml(default))
+    sentences = [entry["does"], f"Allowed: {allowed(f'{name}.{key}')}."]
+    absent = entry.get("absent") or ("" if default in (None, (), MISSING) else toml(default))
     uses = []
     if name == "profile" and default is not MISSING:
         for word, rule in (("Needed by", REQUIRED), ("Optional with", OPTIONAL)):

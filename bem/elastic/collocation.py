@@ -45,7 +45,7 @@ MOST_UNKNOWNS = 12_000  # limit: of one factorisation: 2.3 GB for matrix and fac
 MOST_MODES = 8000  # limit: of one patch: a gap of 1e-5 periods beside it; seconds an evaluation
 FEW_WAVES = 0.3  # speed: of the unknowns: more of a layer are added to the matrix instead
 FAR_SHARE = 1e-5  # accuracy of the kernel between clusters over the tolerance
-FINEST_FAR = 1e-14  # derived: the same, at least: rounding
+FINEST_FAR = 1e-14  # derived: accuracy of the kernel between clusters, at least: rounding
 
 ROUNDING = 1e-14  # of heights, times a mean pressure above 1, and of charges of order 1 per node; measured up to 4e-15
 ROUNDINGS = 3.0  # of K: what is within them is no residual, as the certificate allows; measured 1.8 at one edge of 3000
@@ -54,7 +54,7 @@ POSITION_ROUNDING = 2e-15  # absolute, of positions up to 2 pi; slope times it i
 
 @dataclass(frozen=True, eq=False)
 class Elastic:
-    """What is elastic in a scene: the profile, and what changes the compliance of the half-space.
+    """Elastic body of a scene: the profile, and the effects that change the compliance of the half-space.
 
     Parameters
     ----------
@@ -65,11 +65,11 @@ class Elastic:
     backgrounds : tuple of callables
         Smooth fields int log|2 sin| sigma dx' of pressure outside these patches, (n,) positions to (n,) values.
     probes : tuple of k floats
-        Places outside contact; what a charge at each of them would do is evaluated besides.
+        Positions outside contact; the effect of a charge at each is evaluated besides.
     slopes : bool
-        Whether the slopes that edges make at edges are, which second derivatives take.
+        Whether the slopes that edges make at edges are evaluated, which second derivatives need.
     far : FarField, optional
-        Of patches outside the window that these are in; loads and energies are then those of these in that field.
+        Field of patches outside the window; load and energy are then of the patches of the window in this field.
     """
 
     profile: Profile
@@ -81,12 +81,12 @@ class Elastic:
 
     @cached_property
     def kernel(self) -> KernelSeries | None:
-        """What adds to log|2 sin|; None if it is that of the half-space, or a layer too thick to be told from it."""
+        """Series added to log|2 sin|; None for a half-space, or a layer too thick to differ from one."""
         kernel = None if self.compliance is None else self.compliance.kernel
         return kernel if kernel is not None and kernel.columns else None
 
     def field_of_charges(self, position: FloatArray, charge: FloatArray, calls: int = 1) -> Field:
-        """The field of charges outside contact, (n,) each, as a function of x: -pi times what it displaces."""
+        """Return the field of charges outside contact, (n,) each, as a function of x: -pi times the displacement."""
         logarithmic, kernel = LogarithmicPotential(position, charge, calls), self.kernel
         if kernel is None:
             return logarithmic
@@ -94,7 +94,7 @@ class Elastic:
 
     @property
     def left_out(self) -> KernelSeries | None:
-        """What would add to it but is too small to be solved with; error estimates hold what it changes."""
+        """Series of effects too small to be in the equations; error estimates include them."""
         return None if self.compliance is None else self.compliance.left_out
 
 
@@ -119,7 +119,7 @@ class Evaluation:
     edge_compliance : (2 L, 2 L) array
         G_ee of the skeleton, from which the edge sensitivities follow; (0, 0) where it was not asked for.
     slope_compliance : (2 L, 2 L) array
-        The same with sum n^2 (+-1)^n Q_n at an edge for q, by rows; (0, 2 L) where it was not asked for.
+        G with sum n^2 (+-1)^n Q_n at an edge for q, by rows; (0, 2 L) where it was not asked for.
     edge_slope, edge_slope_rate : (2 L,) arrays
         Outward derivative by t of the regular factor f = q / r at the edges, and its derivative by Delta.
     resolution : Resolution
@@ -133,7 +133,7 @@ class Evaluation:
     rms_slope : float
         Of the dimensionless profile.
     intensity_by_probes, load_by_probes : (k, 2 L), (k,) arrays
-        What a charge -1 at each of the probes adds to K and to the load at given penetration.
+        Change of K and of the load by a charge -1 at each of the probes, at given penetration.
     """
 
     patches: Patches
@@ -157,7 +157,7 @@ class Evaluation:
     load_by_probes: FloatArray
 
     def rounding(self, penetration_rate: float) -> FloatArray:
-        """Absolute accuracy of K at the edges in double precision, (2 L,): that of charges, positions and heights.
+        """Return the absolute accuracy of K in double precision, (2 L,), as charges, positions and heights leave it.
 
         An error of all heights acts like one of Delta, of which a control lets `penetration_rate` pass: 1 at
         fixed penetration, 0 at fixed load.  Displacements are sums over all charges, and lack what these do: near
@@ -172,7 +172,7 @@ class Evaluation:
         return np.asarray(np.tile(charge * np.sqrt(np.pi / self.patches.half_width), 2) + from_heights)
 
     def shifted(self, change: float) -> Evaluation:
-        """The state of the same patches after a change of the penetration, on which it depends linearly."""
+        """Return the state at a penetration larger by `change`; patches stay, and the state is linear in it."""
         return replace(
             self,
             penetration=self.penetration + change,
@@ -184,24 +184,24 @@ class Evaluation:
         )
 
     def skeleton_nodes(self) -> FloatArray:
-        """Positions of the skeleton charges, (unknowns,)."""
+        """Return the positions of the skeleton charges, (unknowns,)."""
         patches, modes = self.patches, self.resolution.modes
         node = chebyshev.nodes_of(modes)
         return np.asarray(np.repeat(patches.center, modes) + np.repeat(patches.half_width, modes) * node)
 
     def pressure(self) -> PatchPressure:
-        """The pressure as Chebyshev series on the patches."""
+        """Return the pressure as Chebyshev series on the patches."""
         rows = zip(self.charges(), self.resolution.nodes.tolist(), strict=True)
         return PatchPressure(self.patches.left, self.patches.right, tuple(row[:nodes] for row, nodes in rows))
 
     def charges(self) -> FloatArray:
-        """Chebyshev coefficients Q_n of the pressure on the patches, (L, max N_i), filled up with zeros."""
+        """Return the Chebyshev coefficients Q_n of the pressure on the patches, (L, max N_i), filled up with zeros."""
         modes = self.resolution.modes
         return patch_kernels.all_charges(modes, *chebyshev.packed_bases(modes), self.series, self.skeleton)
 
 
 def resolve(elastic: Elastic, patches: Patches, tolerance: float) -> Resolution:
-    """Nodes and modes per patch for a relative tolerance of the coupling."""
+    """Return nodes and modes per patch for a relative tolerance of the coupling."""
     kernel, order = elastic.kernel, elastic.profile.max_order
     least = np.zeros(patches.count) if kernel is None else kernel.coupled_modes(patches.width, tolerance, order)
     if elastic.far is not None:
@@ -211,7 +211,7 @@ def resolve(elastic: Elastic, patches: Patches, tolerance: float) -> Resolution:
 
 
 def _coupled_outside(far: FarField, patches: Patches, tolerance: float) -> FloatArray:
-    """Modes by which the first and the last patch of a window feel those beyond its ends, (L,)."""
+    """Return the modes by which the first and last patch of a window feel the patches beyond its ends, (L,)."""
     last = far.arc.outer_gap(patches)
     first = (last + 1) % patches.count
     ahead = (far.arc.delta - patches.right[last]) % TWO_PI + far.arc.margins[1]
@@ -223,9 +223,9 @@ def _coupled_outside(far: FarField, patches: Patches, tolerance: float) -> Float
 
 
 def finer(elastic: Elastic, patches: Patches, resolution: Resolution, tolerance: float) -> Resolution:
-    """Modes that a finer tolerance asks for, three more than known at least, and a third more nodes.
+    """Return the modes for a finer tolerance, at least three more than in `resolution`, and a third more nodes.
 
-    What a tolerance a hundred times smaller changes is the error of an evaluation.
+    The change by a tolerance a hundred times smaller is the error of an evaluation.
     """
     more = chebyshev.rounded_up(resolution.modes.astype(np.float64) + 3, MODES_RATIO)
     modes = np.maximum(resolve(elastic, patches, tolerance).modes, more)
@@ -254,7 +254,7 @@ def evaluate(
     tolerance : float
         Of the coupling between patches.
     resolution : Resolution, optional
-        Nodes and modes to use instead of those that `tolerance` asks for.
+        Nodes and modes to use; by default as `tolerance` requires.
     with_compliance : bool
         Whether the compliance of the edges is wanted too, as it is where they carry stress intensity.
 
@@ -301,9 +301,9 @@ def evaluate(
 
 
 def _with_others(elastic: Elastic, x: FloatArray, columns: FloatArray, penetration: float) -> tuple[FloatArray, int]:
-    """Columns with what others do at the nodes: fields in the first, and behind the second what is asked besides.
+    """Add fields of other patches to the first column, and columns of the far field and the probes behind the second.
 
-    Also which of them the penetration moves: 1, or with a far field the column behind it.
+    Return the columns, and the index of the column that the penetration scales: 1, or 2 with a far field.
     """
     moving = 1
     for background in elastic.backgrounds:
@@ -319,7 +319,7 @@ def _with_others(elastic: Elastic, x: FloatArray, columns: FloatArray, penetrati
 
 
 def _has_few_waves(elastic: Elastic, modes: IntArray) -> bool:
-    """Whether what a layer adds is solved by its waves; refuses more unknowns than fit."""
+    """Return whether a layer is solved by its waves, not by a matrix; refuse more unknowns than fit."""
     most, unknowns = int(modes.max()), int(modes.sum())
     few = elastic.kernel is not None and elastic.kernel.columns <= FEW_WAVES * unknowns
     largest = most if elastic.kernel is None or few else unknowns
@@ -342,7 +342,7 @@ def right_hand_sides(
     x : (n,) array
         Nodes of the coupled modes.
     columns : (2, n) array
-        R of these modes there, and 1.
+        R of the coupled modes at their nodes, and 1.
     tail : (2, 2 L) array
         Sums over n >= p of (n/pi) C_n (+-1)^n and of -(n^3/pi) C_n (+-1)^n at the edges.
     energy : float

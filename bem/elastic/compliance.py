@@ -1,4 +1,4 @@
-"""The compliance of a body that is no half-space: one object, whatever the effects that change it.
+"""Compliance of a body that is no half-space: one object for all effects that change the compliance.
 
 Mode m of the pressure moves the face by ratio_m / m instead of 1/m.  Effects add what each changes,
 
@@ -29,16 +29,16 @@ TRUNCATION = 1e-14  # derived: of the series of a kernel; its terms are cheap
 
 @dataclass(frozen=True, eq=False)
 class Compliance:
-    """What the effects of a scene change of the half-space.
+    """Change of the compliance of the half-space by the effects of a scene.
 
     Parameters
     ----------
     kernel : KernelSeries or None
         Of all effects in the equations; its `ratio` is the compliance of modes relative to the half-space.
     left_out : KernelSeries or None
-        Of all that are not.
+        Of all effects left out of the equations.
     mean : float or None
-        c(0) in m/Pa, of both; None where it is that of a half-space, which has none.
+        c(0) in m/Pa of all effects; None without one, as for a half-space.
     """
 
     kernel: KernelSeries | None = None
@@ -47,7 +47,7 @@ class Compliance:
 
 
 def compliance_of(effects: Collection[ElasticEffect], negligible: float = 0.0) -> Compliance:
-    """The compliance of a body with these effects; those below `negligible` are left out of the equations."""
+    """Return the compliance of a body with the given effects; leave effects below `negligible` out of the equations."""
     kernels = []
     for small in (False, True):
         group = tuple(effect for effect in effects if (effect.relative_effect < negligible) == small)
@@ -56,13 +56,13 @@ def compliance_of(effects: Collection[ElasticEffect], negligible: float = 0.0) -
 
 
 def mean_compliance(effects: Collection[ElasticEffect]) -> float | None:
-    """c(0) of all effects, m/Pa; None where none of them has one."""
+    """Return c(0) of all effects, m/Pa; None where no effect has a c(0)."""
     known = [effect.mean_compliance for effect in effects if effect.mean_compliance is not None]
     return sum(known) if known else None
 
 
 def summed(effects: tuple[ElasticEffect, ...]) -> ElasticEffect:
-    """Several effects as one, by the rule above; one alone as it is."""
+    """Return the sum of effects by the rule of the module; a single effect unchanged."""
     return effects[0] if len(effects) == 1 else EffectSum(effects)
 
 
@@ -79,12 +79,12 @@ class EffectSum:
 
     @property
     def strip(self) -> float:
-        """The strip of the effect that decays most slowly."""
+        """Strip of the effect that decays most slowly."""
         return min(effect.strip for effect in self.effects)
 
     @property
     def relative_effect(self) -> float:
-        """At most that of all together."""
+        """Upper bound of the relative effect of the sum."""
         return sum(effect.relative_effect for effect in self.effects)
 
     @property
@@ -93,7 +93,7 @@ class EffectSum:
         return mean_compliance(self.effects)
 
     def ratio(self, orders: ArrayLike) -> FloatArray:
-        """Compliance relative to the half-space, same shape.
+        """Return the compliance relative to the half-space, shape of `orders`.
 
         Raises
         ------
@@ -107,5 +107,5 @@ class EffectSum:
         return np.asarray(ratio)
 
     def deficit(self, orders: ArrayLike) -> FloatArray:
-        """1 - ratio, same shape."""
+        """Return 1 - ratio, shape of `orders`."""
         return np.asarray(sum(effect.deficit(orders) for effect in self.effects))

@@ -1,4 +1,4 @@
-"""What pressure outside a window does inside it: a field linear in the penetration.
+"""Field inside a window of the pressure outside the window, linear in the penetration.
 
 A window [beta, delta] of the period begins and ends in gaps.  In the coordinate u = log|sin((x - beta)/2) /
 sin((x - delta)/2)| the logarithmic field of charges outside, less their sum times
@@ -30,14 +30,14 @@ CELLS = 256  # derived: of the grid of u; cubics leave 2e-8
 
 @dataclass(frozen=True, eq=False)
 class Arc:
-    """A window of the period between two gaps.
+    """Window of the period between two gaps.
 
     Attributes
     ----------
     beta, delta : float
-        Where it begins and ends, in the middles of these gaps; beta < delta < beta + 2 pi.
+        Beginning and end of the window, in the middles of the two gaps; beta < delta < beta + 2 pi.
     margins : (float, float)
-        Half widths of these gaps.
+        Half widths of the two gaps.
     """
 
     beta: float
@@ -46,16 +46,16 @@ class Arc:
 
     @cached_property
     def outside(self) -> Patches:
-        """All of the period in which its edges must not be, as one patch."""
+        """Part of the period in which edges of the window must not be, as one patch."""
         before, behind = (REACH * margin for margin in self.margins)
         return Patches(np.array([self.delta - behind]), np.array([self.beta + TWO_PI + before]))
 
     def holds(self, x: FloatArray) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-        """Whether positions are inside, (n,)."""
+        """Return whether positions are inside, (n,)."""
         return np.asarray((x - self.beta) % TWO_PI < self.delta - self.beta)
 
     def outer_gap(self, patches: Patches) -> int:
-        """Index of the patch behind which the outside lies."""
+        """Return the index of the patch behind which the outside of the window lies."""
         middle = (self.delta + self.beta + TWO_PI) / 2
         return int(np.argmin((middle - patches.right) % TWO_PI))
 
@@ -67,13 +67,13 @@ class Arc:
         return low, high
 
     def coordinates(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """u and m of positions, (n,) each."""
+        """Return u and m of positions, (n,) each."""
         from_beta = np.log(np.abs(np.sin((x - self.beta) / 2)))
         from_delta = np.log(np.abs(np.sin((x - self.delta) / 2)))
         return from_beta - from_delta, (from_beta + from_delta) / 2
 
     def nodes(self) -> FloatArray:
-        """Positions where the field is sampled, (TERMS,)."""
+        """Return the positions at which the field is sampled, (TERMS,)."""
         low, high = self.limits
         ratio, half = (
             np.exp((low + high) / 2 + (high - low) / 2 * chebyshev.basis_nodes(TERMS)),
@@ -84,13 +84,13 @@ class Arc:
 
 @dataclass(frozen=True, eq=False)
 class FarField:
-    """Field of the charges outside a window, -pi times what they displace, and its derivative by the penetration.
+    """Field of the charges outside a window, -pi times their displacement, and its derivative by the penetration.
 
     Attributes
     ----------
     arc : Arc
     penetration : float
-        At which the first of the columns are.
+        Penetration of the first columns of the table.
     charge : (2,) array
         Sum of the charges outside, and its derivative by the penetration.
     table : (CELLS + 1, 4) array
@@ -103,7 +103,7 @@ class FarField:
     table: FloatArray
 
     def at(self, x: FloatArray, penetration: float) -> tuple[FloatArray, FloatArray]:
-        """The field at positions in the window at a penetration, and its derivative by that, (n,) each.
+        """Return the field at positions in the window, and its derivative by the penetration, (n,) each.
 
         Raises
         ------
@@ -118,11 +118,11 @@ class FarField:
         cell = np.minimum(place.astype(np.int64), CELLS - 1)
         p = (place - cell)[:, None]
         q = 1 - p
-        here, there = self.table[cell], self.table[cell + 1]
-        found = here[:, :2] + p * p * (3 - 2 * p) * (there[:, :2] - here[:, :2])
-        found += p * q * (q * here[:, 2:] - p * there[:, 2:])
-        found += m[:, None] * self.charge
-        return found[:, 0] + (penetration - self.penetration) * found[:, 1], found[:, 1]
+        start, end = self.table[cell], self.table[cell + 1]
+        values = start[:, :2] + p * p * (3 - 2 * p) * (end[:, :2] - start[:, :2])
+        values += p * q * (q * start[:, 2:] - p * end[:, 2:])
+        values += m[:, None] * self.charge
+        return values[:, 0] + (penetration - self.penetration) * values[:, 1], values[:, 1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,38 +134,38 @@ class Charges:
     penetration: float
 
 
-def far_fields(arcs: Sequence[Arc], here: Charges, there: Charges) -> list[FarField]:
-    """What charges outside each of some windows do in it, linear between two penetrations.
+def far_fields(arcs: Sequence[Arc], first: Charges, second: Charges) -> list[FarField]:
+    """Return the field in each window of the charges outside the window, linear between two penetrations.
 
     Parameters
     ----------
     arcs : sequence of Arc
-    here, there : Charges
-        All of them, at one penetration and at another.
+    first, second : Charges
+        All charges of the period, at two penetrations.
     """
     nodes = [arc.nodes() for arc in arcs]
-    x, change = np.concatenate(nodes), there.penetration - here.penetration
-    both = np.stack([LogarithmicPotential(one.position, one.charge)(x) for one in (here, there)])
-    found = []
+    x, change = np.concatenate(nodes), second.penetration - first.penetration
+    both = np.stack([LogarithmicPotential(charges.position, charges.charge)(x) for charges in (first, second)])
+    fields = []
     for arc, at, sampled in zip(arcs, nodes, np.split(both, len(arcs), axis=1), strict=True):
         m, outer = arc.coordinates(at)[1], np.zeros(2)
-        for index, one in enumerate((here, there)):
-            inside = arc.holds(one.position)
-            sampled[index] -= LogarithmicPotential(one.position[inside], one.charge[inside])(at)
-            outer[index] = float(one.charge[~inside].sum())
+        for index, charges in enumerate((first, second)):
+            inside = arc.holds(charges.position)
+            sampled[index] -= LogarithmicPotential(charges.position[inside], charges.charge[inside])(at)
+            outer[index] = float(charges.charge[~inside].sum())
             sampled[index] -= outer[index] * m
         series = chebyshev.coefficients(sampled)
         values, slopes = _table()
         series[1], outer[1] = (series[1] - series[0]) / change, (outer[1] - outer[0]) / change
-        found.append(
-            FarField(arc, here.penetration, outer, np.concatenate([values @ series.T, slopes @ series.T], axis=1))
+        fields.append(
+            FarField(arc, first.penetration, outer, np.concatenate([values @ series.T, slopes @ series.T], axis=1))
         )
-    return found
+    return fields
 
 
 @lru_cache(maxsize=1)
 def _table() -> tuple[FloatArray, FloatArray]:
-    """What takes a series to its values at the grid, and to their derivatives by cells, (CELLS + 1, TERMS) each."""
+    """Return the matrices from a series to values on the grid and to derivatives per cell, (CELLS + 1, TERMS) each."""
     t, identity = np.linspace(-1, 1, CELLS + 1), np.eye(TERMS)
     slopes = np.polynomial.chebyshev.chebder(identity, axis=0) * (2 / CELLS)
     values, fewer = (np.polynomial.chebyshev.chebvander(t, degree) for degree in (TERMS - 1, TERMS - 2))

@@ -1,4 +1,4 @@
-"""The gap outside contact: where the surfaces interpenetrate, and by how much.
+"""Gap outside contact: where the surfaces interpenetrate, and by how much.
 
 The displacement u(x) = -(1/pi) int log|2 sin((x - x')/2)| sigma dx' in a gap is sampled at points that cluster at
 the edges, x = b + g (1 - cos theta)/2, where it is a smooth function of theta, and interpolated to a grid that
@@ -45,16 +45,16 @@ class GapField:
     state: Evaluation
 
     def __call__(self, x: FloatArray, gap: IntArray) -> FloatArray:
-        """Gap u - (h - h_max + Delta) at points x, each lying in the gap behind patch `gap`, (n,)."""
+        """Return the gap u - (h - h_max + Delta) at points x, each in the gap behind patch `gap`, (n,)."""
         return self.displacement(x, gap) - self.elastic.profile.height(x) + self.clearance
 
     @property
     def clearance(self) -> float:
-        """What the gap is where u = h."""
+        """Gap where u = h, h_max - Delta."""
         return self.elastic.profile.max_height - self.state.penetration
 
     def displacement(self, x: FloatArray, gap: IntArray) -> FloatArray:
-        """Mean-free interface displacement at points x, each lying in the gap behind patch `gap`, (n,)."""
+        """Return the mean-free interface displacement at points x, each in the gap behind patch `gap`, (n,)."""
         total = self._skeleton_potential(x)
         if self.elastic.kernel is not None:
             total += self.elastic.kernel.field(x, self._skeleton_potential.position, self.state.skeleton)
@@ -70,7 +70,7 @@ class GapField:
 
     @cached_property
     def _beside(self) -> tuple[FloatArray, IntArray, FloatArray, FloatArray]:
-        """Tables of the coupled modes, where that of each patch begins, charges Q_n, and nodal charges."""
+        """Tables of the coupled modes, start of the table of each patch, charges Q_n, and nodal charges."""
         tables, at = chebyshev.packed_bases(self.state.resolution.modes)
         return tables, at, self.state.charges(), self.state.skeleton
 
@@ -87,7 +87,7 @@ class GapMinima:
     Attributes
     ----------
     position, depth : (n,) arrays
-        Where, and the gap there (negative: interpenetration), dimensionless.
+        Position and value of each minimum (negative: interpenetration), dimensionless.
     gap : (n,) int array
         Index of the patch before the gap.
     """
@@ -98,12 +98,12 @@ class GapMinima:
 
 
 def gap_field(elastic: Elastic, state: Evaluation) -> GapField:
-    """The gap of a solved state as a function of position."""
+    """Return the gap of a solved state as a function of position."""
     return GapField(elastic, state)
 
 
 def low_minima(field: GapField, threshold: float = SUSPICIOUS_GAP) -> GapMinima:
-    """All local minima of the gap below a threshold, refined by a parabola.
+    """Return all local minima of the gap below a threshold, refined by a parabola.
 
     Parameters
     ----------
@@ -138,7 +138,10 @@ def low_minima(field: GapField, threshold: float = SUSPICIOUS_GAP) -> GapMinima:
 
 
 def minima_near(field: GapField, position: FloatArray, gap: IntArray) -> GapMinima:
-    """Minima of the gap near given places in it, (n,) each: downhill on a wide base and a short one, then as above."""
+    """Return the minima of the gap near given positions in the gaps, (n,) each.
+
+    Descent on a wide base, then on a short one, then refinement by `_lowest`.
+    """
     patches, owner = field.state.patches, np.tile(gap, 3)
     width = patches.gap_after[gap]
     reach = np.minimum(TWO_PI / (POINTS_PER_WAVELENGTH * field.elastic.profile.max_order), width / 4)
@@ -156,7 +159,7 @@ def minima_near(field: GapField, position: FloatArray, gap: IntArray) -> GapMini
 
 
 def _lowest(field: GapField, x: FloatArray, y: FloatArray, gap: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Places and depths of minima of the gap between the outer of three points each, (3, n), on ever shorter bases."""
+    """Return positions and depths of minima between the outer of three points, (3, n), on ever shorter bases."""
     first, last, owner = x[0], x[2], np.tile(gap, 3)
     reach = np.minimum(x[1] - x[0], x[2] - x[1])
     vertex, depth = _parabola_vertex(x, y)
@@ -169,7 +172,7 @@ def _lowest(field: GapField, x: FloatArray, y: FloatArray, gap: IntArray) -> tup
 
 @lru_cache(maxsize=8)
 def _highest(profile: Profile) -> FloatArray:
-    """Upper bounds of the profile between neighbouring points of its grid, (n_grid,).
+    """Return upper bounds of the profile between neighbouring points of its grid, (n_grid,).
 
     Curvature is 1/cos(pi/16) of its largest value on 16 points per wavelength at most (M. Riesz, Jahresbericht DMV 23
     (1914) 354).
@@ -180,12 +183,12 @@ def _highest(profile: Profile) -> FloatArray:
 
 
 def _place(node: FloatArray) -> FloatArray:
-    """(1 - cos theta)/2 from 1 - 2 theta/pi."""
+    """Return (1 - cos theta)/2 from 1 - 2 theta/pi."""
     return np.asarray(0.5 - 0.5 * np.sin(np.pi / 2 * node))
 
 
 def _parabola_vertex(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Lowest point of the parabola through three points, (3, n) each; the middle one where it has no vertex."""
+    """Return the lowest point of the parabola through three points, (3, n) each; the middle one if without vertex."""
     (left, _, right), (rise_left, _, rise_right) = x - x[1], y - y[1]
     slope_left, slope_right = rise_left / left, rise_right / right
     curvature = (slope_right - slope_left) / (right - left)

@@ -1,4 +1,4 @@
-"""The symmetric positive definite system of all patches, solved cluster by cluster.
+"""Solution of the symmetric positive definite system of all patches, cluster by cluster.
 
 Let A be the negated kernel between the nodes of a cluster of patches and b the columns that it must serve.  Wanted are
 the Gram matrix b^T A^-1 b and, of few columns, the charges A^-1 b.  A small cluster is a leaf: Cholesky, A = U^T U and
@@ -55,11 +55,11 @@ LEAF: tuple[IntArray, FloatArray, Ranges] = np.array([-1]), np.zeros((1, 4)), [N
 
 
 class IllConditionedSystemError(ArithmeticError):
-    """The skeleton matrix is too large, or not positive definite to rounding: contact almost complete."""
+    """Skeleton matrix too large, or not positive definite to rounding: contact almost complete."""
 
 
 def if_solvable(evaluation: Callable[Inputs, Output], *inputs: Inputs.args, **options: Inputs.kwargs) -> Output | None:
-    """The result of an evaluation; None where its system is ill-conditioned, a status to those who can go elsewhere."""
+    """Return the result of an evaluation; None if its system is ill-conditioned and the caller can go on without."""
     try:
         return evaluation(*inputs, **options)
     except IllConditionedSystemError:
@@ -68,16 +68,16 @@ def if_solvable(evaluation: Callable[Inputs, Output], *inputs: Inputs.args, **op
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """What the system of all patches gives.
+    """Solution of the system of all patches.
 
     Attributes
     ----------
     compliance : (2 L, 2 L) array
         b^T A^-1 b of the edge vectors, left ones first; (0, 0) where it was not asked for.
     slope_compliance : (2 L, 2 L) array
-        The same of the vectors of slopes, by rows, and the edge vectors; (0, 2 L) where it was not asked for.
+        s^T A^-1 b of the slope vectors s, by rows, and the edge vectors b; (0, 2 L) where it was not asked for.
     gram : (k, k) array
-        The same of the columns.
+        b^T A^-1 b of the columns.
     charges : (k, n) array
         A^-1 b of the columns.
     at_edges, slopes : (k, 2 L) arrays
@@ -123,7 +123,7 @@ def solve(skeleton: Skeleton, accuracy: float) -> Solution:
 
 
 def _with_waves(without: Solution, signs: FloatArray, skeleton: Skeleton) -> Solution | None:
-    """The solution with waves added to the kernel, which are its last columns; None where A is not positive definite.
+    """Add the waves, the last columns, to the kernel; return the solution, None where A is not positive definite.
 
     With V_+ the columns of positive sign, A is positive definite exactly where 1 - V_+^T A'^-1 V_+ is.
     """
@@ -152,7 +152,7 @@ def _with_waves(without: Solution, signs: FloatArray, skeleton: Skeleton) -> Sol
 
 
 def _solved(skeleton: Skeleton, accuracy: float) -> Solution | None:
-    """Return the solution on the half-space with the matrix that is added; None where A is not positive definite."""
+    """Return the solution on the half-space with the added matrix; None where A is not positive definite."""
     patches, coupling = skeleton.patches, skeleton.coupling
     addition = None if coupling is None else coupling.matrix
     left_out = None if coupling is None else coupling.left_out

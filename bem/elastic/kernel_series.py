@@ -1,4 +1,4 @@
-"""What elastic effects add to the kernel of the half-space: a cosine series.
+"""Cosine series that elastic effects add to the kernel of the half-space.
 
 An effect gives mode m the compliance ratio_m / m instead of 1/m, so that
 
@@ -30,11 +30,11 @@ _BLOCK = 2_000_000  # speed: complex numbers held at a time
 
 
 class ElasticEffect(Protocol):
-    """What changes the compliance of a half-space, by modes m >= 1 of the period."""
+    """Effect that changes the compliance of a half-space, by modes m >= 1 of the period."""
 
     @property
     def strip(self) -> float:
-        """1 - ratio_m decays as exp(-strip m), but for powers of m."""
+        """Decay rate: 1 - ratio_m decays as exp(-strip m), but for powers of m."""
         ...
 
     @property
@@ -44,21 +44,21 @@ class ElasticEffect(Protocol):
 
     @property
     def mean_compliance(self) -> float | None:
-        """c(0), mean displacement of the face per mean pressure, m/Pa; None where it is another's."""
+        """c(0), mean displacement of the face per mean pressure, m/Pa; None if another effect has it."""
         ...
 
     def ratio(self, orders: ArrayLike) -> FloatArray:
-        """Compliance relative to the half-space, same shape, positive."""
+        """Return the compliance relative to the half-space, shape of `orders`, positive."""
         ...
 
     def deficit(self, orders: ArrayLike) -> FloatArray:
-        """1 - ratio, to full relative accuracy also where it is tiny, same shape."""
+        """Return 1 - ratio, to full relative accuracy also where it is tiny, shape of `orders`."""
         ...
 
 
 @dataclass(frozen=True, eq=False)
 class KernelSeries:
-    """S(x) = sum_m s_m cos(m x), what an effect adds to log|2 sin(x/2)|.
+    """Series S(x) = sum_m s_m cos(m x) that an effect adds to log|2 sin(x/2)|.
 
     Modes beyond the last term have the compliance of the half-space.
 
@@ -86,7 +86,7 @@ class KernelSeries:
         return np.arange(1.0, self.terms + 1)
 
     def ratio(self, orders: ArrayLike) -> FloatArray:
-        """Compliance of the modes m >= 1 relative to the half-space, same shape."""
+        """Return the compliance of the modes m >= 1 relative to the half-space, shape of `orders`."""
         return self.effect.ratio(orders)
 
     @cached_property
@@ -95,15 +95,15 @@ class KernelSeries:
         return Profile(2 * np.pi, np.arange(1, weights.size + 1), weights, np.zeros(weights.size))
 
     def smooth(self, x: ArrayLike) -> FloatArray:
-        """S(x), same shape as x."""
+        """Return S(x), shape of x."""
         return self._series.height(x)
 
     def slope(self, x: ArrayLike) -> FloatArray:
-        """S'(x), same shape as x."""
+        """Return S'(x), shape of x."""
         return self._series.slope(x)
 
     def curvature(self, x: ArrayLike) -> FloatArray:
-        """S''(x), same shape as x."""
+        """Return S''(x), shape of x."""
         return self._series.curvature(x)
 
     @property
@@ -112,7 +112,7 @@ class KernelSeries:
         return 2 * self.terms
 
     def coupling(self, x: FloatArray, patches: Patches, modes: IntArray, tolerance: float, few: bool) -> Coupling:
-        """What S adds to the system of coupled modes, with nodes x: as waves, if these are few, or to its matrix.
+        """Return the addition of S to the system of coupled modes with nodes x: as waves if few, or as a matrix.
 
         The matrix holds S between the nodes, but within a patch that has fewer modes than S its projection onto them;
         waves are projected on such patches.
@@ -139,12 +139,12 @@ class KernelSeries:
         return Coupling(matrix, None if waves is None else self._product(waves), left_out)
 
     def _product(self, waves: ComplexArray) -> Waves:
-        """S as a product, of exp(i m x), (n_terms, n): sqrt(|s_m|) cos(m x), then sqrt(|s_m|) sin(m x)."""
+        """Return S as a product, from exp(i m x), (n_terms, n): sqrt(|s_m|) cos(m x), then sqrt(|s_m|) sin(m x)."""
         scaled = waves * np.sqrt(np.abs(self.weights))[:, None]
         return Waves(np.concatenate([scaled.real, scaled.imag]), np.tile(np.where(self.weights < 0, -1.0, 1.0), 2))
 
     def field(self, x: FloatArray, sources: FloatArray, charges: FloatArray) -> FloatArray:
-        """sum_j S(x_i - source_j) charge_j, (n,)."""
+        """Return sum_j S(x_i - source_j) charge_j, (n,)."""
         moments = np.empty(self.terms, dtype=np.complex128)
         for first in range(0, self.terms, 256):
             last = min(first + 256, self.terms)
@@ -153,7 +153,7 @@ class KernelSeries:
         return self.from_moments(x, moments)
 
     def from_moments(self, x: ArrayLike, moments: ComplexArray) -> FloatArray:
-        """int S(x - x') sigma(x') dx' from moments int sigma exp(-i m x) dx, m = 1..n_terms; same shape as x."""
+        """Return int S(x - x') sigma(x') dx', shape of x, from moments int sigma exp(-i m x) dx, m = 1..n_terms."""
         weights, position = self.weights * moments[: self.terms], np.asarray(x, dtype=np.float64)
         flat = position.ravel()
         total = np.zeros(flat.size)
@@ -164,9 +164,9 @@ class KernelSeries:
         return total.reshape(position.shape)
 
     def coupled_modes(self, width: FloatArray, tolerance: float, max_order: int) -> FloatArray:
-        """Chebyshev modes of patches of these widths that feel S to `tolerance`, (L,).
+        """Return the number of Chebyshev modes of patches of these widths that feel S to `tolerance`, (L,).
 
-        They are those of the pressure that harmonics up to `max_order` and edges make, unless S has fewer, or not many.
+        The number suffices for the pressure from harmonics up to `max_order` and from edges, unless S has fewer modes.
         The nearest singularities of the pressure are the images of the edges, a strip away at right angles.
         """
         of_kernel = self.modes_of_kernel(width, tolerance)
@@ -178,7 +178,7 @@ class KernelSeries:
         return np.where(of_kernel > FEW_MODES, np.minimum(of_pressure, of_kernel), of_kernel)
 
     def modes_of_kernel(self, width: FloatArray, tolerance: float) -> FloatArray:
-        """Chebyshev modes that S itself has on patches of these widths, to `tolerance`, (L,).
+        """Return the number of Chebyshev modes of S itself on patches of these widths, to `tolerance`, (L,).
 
         S(x - x') with both points in the patch is analytic in the Bernstein ellipse of semi-minor axis
         b = strip / r, r = width / 2, so its coefficients decay as rho^-n, rho = b + sqrt(1 + b^2).  The factor 1/300
@@ -190,7 +190,7 @@ class KernelSeries:
 
 
 def kernel_series(effect: ElasticEffect, tolerance: float) -> KernelSeries:
-    """What an effect adds to the kernel of the half-space, its series cut at `tolerance`.
+    """Return the series that an effect adds to the kernel of the half-space, cut at `tolerance`.
 
     Parameters
     ----------
@@ -216,7 +216,7 @@ def kernel_series(effect: ElasticEffect, tolerance: float) -> KernelSeries:
 
 
 def _powers(base: ComplexArray, count: int) -> ComplexArray:
-    """base^1 .. base^count along a new last axis, (n, count), by doubling."""
+    """Return base^1 .. base^count along a new last axis, (n, count), by doubling."""
     powers = np.empty((base.size, count), dtype=np.complex128)
     if count == 0:
         return powers

@@ -30,7 +30,7 @@ from bem.geometry.table import limits, table
 
 
 def compliance_ratio(q_d: ArrayLike, poisson_ratio: float) -> FloatArray:
-    """Compliance of a layer relative to the half-space, c(q) E* q / 2.
+    """Return the compliance of a layer relative to the half-space, c(q) E* q / 2.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def compliance_ratio(q_d: ArrayLike, poisson_ratio: float) -> FloatArray:
 
     Returns
     -------
-    array of the same shape, in [0, 1)
+    array of the shape of q_d, in [0, 1)
         (1-2nu) q d / (2 (1-nu)^2) for thin layers; 2 (q d)^3 / 3 when nu = 1/2.
 
     Examples
@@ -59,7 +59,7 @@ def compliance_ratio(q_d: ArrayLike, poisson_ratio: float) -> FloatArray:
 
 
 def compliance_deficit(q_d: ArrayLike, poisson_ratio: float) -> FloatArray:
-    """1 - compliance_ratio, to full relative accuracy also where it is tiny.
+    """Return 1 - compliance_ratio, to full relative accuracy also where it is tiny.
 
     Parameters
     ----------
@@ -89,12 +89,12 @@ def _denominator(y: FloatArray, decay: FloatArray, poisson_ratio: float) -> Floa
 
 
 def _square_term(y: FloatArray) -> FloatArray:
-    """y^2/2 exp(-y), without overflow for any y."""
+    """Return y^2/2 exp(-y), without overflow for any y."""
     return np.asarray((y * np.exp(-y / 2)) ** 2 / 2)
 
 
 def _sinh_minus_argument(y: FloatArray) -> FloatArray:
-    """(sinh y - y) exp(-y): by its Taylor series (10 terms, truncation below 1e-18) for y < 2."""
+    """Return (sinh y - y) exp(-y), for y < 2 by its Taylor series (10 terms, truncation below 1e-18)."""
     small = np.minimum(y, 2.0)
     square = small * small
     series = np.ones_like(small)
@@ -106,7 +106,7 @@ def _sinh_minus_argument(y: FloatArray) -> FloatArray:
 
 @table("layer")
 class Layer:
-    """An elastic layer of uniform thickness, its back bonded to a rigid plate.
+    """Elastic layer of uniform thickness, its back bonded to a rigid plate.
 
     Parameters
     ----------
@@ -122,32 +122,32 @@ class Layer:
     thickness: Annotated[float, limits("layer.thickness")]
 
     def mean_compliance(self, solid: Solid) -> float:
-        """c(0), mean displacement of the face per mean pressure, m/Pa."""
+        """Return c(0), mean displacement of the face per mean pressure, m/Pa."""
         nu = solid.poisson_ratio
         return self.thickness * (1 - 2 * nu) * (1 + nu) / (solid.youngs_modulus * (1 - nu))
 
     def total_displacement(self, solid: Solid, penetration: float, mean_pressure: float) -> float:
-        """Displacement of the plate from first touch, Delta + c(0) sigma_0, in m (m and Pa given)."""
+        """Return the displacement of the plate from first touch, Delta + c(0) sigma_0, in m (m and Pa given)."""
         return penetration + self.mean_compliance(solid) * mean_pressure
 
     def penetration(self, solid: Solid, total_displacement: float, mean_pressure: float) -> float:
-        """Delta of a state with this displacement of the plate and mean pressure, in m (m and Pa given)."""
+        """Return Delta at a displacement of the plate and a mean pressure, in m (m and Pa given)."""
         return total_displacement - self.mean_compliance(solid) * mean_pressure
 
     def compliance(self, solid: Solid, wavenumber: ArrayLike) -> FloatArray:
-        """c(q), m/Pa, at wavenumbers q > 0 in rad/m; same shape."""
+        """Return c(q), m/Pa, at wavenumbers q > 0 in rad/m; shape of `wavenumber`."""
         q = np.asarray(wavenumber, dtype=np.float64)
         return np.asarray(
             2 / (solid.plane_strain_modulus * q) * compliance_ratio(q * self.thickness, solid.poisson_ratio)
         )
 
     def effect(self, solid: Solid, period: float) -> LayerEffect:
-        """What it changes of a half-space of the same solid, by modes of this period (m)."""
+        """Return the effect of the layer on a half-space of its solid, by modes of a period (m)."""
         thickness = 2 * np.pi * self.thickness / period
         return LayerEffect(thickness, solid.poisson_ratio, self.mean_compliance(solid))
 
     def kernel(self, solid: Solid, period: float, tolerance: float) -> KernelSeries:
-        """What it adds to the kernel of the half-space, dimensionless.
+        """Return the series that the layer adds to the kernel of the half-space, dimensionless.
 
         Parameters
         ----------
@@ -162,7 +162,7 @@ class Layer:
 
 @dataclass(frozen=True)
 class LayerEffect:
-    """A layer as an elastic effect: what it changes by modes m >= 1.
+    """Elastic effect of a layer, by modes m >= 1.
 
     Parameters
     ----------
@@ -191,13 +191,13 @@ class LayerEffect:
 
     @property
     def relative_effect(self) -> float:
-        """That on the longest wave, the largest."""
+        """Relative effect on the longest wave, the largest of all."""
         return float(self.deficit(1.0))
 
     def ratio(self, orders: ArrayLike) -> FloatArray:
-        """Compliance relative to the half-space, same shape."""
+        """Return the compliance relative to the half-space, shape of `orders`."""
         return compliance_ratio(np.asarray(orders) * self.thickness, self.poisson_ratio)
 
     def deficit(self, orders: ArrayLike) -> FloatArray:
-        """1 - ratio, same shape."""
+        """Return 1 - ratio, shape of `orders`."""
         return compliance_deficit(np.asarray(orders) * self.thickness, self.poisson_ratio)

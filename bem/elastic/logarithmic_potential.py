@@ -42,7 +42,7 @@ class LogarithmicPotential:
     charge : (n_charges,) array
         q_j.
     calls : int
-        How often it is evaluated, more or less: what boxes need of the charges is prepared once.
+        Approximate number of evaluations: box tables of the charges are prepared once.
 
     Examples
     --------
@@ -58,7 +58,7 @@ class LogarithmicPotential:
     calls: int = 1
 
     def __call__(self, x: FloatArray) -> FloatArray:
-        """Potential at points x, (n,), none of them on a charge."""
+        """Return the potential at points x, (n,), none of them on a charge."""
         half, points = x / 2, np.empty((2, x.size))
         np.sin(half, out=points[0])
         np.cos(half, out=points[1])
@@ -71,14 +71,14 @@ class LogarithmicPotential:
 
     @cached_property
     def _sources(self) -> FloatArray:
-        """The charges' cos(x_j/2) and -sin(x_j/2), (2, n_charges).
+        """Rows cos(x_j/2) and -sin(x_j/2) of the charges, (2, n_charges).
 
-        Kept from call to call.
+        Cached from call to call.
         """
         return np.stack([np.cos(self.position / 2), -np.sin(self.position / 2)])
 
     def _series(self, boxes: int) -> FloatArray:
-        """Chebyshev series in every box of the potential of charges not beside it, (boxes, BOX_TERMS)."""
+        """Return the Chebyshev series in every box of the potential of charges not beside it, (boxes, BOX_TERMS)."""
         if boxes not in self._prepared:
             moments = box_moments(self.position, self.charge, boxes)
             spectrum = _coupling(boxes) @ np.fft.rfft(moments[:, :, None], axis=0)
@@ -91,7 +91,7 @@ class LogarithmicPotential:
 
 
 def box_moments(position: FloatArray, charge: FloatArray, boxes: int) -> FloatArray:
-    """Sums of q_j T_k(t_j) over the charges in each of equal boxes of the circle, (boxes, BOX_TERMS)."""
+    """Return the sums of q_j T_k(t_j) over the charges in each of equal boxes of the circle, (boxes, BOX_TERMS)."""
     box, values = _in_boxes(position, boxes)
     entry = box * BOX_TERMS + np.arange(BOX_TERMS)[:, None]
     moments = np.bincount(entry.ravel(), (values * charge).ravel(), boxes * BOX_TERMS)
@@ -101,9 +101,9 @@ def box_moments(position: FloatArray, charge: FloatArray, boxes: int) -> FloatAr
 def box_potential(
     x: FloatArray, points: FloatArray, position: FloatArray, sources: FloatArray, charge: FloatArray, series: FloatArray
 ) -> FloatArray:
-    """Potential at x, (n,), of charges in the same box and in the two beside it, pair by pair; plus a series per box.
+    """Return the potential at x, (n,): pair by pair for charges in and beside the box of x, plus a series per box.
 
-    Points and sources are those of `pair_by_pair`; series of T_k across the boxes, (boxes, BOX_TERMS).
+    Points and sources are as in `pair_by_pair`; series of T_k across the boxes, (boxes, BOX_TERMS).
     """
     boxes = series.shape[0]
     (box_x, values), box = _in_boxes(x, boxes), _in_boxes(position, boxes)[0]
@@ -127,7 +127,7 @@ def box_potential(
 
 
 def _in_boxes(x: FloatArray, boxes: int) -> tuple[IntArray, FloatArray]:
-    """Box in which each point lies, (n,), and the Chebyshev polynomials there, (BOX_TERMS, n)."""
+    """Return the box of each point, (n,), and the Chebyshev polynomials at the points, (BOX_TERMS, n)."""
     place = x * (boxes / TWO_PI)
     box = np.floor(place).astype(np.int64)
     values = np.empty((BOX_TERMS, x.size))
@@ -140,7 +140,7 @@ def _in_boxes(x: FloatArray, boxes: int) -> tuple[IntArray, FloatArray]:
 
 @lru_cache(maxsize=16)
 def _coupling(boxes: int) -> NDArray[np.complex128]:
-    """C_kl, zero for boxes that touch, transformed over the distance, (boxes // 2 + 1, BOX_TERMS, BOX_TERMS)."""
+    """Return C_kl, zero for touching boxes, transformed over the distance, (boxes // 2 + 1, BOX_TERMS, BOX_TERMS)."""
     node = chebyshev.basis_nodes(BOX_TERMS)
     distance = (np.arange(2, boxes - 1)[:, None, None] + (node[:, None] - node) / 2) * (TWO_PI / boxes)
     series = np.zeros((boxes, BOX_TERMS, BOX_TERMS))

@@ -33,12 +33,12 @@ from bem.geometry.arrays import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class EdgeFields:
-    """The fields that moving edges add to the pressure, at all edges.
+    """Fields that moving edges add to the pressure, at all edges.
 
     Parameters
     ----------
     state : Evaluation
-        With K > 0; of c, and of all that needs it, one that knows the slopes which edges make at edges.
+        With K > 0; for c, and all that needs c, a state with the slopes that edges make at edges.
     jacobian : (2 L, 2 L) array
         dK_i/de.
     """
@@ -53,7 +53,7 @@ class EdgeFields:
 
     @cached_property
     def s(self) -> FloatArray:
-        """s_e, (2 L,)."""
+        """Coefficient s_e of the pressure at the edges, (2 L,)."""
         return self._tip(self.state.stress_intensity, self.state.edge_slope)
 
     @cached_property
@@ -88,7 +88,7 @@ class EdgeFields:
 
     @cached_property
     def t(self) -> FloatArray:
-        """t_e, (2 L,)."""
+        """Coefficient t_e of the pressure at the edges, (2 L,)."""
         charges = self.state.charges()
         square = np.arange(charges.shape[1], dtype=np.float64) ** 2
         weight = 3 / 32 - square / 4 + square * (square - 1) / 6
@@ -97,13 +97,13 @@ class EdgeFields:
         return np.asarray(np.sqrt(np.pi / self.radius) / (2 * self.radius**2) * value)
 
     def times_jacobian_rate(self, x: FloatArray) -> FloatArray:
-        """The derivative of dK/de by Delta, times x, (2 L,)."""
+        """Return the derivative of dK/de by Delta, times x, (2 L,)."""
         k, own = self.k
         y = self.state.stress_intensity_rate * x
         return k @ y + own * y + self.s_rate * x
 
     def jacobian_change_times(self, a: FloatArray, x: FloatArray) -> FloatArray:
-        """The derivative of dK/de along a motion of the edges at fixed penetration, times x, (2 L,)."""
+        """Return the derivative of dK/de along a motion of the edges at fixed penetration, times x, (2 L,)."""
         (k, own), (c, _), intensity = self.k, self.c, self.state.stress_intensity
         along, turned, bent = self._own_change(a)
         y = intensity * x
@@ -112,7 +112,7 @@ class EdgeFields:
         return k @ (a * (z + own * y) + along * x) + beside - turned * y + bent * x
 
     def _own_change(self, a: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """dK along a motion a, and what dk_ee/de and ds_e add to the diagonal, (2 L,) each."""
+        """Return dK along a motion a, and the terms of dk_ee/de and ds_e on the diagonal, (2 L,) each."""
         (k, own), (c, own_slope), intensity = self.k, self.c, self.state.stress_intensity
         side = np.repeat([-1.0, 1.0], self.state.patches.count)
         along = self.jacobian @ a

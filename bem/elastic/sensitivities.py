@@ -32,9 +32,9 @@ def stress_intensity_jacobian(state: Evaluation) -> FloatArray:
 
 
 def own_sensitivity(state: Evaluation) -> FloatArray:
-    """dK_e / d(outward motion of the same edge), (2 L,).
+    """Return dK_e / d(outward motion of edge e), (2 L,).
 
-    Where the compliance of the edges is not known, without its term -Z_ee K_e / (2 r_e), which vanishes with K.
+    If the compliance of the edges is unknown, the term -Z_ee K_e / (2 r_e), which vanishes with K, is left out.
     """
     if state.edge_compliance.size:
         return np.diagonal(stress_intensity_jacobian(state))

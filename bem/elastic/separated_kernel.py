@@ -1,4 +1,4 @@
-"""The half-space kernel between two arcs of the period as a short sum of products.
+"""Half-space kernel between two arcs of the period as a short sum of products.
 
 Two disjoint arcs are parted by two points beta and delta.  On either arc let u = log|sin((x - beta)/2) /
 sin((x - delta)/2)| and m = log sqrt|sin((x - beta)/2) sin((x - delta)/2)|.  For x on the one and x' on the other,
@@ -32,9 +32,9 @@ def range_steps(half_range: float) -> int:
 
 @lru_cache(maxsize=256)
 def modes_and_core(steps: int, accuracy: float) -> tuple[FloatArray, int, FloatArray]:
-    """Chebyshev coefficients of the phi_k on [-U, U], U = RANGE_STEP^steps, (m, q - 2), and the core, (q, q).
+    """Return Chebyshev coefficients of the phi_k on [-U, U], (m, q - 2), the number of even ones, and the core, (q, q).
 
-    Between them the number of even phi_k, which come first.
+    U = RANGE_STEP^steps.  The even phi_k come first.
     """
     half_range = RANGE_STEP**steps
     pole = np.pi / half_range
@@ -47,10 +47,10 @@ def modes_and_core(steps: int, accuracy: float) -> tuple[FloatArray, int, FloatA
     for parity in (0, 1):
         block = series[parity::2, parity::2]
         values, vectors = np.linalg.eigh((block + block.T) / 2)
-        kept = np.abs(values) > accuracy
-        sizes.append(sizes[-1] + int(kept.sum()))
-        modes[parity::2, sizes[-2] : sizes[-1]] = vectors[:, kept] * np.sqrt(np.abs(values[kept]))
-        signs.append(np.sign(values[kept]))
+        large = np.abs(values) > accuracy
+        sizes.append(sizes[-1] + int(large.sum()))
+        modes[parity::2, sizes[-2] : sizes[-1]] = vectors[:, large] * np.sqrt(np.abs(values[large]))
+        signs.append(np.sign(values[large]))
     core = np.diag(np.concatenate([[0.0, 0.0], *signs]))
     core[0, 1] = core[1, 0] = 1.0
     return np.ascontiguousarray(modes[:, : sizes[2]]), sizes[1], core

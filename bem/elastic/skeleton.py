@@ -1,8 +1,8 @@
-"""What is solved for: the nodal charges of all patches, and what an effect adds to the kernel between them.
+"""Unknowns of the system, the nodal charges of all patches, and the additions of effects to the kernel between them.
 
 The matrix is the negated kernel between the nodes of all patches, the right-hand sides are the columns that every patch
-shares, and the edge vectors of each patch.  An effect adds a matrix, or a sum of few products of waves, and what modes
-that are not coupled do at the nodes.  Dimensionless.
+shares, and the edge vectors of each patch.  An effect adds a matrix, or a sum of few products of waves, and the fields
+of uncoupled modes at the nodes.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from bem.geometry.patches import Patches
 
 @dataclass(frozen=True, eq=False)
 class Waves:
-    """V D V^T, what is added to the kernel of the half-space at the nodes.
+    """Addition V D V^T to the kernel of the half-space at the nodes.
 
     Attributes
     ----------
@@ -34,14 +34,14 @@ class Waves:
 
 @dataclass(frozen=True, eq=False)
 class LeftOut:
-    """What an effect makes of those modes of the edge vectors that are not coupled.
+    """Response of an effect to the uncoupled modes of the edge vectors.
 
     Attributes
     ----------
     fields : (2, n) array
-        Of the left and of the right edge at the nodes of their patch.
+        Fields of the left and of the right edge at the nodes of their patch.
     compliance : (2, L) array
-        Felt by the edge that they belong to, and by the other edge of the patch.
+        Response at the edge itself, and at the other edge of the patch.
     """
 
     fields: FloatArray
@@ -50,16 +50,16 @@ class LeftOut:
 
 @dataclass(frozen=True, eq=False)
 class Coupling:
-    """What an effect adds to the kernel of the half-space between the coupled modes.
+    """Addition of an effect to the kernel of the half-space between the coupled modes.
 
     Attributes
     ----------
     matrix : (n, n) array or None
-        At the nodes; it asks for a single leaf.
+        Addition at the nodes; it requires a single leaf.
     waves : Waves or None
-        The same as a sum of few products.
+        Addition as a sum of few products.
     left_out : LeftOut or None
-        None where it couples no others.
+        None where the effect couples no other modes.
     """
 
     matrix: FloatArray | None
@@ -69,7 +69,7 @@ class Coupling:
 
 @dataclass(frozen=True, eq=False)
 class Skeleton:
-    """The nodes of all patches, in their order.
+    """Nodes of all patches, in the order of the patches.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class Skeleton:
     columns : (k, n) array
         Right-hand sides: the force, 1, and others.
     coupling : Coupling or None
-        What is added to the half-space.
+        Addition to the kernel of the half-space.
     edge_columns : int
         Columns that b has for each patch: none; 2, the edge vectors; or 4, those of slopes at the edges as well.
     """

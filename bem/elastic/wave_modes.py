@@ -1,4 +1,4 @@
-"""The waves of an effect on one patch, seen by its coupled modes.
+"""Waves of an effect on one patch, projected on its coupled modes.
 
 On a patch x = c + r t a wave of order m has the Chebyshev series (Jacobi, Anger; DLMF 10.12), z = m r,
 
@@ -40,8 +40,8 @@ class PatchWaves:
     cosines, sines : (p - p // 2, n_orders), (p // 2, n_orders) arrays
         Their coefficients.
     of_edge : pair of (n_orders,) arrays
-        What cosines and sines feel of the uncoupled modes of the pressure that the right edge adds; the left edge adds
-        sines of the other sign.
+        Moments of cosines and sines with the uncoupled modes of the pressure that the right edge adds; the left edge
+        adds sines of the other sign.
     """
 
     cosines: FloatArray
@@ -50,23 +50,24 @@ class PatchWaves:
 
     @property
     def parities(self) -> tuple[tuple[FloatArray, FloatArray, FloatArray], ...]:
-        """Of cosines and sines: T_n of their modes at the nodes, coefficients, what they feel of the right edge."""
+        """Parts of cosines and of sines: T_n of their modes at the nodes, coefficients, moments of the right edge."""
         values = basis(len(self.cosines) + len(self.sines)).values
         return (values[:, ::2], self.cosines, self.of_edge[0]), (values[:, 1::2], self.sines, self.of_edge[1])
 
     def at_nodes(self) -> ComplexArray:
-        """The projections of exp(i m (x - c)) at the nodes, (n_orders, p)."""
+        """Return the projections of exp(i m (x - c)) at the nodes, (n_orders, p)."""
         cosines, sines = (part.T @ values.T for values, part, _ in self.parities)
         return np.asarray(cosines + 1j * sines)
 
     def kernel(self, weights: FloatArray) -> FloatArray:
-        """sum_m weight_m cos(m (x - x')) between the nodes, projected in both, (p, p)."""
+        """Return sum_m weight_m cos(m (x - x')) between the nodes, projected in both, (p, p)."""
         even, odd = (values @ ((part * weights) @ part.T) @ values.T for values, part, _ in self.parities)
         return even + odd
 
     def left_out(self, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """What this kernel makes of uncoupled modes of the left and right edge: fields at the nodes, (2, p), and
-        what the edges feel of their own field and of each other's, (2,).
+        """Return the response of this kernel to uncoupled modes of the left and right edge.
+
+        Fields at the nodes, (2, p), and the response at the edge itself and at the other edge, (2,).
         """
         even, odd = (values @ (part @ (weights * edge)) for values, part, edge in self.parities)
         cosines, sines = (weights @ edge**2 for edge in self.of_edge)
@@ -74,7 +75,7 @@ class PatchWaves:
 
 
 def patch_waves(half_width: float, orders: FloatArray, modes: int) -> PatchWaves:
-    """Waves of these orders, ascending, on a patch with that many coupled modes."""
+    """Return the waves of ascending orders on a patch with `modes` coupled modes."""
     z = orders * half_width
     table = bessel(modes + 1, z)
     weight = np.where(np.arange(modes) % 4 < 2, 2.0, -2.0)[:, None]
@@ -85,7 +86,7 @@ def patch_waves(half_width: float, orders: FloatArray, modes: int) -> PatchWaves
 
 
 def bessel(count: int, z: FloatArray) -> FloatArray:
-    """J_n(z) for n < count and ascending z > 0, (count, n_z), to rounding of the largest.
+    """Return J_n(z) for n < count and ascending z > 0, (count, n_z), to rounding of the largest.
 
     Upwards from J_0 and J_1 where z >= count; elsewhere downwards from where J_n is nothing, scaled by
     J_0 + 2 J_2 + 2 J_4 + ... = 1 (Miller; DLMF 3.6).
@@ -104,13 +105,13 @@ def bessel(count: int, z: FloatArray) -> FloatArray:
         table[n + 1, first:] = n * twice[first:] * table[n, first:] - table[n - 1, first:]
     small = z[:first]
     begin = np.ceil(small + NO_MORE * (np.cbrt(small) + 1)).astype(np.int64)
-    total, here, above = np.zeros(first), np.zeros(first), np.zeros(first)
+    total, current, above = np.zeros(first), np.zeros(first), np.zeros(first)
     for n in range(int(begin.max(initial=0)), -1, -1):
-        here[begin == n] = SEED
+        current[begin == n] = SEED
         if n < count:
-            table[n, :first] = here
+            table[n, :first] = current
         if n % 2 == 0:
-            total += here if n == 0 else 2 * here
-        here, above = n * twice[:first] * here - above, here
+            total += current if n == 0 else 2 * current
+        current, above = n * twice[:first] * current - above, current
     table[:, :first] /= total
     return table

@@ -1,1 +1,1 @@
-"""The profile, the contact patches on it, Chebyshev polynomials, and the scales of the dimensionless problem."""
+"""Profile, contact patches on it, Chebyshev polynomials, and the scales of the dimensionless problem."""

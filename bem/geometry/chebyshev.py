@@ -52,7 +52,7 @@ class Basis:
 
 @lru_cache(maxsize=256)
 def basis(n: int) -> Basis:
-    """Tables for n nodes; computed once for each n.
+    """Return the tables for n nodes; computed once for each n.
 
     Examples
     --------
@@ -80,12 +80,12 @@ def basis(n: int) -> Basis:
 
 @lru_cache(maxsize=512)
 def basis_nodes(n: int) -> FloatArray:
-    """The n nodes alone, (n,), for sizes at which the tables of `basis` are not needed."""
+    """Return the n nodes alone, (n,), for sizes at which the tables of `basis` are not needed."""
     return np.cos((np.arange(n) + 0.5) * np.pi / n)
 
 
 def coefficients(samples: FloatArray) -> FloatArray:
-    """Chebyshev coefficients of samples at the nodes of the last axis, same shape.
+    """Return the Chebyshev coefficients of samples at the nodes along the last axis, shape of `samples`.
 
     Examples
     --------
@@ -104,29 +104,29 @@ def coefficients(samples: FloatArray) -> FloatArray:
 
 @lru_cache(maxsize=SMALL_TRANSFORM)
 def _transform(n: int) -> FloatArray:
-    """Matrix of `coefficients`, applied from the right, (n, n): faster than a fast transform where n is small."""
+    """Return the matrix of `coefficients`, applied from the right, (n, n): faster than FFT where n is small."""
     return _polynomials(n) * (np.where(np.arange(n) == 0, 1, 2) / n)
 
 
 def _polynomials(n: int) -> FloatArray:
-    """T_j(t_k) as [k, j], (n, n), to 1.1e-16: cos(i pi / (2 n)) with whole i, by the sine of the rest to pi/2."""
+    """Return T_j(t_k) as [k, j], (n, n), to 1.1e-16: cos(i pi / (2 n)), i whole, by the sine of the rest to pi/2."""
     order = np.arange(n)
     i = np.multiply.outer(2 * order + 1, order) % (4 * n)
     return np.asarray(np.sin((n - np.minimum(i, 4 * n - i)) * (np.pi / (2 * n))))
 
 
 def profile_nodes(width: FloatArray, max_order: int) -> FloatArray:
-    """Nodes that resolve harmonics up to `max_order` on patches of these widths (dimensionless), (L,).
+    """Return the number of nodes that resolve harmonics up to `max_order` on patches of width `width`, (L,).
 
-    With kappa = width * max_order / 2 the number is 1.15 kappa + 3 kappa^(1/3) + 12: kappa is Nyquist's limit,
-    kappa^(1/3) the width of the transition of the Bessel functions J_n(kappa) to zero.
+    Widths are dimensionless.  With kappa = width * max_order / 2 the number is 1.15 kappa + 3 kappa^(1/3) + 12.
+    kappa is Nyquist's limit, kappa^(1/3) the width of the transition of the Bessel functions J_n(kappa) to zero.
     """
     kappa = width * (max_order / 2)
     return np.asarray(1.15 * kappa + 3.0 * np.cbrt(kappa) + 12.0)
 
 
 def coupling_modes(width: FloatArray, clearance: FloatArray, tolerance: float) -> FloatArray:
-    """Modes of a patch that feel the others to `tolerance`, (L,).
+    """Return the number of modes of a patch that feel the other patches to `tolerance`, (L,).
 
     The field of a neighbour at distance `clearance` is analytic in the Bernstein ellipse with
     rho = 1 + z + sqrt(z (2 + z)), z = 2 clearance / width, and its coefficients decay as rho^-n.
@@ -145,13 +145,13 @@ def size_ladder(ratio: float) -> IntArray:
 
 
 def rounded_up(number: FloatArray, ratio: float) -> IntArray:
-    """Sizes rounded up to a short list, in steps of at most `ratio` (above 16), so that equal ones can be batched."""
+    """Round sizes up to a short list, in steps of at most `ratio` (above 16), so that equal sizes can be batched."""
     ladder = size_ladder(ratio)
     return ladder[np.searchsorted(ladder, number)]
 
 
 def nodes_of(sizes: IntArray) -> FloatArray:
-    """Chebyshev nodes of patches with these sizes, (L,), one after the other, (sum of sizes,)."""
+    """Return the Chebyshev nodes of patches of given sizes, (L,), one after the other, (sum of sizes,)."""
     return np.concatenate([basis_nodes(size) for size in sizes.tolist()])
 
 
@@ -163,7 +163,7 @@ def _packed_nodes(n: int) -> FloatArray:
 
 
 def packed_bases(sizes: IntArray) -> tuple[FloatArray, IntArray]:
-    """Return the tables of `basis` for all sizes in one array, and where that of each patch begins, (L,).
+    """Return the tables of `basis` for all sizes in one array, and the start of the table of each patch, (L,).
 
     A table is nodes, edge values, edge slopes, values and logarithmic moments, one behind the other, (5 n + 2 n^2,).
     """
@@ -171,7 +171,7 @@ def packed_bases(sizes: IntArray) -> tuple[FloatArray, IntArray]:
 
 
 def packed_nodes(sizes: IntArray) -> tuple[FloatArray, IntArray]:
-    """Return nodes and matrices of `coefficients` for all sizes in one array, and where those of each patch begin."""
+    """Return nodes and matrices of `coefficients` for all sizes in one array, and the start of each patch."""
     return _packed(sizes, False)
 
 
@@ -183,7 +183,7 @@ def _packed(sizes: IntArray, whole: bool) -> tuple[FloatArray, IntArray]:
 
 @lru_cache(maxsize=16)
 def _joined(sizes: tuple[int, ...], whole: bool) -> tuple[FloatArray, dict[int, int]]:
-    """Return the tables of some sizes in one array, and where each begins."""
+    """Return the tables of given sizes in one array, and the start of each."""
     tables = [basis(size).packed if whole else _packed_nodes(size) for size in sizes]
     starts = np.cumsum([0, *(table.size for table in tables[:-1])])
     return np.concatenate(tables), dict(zip(sizes, starts.tolist(), strict=True))

@@ -1,4 +1,4 @@
-"""The contact domain: patches [a_i, b_i] in order on the circle [0, 2 pi), and the pressure they carry.
+"""Contact domain: patches [a_i, b_i] in order on the circle [0, 2 pi), and the pressure they carry.
 
 Edges are kept as two arrays, `left` in [0, 2 pi) increasing and `right` > `left`, where the last patch may
 reach beyond 2 pi.  Edge vectors have length 2 L and list all left edges, then all right edges; the outward
@@ -75,26 +75,26 @@ class Patches:
 
     @property
     def is_ordered(self) -> bool:
-        """Whether all widths and gaps are positive."""
+        """True if all widths and gaps are positive."""
         return bool(self.width.min(initial=np.inf) > 0 and self.gap_after.min(initial=np.inf) > 0)
 
     def moved(self, outward: FloatArray) -> Patches:
-        """Patches after each edge moved outward by the given (2 L,) amounts."""
+        """Return the patches after each edge moved outward by the given (2 L,) amounts."""
         count = self.count
         return Patches(self.left - outward[:count], self.right + outward[count:])
 
     def with_patch(self, left: float, right: float) -> Patches:
-        """Patches with one more, inserted in order."""
+        """Return the patches with a further patch, inserted in order."""
         return ordered(np.append(self.left, left), np.append(self.right, right))
 
     def merged_after(self, index: int) -> Patches:
-        """Patches with the gap behind patch `index` closed; ValueError for the only patch."""
+        """Return the patches with the gap behind patch `index` closed; ValueError for the only patch."""
         closed = np.zeros(self.count, dtype=bool)
         closed[index] = True
         return self.merged_at(closed)
 
     def merged_at(self, closed: NDArray[np.bool_]) -> Patches:
-        """Patches with some of the gaps behind them closed, (L,); ValueError where none is left open."""
+        """Return the patches with the gaps closed behind patches marked in `closed`, (L,); ValueError if all are."""
         if np.all(closed):
             raise ValueError("the gap of a single patch closes to complete contact, which has no edges")
         left = self.left[~np.roll(closed, 1)]
@@ -104,17 +104,17 @@ class Patches:
         return ordered(left, right)
 
     def joined(self, others: Patches) -> Patches | None:
-        """These patches and others in order; None where any two of them overlap."""
+        """Return these patches and others in order; None if any two patches overlap."""
         both = ordered(np.concatenate([self.left, others.left]), np.concatenate([self.right, others.right]))
         return both if both.is_ordered else None
 
     def canonical(self) -> Patches:
-        """The same patches with every left edge in [0, 2 pi), in order."""
+        """Return the patches with every left edge in [0, 2 pi), in order."""
         return ordered(self.left, self.right)
 
 
 def ordered(left: FloatArray, right: FloatArray) -> Patches:
-    """Patches sorted by their left edge, which is brought into [0, 2 pi).
+    """Return patches sorted by their left edge, which is brought into [0, 2 pi).
 
     Examples
     --------
@@ -153,7 +153,7 @@ class PatchPressure:
         return float(np.pi * sum(charge[0] for charge in self.charges))
 
     def peak(self) -> float:
-        """The largest pressure, at least one patch being there; below zero where all of it is tension.
+        """Return the largest pressure of at least one patch; below zero if all pressure is tension.
 
         With t = cos(theta) the pressure is smooth in theta between the edges, where it falls to zero or, under
         adhesion, to -infinity.  It is the largest of its samples, raised to the top of a parabola through three.
@@ -169,7 +169,7 @@ class PatchPressure:
 
 
 def _peak(charge: FloatArray) -> float:
-    """The largest r sigma of a patch."""
+    """Return the largest r sigma of a patch."""
     count = max(SAMPLES_PER_COEFFICIENT * charge.size, LEAST_SAMPLES)
     order = np.arange(charge.size)
     modes = np.zeros(count + 1, dtype=np.complex128)
@@ -178,6 +178,6 @@ def _peak(charge: FloatArray) -> float:
     top = int(np.argmax(sampled))
     if not 0 < top < count - 1:
         return float(sampled[top])
-    before, here, after = sampled[top - 1 : top + 2]
-    bend = 2 * here - before - after
-    return float(here + (after - before) ** 2 / (8 * bend) if bend else here)
+    before, highest, after = sampled[top - 1 : top + 2]
+    bend = 2 * highest - before - after
+    return float(highest + (after - before) ** 2 / (8 * bend) if bend else highest)

@@ -29,7 +29,7 @@ _BISECTIONS = 55  # derived: of a crest between its neighbours on the grid: also
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Profile:
-    """A zero-mean periodic profile given by its harmonics.
+    """Zero-mean periodic profile given by its harmonics.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class Profile:
     Raises
     ------
     ValueError
-        What a scene refuses too, in the same words (ranges.py).
+        Values that a scene refuses too, with the message of a scene (ranges.py).
 
     Examples
     --------
@@ -70,7 +70,7 @@ class Profile:
     def from_harmonics(
         cls, period: float, orders: ArrayLike, amplitudes: ArrayLike, phases: ArrayLike | None = None
     ) -> Profile:
-        """Profile from lists of orders, amplitudes and phases (default 0)."""
+        """Return the profile of lists of orders, amplitudes and phases (default 0)."""
         h = np.asarray(amplitudes)
         phi = np.zeros(h.shape) if phases is None else np.asarray(phases)
         check_harmonics(orders, h, phi)
@@ -79,7 +79,7 @@ class Profile:
 
     @classmethod
     def self_affine(cls, period: float, hurst: float, rms_height: float, harmonics: int, seed: int) -> Profile:
-        """Self-affine profile, h_m ~ m^-(hurst + 1/2), orders 1..harmonics, uniform random phases.
+        """Return a self-affine profile, h_m ~ m^-(hurst + 1/2), orders 1..harmonics, uniform random phases.
 
         Parameters
         ----------
@@ -101,7 +101,7 @@ class Profile:
     def from_samples(
         cls, x: ArrayLike, h: ArrayLike, harmonics: int, detrend: str = "mean", period: float | None = None
     ) -> Profile:
-        """Trigonometric interpolant of uniform samples, cut at `harmonics`.
+        """Return the trigonometric interpolant of uniform samples, cut at `harmonics`.
 
         Parameters
         ----------
@@ -110,7 +110,7 @@ class Profile:
         harmonics : int
             Highest order kept, below n/2.
         detrend : {"mean", "line"}
-            What is subtracted first.
+            Mean or least-squares line, subtracted first.
         period : float, optional
             Replaces n times the sample distance.
         """
@@ -119,9 +119,9 @@ class Profile:
         steps = np.diff(position)
         equal = n > 1 and np.all(np.abs(steps - steps.mean()) <= EQUAL_STEPS * steps.mean())
         if not equal or not np.all(np.isfinite(height)):
-            found = "missing heights" if equal else "unequal or falling steps"
+            fault = "missing heights" if equal else "unequal or falling steps"
             prepared = 'profile={"kind": "samples", "x": x, "h": h} of bem.solve prepares them'
-            raise ValueError(f"samples with {found}; allowed: finite heights at equal steps ({prepared})")
+            raise ValueError(f"samples with {fault}; allowed: finite heights at equal steps ({prepared})")
         if not 1 <= harmonics <= (n - 1) // 2:
             raise ValueError(f"harmonics: {harmonics} must lie in 1..{(n - 1) // 2} for {n} samples")
         if detrend == "line":
@@ -159,7 +159,7 @@ class Profile:
 
     @property
     def is_flat(self) -> bool:
-        """Whether every amplitude is zero."""
+        """True if every amplitude is zero."""
         return not np.any(self.amplitudes)
 
     @cached_property
@@ -168,33 +168,33 @@ class Profile:
         return float(self.crests[1].max())
 
     def scaled(self) -> Profile:
-        """The same profile with period 2 pi and unit rms height; ValueError when flat."""
+        """Return the profile scaled to period 2 pi and unit rms height; ValueError if flat."""
         if self.is_flat:
             raise ValueError("amplitudes: all zero; a flat profile has no height scale")
         return Profile(2 * np.pi, self.orders, self.amplitudes / self.rms_height, self.phases)
 
     def height(self, x: ArrayLike) -> FloatArray:
-        """h(x), same shape as x."""
+        """Return h(x), shape of x."""
         values: FloatArray = self._expand(x, 0)[0]
         return values
 
     def slope(self, x: ArrayLike) -> FloatArray:
-        """h'(x), same shape as x."""
+        """Return h'(x), shape of x."""
         values: FloatArray = self._expand(x, 1)[1]
         return values
 
     def curvature(self, x: ArrayLike) -> FloatArray:
-        """h''(x), same shape as x."""
+        """Return h''(x), shape of x."""
         values: FloatArray = self._expand(x, 2)[2]
         return values
 
     def height_slope_curvature(self, x: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """h, h' and h'' at once, each of the shape of x."""
+        """Return h, h' and h'' at once, each of the shape of x."""
         values = self._expand(x, 2)
         return values[0], values[1], values[2]
 
     def derivatives(self, x: ArrayLike) -> FloatArray:
-        """The height and its first three derivatives at once, (4, ...)."""
+        """Return the height and its first three derivatives at once, (4, ...)."""
         return self._expand(x, 3)
 
     @cached_property
@@ -210,7 +210,7 @@ class Profile:
 
     @property
     def repeats(self) -> bool:
-        """Whether the period holds two or more equal parts, to rounding: its orders have a common divisor."""
+        """True if the period holds two or more equal parts, to rounding: its orders have a common divisor."""
         return int(np.gcd.reduce(self.orders[np.abs(self.amplitudes) > EQUAL_HEIGHTS * self.rms_height])) > 1
 
     @property
@@ -225,7 +225,7 @@ class Profile:
         return self._extrema(-1.0)
 
     def _extrema(self, sign: float) -> tuple[FloatArray, FloatArray]:
-        """Where sign times the height has its local maxima, and the heights there."""
+        """Return the positions of the local maxima of sign times the height, and the heights at these positions."""
         if self.is_flat:
             return np.zeros(1), np.zeros(1)
         x, h = self.grid
@@ -256,7 +256,7 @@ class Profile:
         return table
 
     def _expand(self, x: ArrayLike, derivatives: int) -> FloatArray:
-        """h, h', ... up to the given derivative, (derivatives + 1, ...)."""
+        """Return h, h', ... up to the given derivative, (derivatives + 1, ...)."""
         position = np.asarray(x, dtype=np.float64, order="C")
         values = taylor(self.table, position.ravel(), self.table.shape[0] / self.period, derivatives)
         return values.reshape(derivatives + 1, *position.shape)

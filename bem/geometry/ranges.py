@@ -68,7 +68,7 @@ RANGES = {
 
 @dataclass(frozen=True)
 class Mistake:
-    """Mistake in a scene: where it is, what stands there, what is allowed.
+    """Mistake in a scene: path of the key, wrong content, allowed values.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""From SI to the dimensionless problem and back: the only place that converts.
+"""Scales from SI to the dimensionless problem and back: the only place that converts.
 
 With q0 = 2 pi / period, a = rms height and E* = E / (1 - nu^2), the solver works with
 
@@ -81,7 +81,7 @@ class Scales:
 
     @property
     def stress_intensity(self) -> float:
-        """Pa m^1/2."""
+        """Unit of stress intensity, Pa m^1/2."""
         return self.stress * float(np.sqrt(self.length))
 
     @property

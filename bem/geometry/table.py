@@ -32,7 +32,7 @@ Kind = TypeVar("Kind")
 
 
 class TableError(ValueError):
-    """A table that cannot be made: `mistakes` of its keys, `valid` values of the other keys."""
+    """Error of a table that cannot be made: `mistakes` of its keys, `valid` values of the other keys."""
 
     def __init__(self, mistakes: list[Mistake], valid: dict[str, Any]) -> None:
         self.mistakes, self.valid = mistakes, valid
@@ -52,8 +52,8 @@ def table(name: str) -> Callable[[type[Kind]], type[Kind]]:
             keys = [item.name for item in fields(made)]
             twice = [key for key in keys[: len(values)] if key in named]
             if len(values) > len(keys) or twice:
-                told = f"{', '.join(twice)} given twice" if twice else f"{len(values)} values given"
-                raise TypeError(f"{made.__name__}: {told}; it takes {', '.join(keys)}")
+                fault = f"{', '.join(twice)} given twice" if twice else f"{len(values)} values given"
+                raise TypeError(f"{made.__name__}: {fault}; it takes {', '.join(keys)}")
             given = {key: plain(value) for key, value in (*zip(keys, values, strict=False), *named.items())}
             try:
                 unchecked(self, **given)
@@ -104,8 +104,8 @@ def allowed(path: str) -> str:
 def _table_error(name: str, keys: list[str], given: dict[str, Any], error: ValidationError) -> TableError:
     """Return the mistakes of a table, one for each wrong key or item of a list."""
     items: dict[str, set[int]] = {}
-    for found in error.errors():
-        key, *rest = found["loc"]
+    for mistake in error.errors():
+        key, *rest = mistake["loc"]
         items.setdefault(str(key), set()).update(part for part in rest if isinstance(part, int))
     mistakes: list[Mistake] = []
     for key, wrong in items.items():

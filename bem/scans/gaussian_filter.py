@@ -55,7 +55,7 @@ class GaussianFilter:
         return np.exp2(-((self.short * f) ** 2)) * -np.expm1(-math.log(2) * (self.long * f) ** 2)
 
     def refusals(self, spacing: float, length: float) -> Iterator[Refusal]:
-        """Yield what is wrong with cut-offs for a line of this sample distance and length (m)."""
+        """Yield the mistakes of cut-offs for a line of a sample distance and a length (m)."""
         wrong = [key for key, value in self.cuts.items() if not 2 * spacing <= value <= length]
         for key in wrong:
             allowed = f"from two sample distances to the length measured, {2 * spacing:.6g} to {length:.6g} (m)"

@@ -83,7 +83,7 @@ class Spectrum:
 
     @cached_property
     def tail(self) -> PowerLaw | None:
-        """Power law of the highest octave; None where bands of it are empty or without heights."""
+        """Power law of the highest octave; None if bands of the octave are empty or without heights."""
         f, density, _ = self.bands
         octave = slice(-BANDS, None)
         return self._fit(octave) if f.size > BANDS and np.all(density[octave] > 0) else None
@@ -102,7 +102,7 @@ class Spectrum:
 
     @cached_property
     def law(self) -> PowerLaw | None:
-        """Power law of the profile above the floor; None where there is no floor, or no fall to it."""
+        """Power law of the profile above the floor; None without a floor, or without a fall to the floor."""
         _, density, counts = self.bands
         if not self.floor:
             return None

@@ -42,7 +42,7 @@ def refuse_few(raw: RawScan, h: FloatArray) -> None:
 
 
 def without_dropouts(raw: RawScan, line: Line, method: str) -> tuple[Line, Step]:
-    """Return the line with dropouts missing, and what was found."""
+    """Return the line with dropouts marked as missing, and a record of the dropouts."""
     x, h = line
     known = np.flatnonzero(np.isfinite(h))
     starts = np.flatnonzero(np.diff(h[known], prepend=np.nan) != 0)  # of runs of one value
@@ -70,13 +70,13 @@ def without_dropouts(raw: RawScan, line: Line, method: str) -> tuple[Line, Step]
 
 
 def _median_step(h: FloatArray) -> float:
-    """Return the median of the steps > 0 between neighbours; infinity where there are none."""
+    """Return the median of the steps > 0 between neighbours; infinity without such steps."""
     steps = np.abs(np.diff(h))
     return float(np.median(steps[steps > 0])) if steps.any() else np.inf
 
 
 def without_outliers(raw: RawScan, line: Line, method: str) -> tuple[Line, Step]:
-    """Return the line with samples far from the running median replaced, and what was found."""
+    """Return the line with samples far from the running median replaced, and a record of these samples."""
     x, h = line
     known = np.flatnonzero(np.isfinite(h))
     threshold = OUTLIER * _median_step(h[known])
@@ -94,7 +94,7 @@ def without_outliers(raw: RawScan, line: Line, method: str) -> tuple[Line, Step]
 
 
 def without_gaps(raw: RawScan, line: Line, method: str, dropouts: Step) -> tuple[Line, Step]:
-    """Return the line with gaps filled and ends cut off, and what was found; ScanFileError if gaps are refused."""
+    """Return the line with gaps filled and ends cut off, and a record of gaps; ScanFileError if gaps are refused."""
     x, h = line
     gone = np.flatnonzero(np.isnan(h))
     facts: Step = {"count": int(gone.size)}
@@ -118,5 +118,5 @@ def without_gaps(raw: RawScan, line: Line, method: str, dropouts: Step) -> tuple
 
 
 def _shortened(places: list[str]) -> str:
-    """Return the first places, and whether there are more."""
+    """Return the first `SHOWN` places, followed by dots if there are more."""
     return ", ".join(places[:SHOWN]) + (", .." if len(places) > SHOWN else "")

@@ -1,4 +1,4 @@
-"""From a line as measured to the samples of a periodic profile, every step recorded.
+"""Preparation of a measured line to the samples of a periodic profile, every step recorded.
 
 In this order, each as [profile] asks for it:
 
@@ -59,7 +59,7 @@ def prepare(raw: RawScan, values: Mapping[str, Any]) -> Scan:
         steps.append({"step": "map", "model": RIDGE})
 
     def record(step: str, method: str, outcome: tuple[Line, Step]) -> Line:
-        """Record what a step did to the line, and return the new line."""
+        """Record the change of the line by a step, and return the new line."""
         steps.append({"step": step, "method": method} | outcome[1] | compared(line, outcome[0]))
         return outcome[0]
 
@@ -86,7 +86,7 @@ def prepare(raw: RawScan, values: Mapping[str, Any]) -> Scan:
 
 
 def _detrended(line: Line, method: str) -> tuple[Line, Step]:
-    """Return the line less a polynomial fitted to it, and the range of that polynomial."""
+    """Return the line less its least-squares polynomial, and the range of the polynomial."""
     x, h = line
     tilt = np.polynomial.Polynomial.fit(x, h, 1)
     facts: Step = {"tilt": float(tilt.deriv()(0.0)), "rms_without_tilt": float(np.std(h - tilt(x)))}

@@ -34,7 +34,7 @@ def refuse_disorder(raw: RawScan) -> None:
 
 
 def equally_spaced(raw: RawScan, line: Line, first: int, method: str) -> tuple[Line, Step]:
-    """Return the line at equal steps, and what was found; ScanFileError if unequal steps are refused.
+    """Return the line at equal steps, and a record of the steps; ScanFileError if unequal steps are refused.
 
     `line` holds the samples of the scan from sample `first` on.
     """
@@ -60,7 +60,7 @@ def equally_spaced(raw: RawScan, line: Line, first: int, method: str) -> tuple[L
 
 
 def _line_through(x: FloatArray, grid: FloatArray, half: FloatArray) -> FloatArray | None:
-    """Return x_0 + k dx within `half` of every x_k, as far inside as can be; None where there is none."""
+    """Return x_0 + k dx within `half` of every x_k, as far inside as possible; None if no such line exists."""
     shares, scale = np.arange(x.size) / (x.size - 1), float(half.max())
     rows, limits = [], []
     for side in (1.0, -1.0):  # side (offset + tilt share) + room <= side (x - grid) + half

@@ -1,4 +1,4 @@
-"""Prepared samples of a period: what the profile is made from, and what its cut leaves of them."""
+"""Prepared samples of a period, from which the profile is made, and measures of the cut at `harmonics`."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Step = dict[str, Any]  # of the preparation, as plain values
 
 @dataclass(frozen=True, eq=False)
 class Scan:
-    """Uniform samples of a period, and how they came about.
+    """Uniform samples of a period, with the steps of their preparation.
 
     Examples
     --------
@@ -65,7 +65,7 @@ class Scan:
 
     @property
     def carrying(self) -> int:
-        """Least order up to which all of the rms slope is but `CARRIED`; the highest where there is none."""
+        """Least order whose cut loses at most `CARRIED` of the rms slope; the highest order without such an order."""
         slopes = self._moments[1]
         return min(int(np.searchsorted(slopes, (1 - CARRIED) ** 2 * slopes[-1])) + 1, self.max_harmonics)
 
@@ -76,7 +76,7 @@ class Scan:
         return abs(float(self.h[0] - self.h[-1])) / rms if rms > 0 else 0.0
 
     def slope_share(self, harmonics: int) -> float:
-        """Return the rms slope of the orders up to `harmonics` over that of all; 1 if the samples are flat."""
+        """Return the rms slope of the orders up to `harmonics` over the rms slope of all; 1 if the samples are flat."""
         slopes = self._moments[1]
         return float(np.sqrt(slopes[harmonics - 1] / slopes[-1])) if slopes[-1] > 0 else 1.0
 
@@ -85,7 +85,7 @@ class Scan:
         return self.spectrum.noise_share(harmonics, self.period, self.gaussian)
 
     def preparation(self, harmonics: int) -> tuple[Step, ...]:
-        """Return all steps, with the cut at `harmonics` and the height parameters of what it leaves."""
+        """Return all steps, with the cut at `harmonics` and the height parameters of the cut profile."""
         before, after = ([float(np.sqrt(moment[k])) for moment in self._moments] for k in (-1, harmonics - 1))
         share = self.slope_share(harmonics)
         cut: Step = {"step": "cut", "harmonics": harmonics, "of": self.max_harmonics, "slope_share_kept": share}
@@ -94,7 +94,7 @@ class Scan:
         return (*self.steps, cut | {"rms_height": [before[0], after[0]], "rms_slope": [before[1], after[1]]})
 
     def drawn(self) -> dict[str, FloatArray]:
-        """Return what a figure needs, in few numbers.
+        """Return the thinned arrays that a figure needs.
 
         Samples as measured (scan_x, scan_h) and prepared (profile_x, profile_h), m; the power spectrum in bands,
         scan_density (m^3) over scan_wavelength (m).

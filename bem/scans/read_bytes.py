@@ -24,7 +24,7 @@ TEXT_OR_INSTRUMENT = "a text file, or a file of an instrument"
 
 
 def content_of(path: Path) -> bytes:
-    """Return the bytes of a file; ScanFileError if it cannot be read or is not a regular file."""
+    """Return the bytes of a file; ScanFileError if the file cannot be read or is not a regular file."""
     try:
         mode = path.stat().st_mode
         content = path.read_bytes() if stat.S_ISREG(mode) else b""
@@ -56,7 +56,7 @@ def text_of(content: bytes) -> tuple[str, str] | None:
 
 
 def _decoded(content: bytes, encoding: str) -> tuple[str, str] | None:
-    """Return the decoded text with its encoding; None if the bytes are no text in it."""
+    """Return the decoded text with its encoding; None if the bytes are no text in the encoding."""
     try:
         text = content.decode(encoding)
     except UnicodeDecodeError:

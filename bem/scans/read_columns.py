@@ -1,4 +1,4 @@
-"""One measured line out of the columns of a text file.
+"""Measured line out of the columns of a text file.
 
 Positions and heights are `columns` = [x, h], or heights alone, [h], at a given `spacing`; a file of more columns needs
 `columns`, unless `row` names a row of a map (read_map.py).  Heights flagged 0 in `valid_column`, and heights equal to
@@ -72,7 +72,7 @@ def line_of(table: TextTable, values: Mapping[str, Any]) -> TableLine:
 
 
 def _columns(width: int, points: ScanLines | None, values: Mapping[str, Any]) -> tuple[int | None, int]:
-    """Return the columns of positions, None where there are none, and of heights, from 0."""
+    """Return the columns of positions (None without positions) and of heights, counted from 0."""
     flag = values.get("valid_column", 0)
     rest = [column for column in range(1, width + 1) if column != flag]
     expected = [1, 2] if points is None else [points[0] + 1, 3]

@@ -41,7 +41,7 @@ class InstrumentScan:
 
 
 def read_instrument(path: Path, content: bytes, channel: int | None) -> InstrumentScan:
-    """Return a channel of heights, counted from 0 among these, of a file and its bytes.
+    """Return a channel of heights of a file and its bytes; channels of heights count from 0.
 
     ScanFileError where the library is not installed, knows no such format, or finds no channel of heights, or more than
     one and none is given.
@@ -88,7 +88,7 @@ def _no_text(content: bytes) -> str:
 
 
 def _reason(error: Exception) -> str:
-    """Return in one line what the library says; it lists all readers where none knows the file."""
+    """Return the message of the library in one line; the library lists all readers if no reader knows the file."""
     text = " ".join(str(error).split())
     return "of none of its formats" if text.startswith("tried ") else text[:80] or type(error).__name__
 

@@ -60,19 +60,19 @@ def scan_line(table: TextTable, points: ScanLines, heights: FloatArray, row: int
 
 
 def row_of(heights: FloatArray, row: int | str) -> FloatArray:
-    """Return a row of a map, (n_rows, n), or the mean of all rows; NaN where any of them is missing."""
+    """Return a row of a map, (n_rows, n), or the mean of all rows; NaN where a height of the mean is missing."""
     return np.asarray(heights.mean(axis=0) if isinstance(row, str) else heights[_checked_row(row, heights.shape[0])])
 
 
 def _checked_row(row: int, count: int) -> int:
-    """Return the row if there is one of this number; else raise ScanFileError."""
+    """Return the row of a number; raise ScanFileError if the map has no such row."""
     if row >= count:
         raise refused("row", f"= {row}", rows_allowed(count))
     return row
 
 
 def rows_allowed(count: int) -> str:
-    """Return what `row` may be."""
+    """Return the allowed values of `row` in words."""
     return f'row = 0 to {count - 1} in the order of the file, or row = "mean"'
 
 

@@ -38,11 +38,11 @@ class RawScan:
     half_digits: Callable[[], FloatArray] | None = None  # half a unit of the last digit of each position, m
 
     def place(self, sample: int) -> str:
-        """Return where a sample (from 0) is to be found."""
+        """Return the place of a sample (from 0) in the file."""
         return f"sample {sample + 1}" if self.lines is None else f"line {self.lines[sample]}"
 
     def stretch(self, first: int, last: int) -> str:
-        """Return where samples from one to another are to be found."""
+        """Return the place of samples `first` to `last` in the file."""
         if first == last:
             return self.place(first)
         what, ends = ("samples", (first + 1, last + 1)) if self.lines is None else ("lines", self.lines[[first, last]])

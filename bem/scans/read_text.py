@@ -174,7 +174,7 @@ def _reading_of(body: Sequence[Line], readings: Iterable[Reading]) -> tuple[Read
 
 
 def _refuse_thousands(body: Sequence[Line], reading: Reading) -> None:
-    """Raise ScanFileError where every number with a comma may as well have it between thousands (`12,345`)."""
+    """Raise ScanFileError if the comma of every number may part thousands (`12,345`)."""
     commas = ((*line, cell) for line in body for cell in reading.cells(line[1]) if "," in cell)
     first = next(commas, None)
     if first is None or not all(THOUSANDS.fullmatch(cell) for *_, cell in (first, *commas)):
@@ -186,7 +186,7 @@ def _refuse_thousands(body: Sequence[Line], reading: Reading) -> None:
 
 
 def _refuse_minus(line: Line, readings: Iterable[Reading]) -> None:
-    """Raise ScanFileError for a line that would be numbers if its minus signs were those of numbers."""
+    """Raise ScanFileError for a line of numbers whose minus signs are another character than "-"."""
     sign = MINUS.search(line[1])
     if sign is not None and any(reading.has_number(MINUS.sub("-", line[1])) for reading in readings):
         problem = f"line {line[0]} ({line[1][:40]!r}) has the minus sign {sign[0]!r} (U+{ord(sign[0]):04X})"

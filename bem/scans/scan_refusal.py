@@ -1,4 +1,4 @@
-"""Errors of scans that cannot be used: the key of [profile] concerned, what is wrong, and what is allowed."""
+"""Errors of scans that cannot be used: the key of [profile] concerned, the mistake, and the allowed values."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class Refusal(NamedTuple):
-    """One thing that is wrong with a scan."""
+    """Mistake in a scan."""
 
     key: str  # of [profile]
     problem: str
@@ -15,7 +15,7 @@ class Refusal(NamedTuple):
 
 
 class ScanFileError(ValueError):
-    """Error of a scan that cannot be used; `refusals` says everything that is wrong with it."""
+    """Error of a scan that cannot be used; `refusals` lists all mistakes."""
 
     def __init__(self, refusals: Iterable[Refusal]) -> None:
         self.refusals = tuple(refusals)
@@ -23,5 +23,5 @@ class ScanFileError(ValueError):
 
 
 def refused(key: str, problem: str, allowed: str) -> ScanFileError:
-    """Return the error of a scan with one thing wrong."""
+    """Return the error of a scan with a single mistake."""
     return ScanFileError([Refusal(key, problem, allowed)])

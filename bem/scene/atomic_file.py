@@ -23,6 +23,6 @@ def write_atomically(path: Path, content: str | bytes) -> None:
 
 
 def remove_remains(path: Path) -> None:
-    """Remove temporary files of this name, of processes that died while they wrote; nobody else may write it."""
+    """Remove temporary files that dead processes left of a file; no other process may write the file meanwhile."""
     for remains in path.parent.glob(f".{path.name}.[0-9]*"):
         remains.unlink(missing_ok=True)

@@ -50,7 +50,7 @@ def _elastic_reasons(scene: Scene) -> Iterator[tuple[str, tuple[bool, str]]]:
     if scene.cut_by_default and scene.scan is not None:
         note = f"; profile.harmonics = {scene.profile.harmonics} by default for {scene.scan.x.size} samples"
     effects, limit = elastic_effects(scene), negligible(scene)
-    kept, absent = [], "no " + " or ".join(f"[{name}]" for name in ELASTIC)
+    changing, absent = [], "no " + " or ".join(f"[{name}]" for name in ELASTIC)
     for name, words in ELASTIC.items():
         if name not in effects:
             yield name, (False, f"no [{name}]")
@@ -60,9 +60,12 @@ def _elastic_reasons(scene: Scene) -> Iterator[tuple[str, tuple[bool, str]]]:
         if change < limit:
             absent = text = f"{text}, below a tenth of the tolerance, {limit:g}: left out"
         else:
-            kept.append(f"[{name}]")
+            changing.append(f"[{name}]")
         yield name, (change >= limit, text)
-    yield "half_space", (not kept, (f"the compliance is changed by {' and '.join(kept)}" if kept else absent) + note)
+    yield (
+        "half_space",
+        (not changing, (f"the compliance is changed by {' and '.join(changing)}" if changing else absent) + note),
+    )
 
 
 def _legs(scene: Scene) -> list[bool]:

@@ -1,4 +1,4 @@
-"""Warnings about a scene whose numbers are probably not what was meant.
+"""Warnings about a scene whose numbers are probably mistaken, as in a wrong unit.
 
 A profile in a wrong unit is solved as accurately as one in the right unit.  Only dimensionless groups tell.  With the
 harmonics h_m of the profile, q_m = 2 pi m / period and E* = E / (1 - nu^2), `MEANINGS` defines each group.  The energy
@@ -39,7 +39,7 @@ MOST_NOISE = 0.5  # format: of the mean square slope
 
 
 def groups_of(scene: Scene) -> dict[str, float]:
-    """Return the groups of a scene; those that need a rough profile or a scan only where there is one.
+    """Return the groups of a scene; without a rough profile or a scan, the groups that need one are absent.
 
     Examples
     --------
@@ -74,7 +74,7 @@ Warnings = Iterator[tuple[str, str]]
 
 
 def _lengths(scene: Scene, groups: Mapping[str, float]) -> Warnings:
-    """Lengths in mm instead of m: period, heights, and separations beside heights."""
+    """Yield warnings of lengths in mm instead of m: period, heights, and separations beside heights."""
     period, height, slope = float(scene.profile.period or np.nan), groups["rms_height"], groups["rms_slope"]
     if not PERIODS[0] <= period <= PERIODS[1] or (_doubted(scene, "unit_x") and period > SCANS[0]):
         yield "profile.period", f"the period is {period:.3g} m{_unit(scene, 'unit_x')}"
@@ -93,7 +93,7 @@ def _lengths(scene: Scene, groups: Mapping[str, float]) -> Warnings:
 
 
 def _pressures(scene: Scene, groups: Mapping[str, float]) -> Warnings:
-    """Pressures, moduli or works of adhesion in MPa or another unit instead of Pa and J/m^2."""
+    """Yield warnings of pressures, moduli or works of adhesion in MPa or another unit instead of Pa and J/m^2."""
     modulus, scale = scene.solid.youngs_modulus, groups["pressure_scale"]
     if not MODULI[0] <= modulus <= MODULI[1]:
         yield "solid.youngs_modulus", f"{modulus:.3g} Pa is outside {MODULI[0]:g} to {MODULI[1]:g} Pa: in MPa or GPa?"
@@ -111,14 +111,14 @@ def _pressures(scene: Scene, groups: Mapping[str, float]) -> Warnings:
 
 
 def _slopes(scene: Scene, groups: Mapping[str, float]) -> Warnings:
-    """Slopes beyond the limit of small strain."""
+    """Yield a warning of slopes beyond the limit of small strain."""
     slope = groups["rms_slope"]
     if SMALL_SLOPE < slope <= SLOPES[1]:
         yield "rms_slope", f"the rms slope {slope:.3g} is above {SMALL_SLOPE:g}, the limit of small strain"
 
 
 def _adhesion(scene: Scene, groups: Mapping[str, float]) -> Warnings:
-    """Adhesion that outweighs the elastic energy of complete contact."""
+    """Yield a warning of adhesion that outweighs the elastic energy of complete contact."""
     share = groups.get("adhesion_over_elastic_energy", 0.0)
     if share > LARGEST_ADHESION:
         told = f"adhesion is {share:.3g} times the elastic energy of complete contact, surfaces close by themselves"
@@ -127,7 +127,7 @@ def _adhesion(scene: Scene, groups: Mapping[str, float]) -> Warnings:
 
 
 def _noise(scene: Scene, groups: Mapping[str, float]) -> Warnings:
-    """Slopes that are mostly noise, with the cut that leaves it out."""
+    """Yield a warning of slopes that are mostly noise, with the cut that leaves the noise out."""
     share = groups.get("noise_share_of_slope", 0.0)
     if scene.scan is None or share <= MOST_NOISE:
         return
@@ -148,7 +148,7 @@ def _doubted(scene: Scene, *keys: str) -> list[str]:
 
 
 def _unit(scene: Scene, *keys: str) -> str:
-    """Return the question for a unit that ends a warning, empty where the file of a scan states it."""
+    """Return the question for a unit that ends a warning, empty where the file of a scan states the unit."""
     if scene.scan is None:
         return ": in mm instead of m?"
     asked = ", ".join(f'{key} = "{getattr(scene.profile, key)}"' for key in _doubted(scene, *keys))

@@ -42,11 +42,11 @@ Number = Annotated[float, BeforeValidator(_nan_of_null)]
 
 
 class NotFiniteError(ArithmeticError, ValueError):
-    """A number of a state came out as NaN or infinite: such a state does not exist."""
+    """Error of a state with a number that is NaN or infinite: such a state does not exist."""
 
 
 class EnergyGainedError(ArithmeticError):
-    """A jump gains energy beyond its error: an earlier event was missed, or its end cannot be reached."""
+    """Error of a jump that gains energy beyond its error: an earlier event was missed, or its end cannot be reached."""
 
 
 UNPHYSICAL = NotFiniteError, EnergyGainedError
@@ -64,7 +64,7 @@ class Effect:
 
 @dataclass(frozen=True)
 class Caution:
-    """A warning: the key, group or state concerned, and the probable cause."""
+    """Warning: the key, group or state concerned, and the probable cause."""
 
     about: str
     message: str
@@ -126,7 +126,7 @@ CLOSED = Gaps(0.0, 0.0, GapQuantiles(0.0, 0.0, 0.0, 0.0, 0.0), 0.0, 0.0)
 
 @dataclass(frozen=True, repr=False, kw_only=True)
 class State:
-    """An equilibrium on the path; energies in J/m^2 of nominal area, edges in m, `contact_stiffness` in Pa/m.
+    """Equilibrium on the path; energies in J/m^2 of nominal area, edges in m, `contact_stiffness` in Pa/m.
 
     The defaults are those of surfaces apart.  Every number is finite, with two exceptions.  An estimated error is
     infinite where the corrected edges overlap.  `mean_pressure` is NaN where any pressure would do: in complete contact
@@ -230,7 +230,7 @@ class EventError:
 
 @dataclass(frozen=True)
 class Event:
-    """A change of topology or stability; `position` in m, `energy_released` in J/m^2; kinds: bem/README.md, section 5.
+    """Change of topology or stability; `position` in m, `energy_released` in J/m^2; kinds: bem/README.md, section 5.
 
     Penetration and mean pressure are those of the equilibrium from which the contact jumps.  The pressure is NaN
     where the last gap closes, or the first opens, under a given separation: the tension there has no
@@ -254,7 +254,7 @@ class TensionError:
 
 @dataclass(frozen=True)
 class LargestTension:
-    """The least mean pressure on unloading, with its place on the path.
+    """Least mean pressure on unloading, with its place on the path.
 
     Candidates are the turns of the load (dP/dDelta = 0 on a branch), folds, and both sides of jumps, each located
     like an event.  A stored state is no candidate of its own.  The path provides the numbers as
@@ -280,7 +280,7 @@ class LargestTension:
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """A state with the events, warnings and largest tension since the state before, and its arrays, if any."""
+    """State with the events, warnings and largest tension since the state before, and its arrays, if any."""
 
     events: tuple[Event, ...]
     state: State
@@ -291,7 +291,7 @@ class Entry:
 
 @dataclass(frozen=True)
 class Progress:
-    """Progress of a solution; pressure in Pa, `target_index` counts from 0, `value` is that of the control."""
+    """Progress of a solution; pressure in Pa, `target_index` counts from 0, `value` is the value of the control."""
 
     mean_pressure: float
     contact_fraction: float
@@ -379,7 +379,7 @@ class Result(Views):
 
     @property
     def targets(self) -> tuple[State, ...]:
-        """The states at targets, one row each, met or not."""
+        """States at targets, one row each, met or not."""
         return tuple(state for state in self.states if state.target)
 
 

@@ -48,12 +48,12 @@ Kind = TypeVar("Kind")
 
 
 class CorruptResultError(ValueError):
-    """A stored result that cannot be trusted: damaged, incomplete or of another schema."""
+    """Stored result that cannot be trusted: damaged, incomplete or of another schema."""
 
 
 @dataclass(frozen=True)
 class Line:
-    """A line of the journal: an entry, with its arrays as the base64 text of an npz file."""
+    """Line of the journal: an entry, with its arrays as the base64 text of an npz file."""
 
     events: tuple[Event, ...]
     state: State
@@ -159,17 +159,17 @@ def read_result(folder: Path | str) -> Result:
 
 @dataclass(frozen=True)
 class Journal:
-    """The journal of a folder."""
+    """Journal of a folder."""
 
     folder: Path
 
     def begin(self, begun: Result, entries: Iterable[Entry]) -> None:
-        """Write a journal with these entries in place of any that was there, whole or not at all.
+        """Write a journal with the given entries in place of an earlier journal, whole or not at all.
 
         Parameters
         ----------
         begun : Result
-            What all states share: scene, effects, provenance, groups, warnings, and fields of no state.
+            Content that all states share: scene, effects, provenance, groups, warnings, and fields of no state.
         entries : iterable of Entry
 
         Raises
@@ -182,13 +182,13 @@ class Journal:
         write_atomically(self.path, _line(first) + b"".join(map(_entry_line, entries)))
 
     def add(self, entry: Entry) -> None:
-        """Append an entry; OSError where the disk is full, or no journal is there, as where the folder was removed."""
+        """Append an entry; OSError if the disk is full or the journal is missing, as in a removed folder."""
         line = _entry_line(entry)
         with os.fdopen(os.open(self.path, os.O_WRONLY | os.O_APPEND), "ab") as file:
             file.write(line)
 
     def read(self) -> Result:
-        """Return its entries as an interrupted result; CorruptResultError names a line that is damaged."""
+        """Return the entries of the journal as an interrupted result; CorruptResultError names a damaged line."""
         *lines, _ = self.path.read_bytes().split(b"\n")
         try:
             if not lines:
@@ -205,7 +205,7 @@ class Journal:
 
     @property
     def path(self) -> Path:
-        """The file of the journal."""
+        """File of the journal."""
         return self.folder / JOURNAL_FILE
 
 
@@ -254,7 +254,7 @@ def _typed(adapter: TypeAdapter[Kind], content: Any, place: str) -> Kind:
 
 
 def _first_mistake(error: ValidationError) -> str:
-    """Return the first key that is wrong, its value and what is allowed."""
+    """Return the first wrong key, its value and the allowed values."""
     first = error.errors(include_url=False)[0]
     key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in first["loc"]).lstrip(".")
     if first["type"].startswith("missing"):
@@ -264,7 +264,7 @@ def _first_mistake(error: ValidationError) -> str:
 
 
 def _result(content: Any, place: str) -> tuple[Result, str | None]:
-    """Return the result of a content, without fields, and the digest of these."""
+    """Return the result of a content without fields, and the digest of the fields."""
     if not isinstance(content, dict):
         raise CorruptResultError(f"{place} is {type(content).__name__}; allowed: a table")
     _verify_schema(content, place)
@@ -331,7 +331,7 @@ def _check_states(result: Result, place: str) -> None:
 
 
 def _with_arrays(result: Result, arrays: dict[str, NDArray[Any]], place: str) -> Result:
-    """Return a result with its arrays, which must be those that its states have."""
+    """Return a result with its arrays; raise CorruptResultError unless they match its states."""
     try:
         check_arrays(arrays, [state.stored for state in result.states if state.stored is not None])
     except CorruptArraysError as error:

@@ -1,4 +1,4 @@
-"""A result as tables, as a dataset of xarray, as curves and in a few words.
+"""Views of a result: tables, a dataset of xarray, curves and a few words.
 
 Columns are named as in result.json, with `error_estimate_` and `certificate_` before what these hold; edges and
 reasons, which differ in number from state to state, are in `states` alone.  None reads as NaN.
@@ -60,7 +60,7 @@ class Views:
         Raises
         ------
         ValueError
-            Neither of them.
+            Another value of `of`.
         """
         if of == "targets":
             return _answers([state for state in self.states if state.target], self.scene["loading"])
@@ -90,20 +90,20 @@ class Views:
             xarray = import_module("xarray")
         except ImportError as error:
             raise ImportError("xarray is not installed: pip install 'linecontact[xarray]'") from error
-        found: dict[str, Any] = {}
+        variables: dict[str, Any] = {}
         for of, dimension, prefix in (("states", "state", ""), ("events", "event", "event_")):
             for name, column in self.to_table(of).items():  # type: ignore[arg-type]
                 unit = UNITS.get(name.removeprefix("error_estimate_"), "1")
-                found[prefix + name] = (dimension, column, {"units": unit} if column.dtype.kind == "f" else {})
+                variables[prefix + name] = (dimension, column, {"units": unit} if column.dtype.kind == "f" else {})
         for name, values in self.fields.items():
             stem, k = split(name)
             along, unit = FIELDS.get(stem, (f"of_{name}", "1"))
             attributes = {"units": unit} if values.dtype.kind == "f" else {}
-            found[f"field_{name}"] = (along.format(k=k) if values.ndim else (), values, attributes)
-        of_points = [name for name in found if name.rpartition("_")[0] in ("field_x", "field_sigma")]
-        dataset = xarray.Dataset(found, attrs={"title": self.scene.get("title", ""), "status": self.status})
+            variables[f"field_{name}"] = (along.format(k=k) if values.ndim else (), values, attributes)
+        of_points = [name for name in variables if name.rpartition("_")[0] in ("field_x", "field_sigma")]
+        dataset = xarray.Dataset(variables, attrs={"title": self.scene.get("title", ""), "status": self.status})
         counted = {name: np.arange(dataset.sizes[name]) for name in ("state", "event")}
-        return dataset.assign_coords(counted).set_coords([*(COORDINATES & set(found)), *of_points])
+        return dataset.assign_coords(counted).set_coords([*(COORDINATES & set(variables)), *of_points])
 
     def plot(self) -> Figure:
         """Draw the mean pressure against contact fraction and against separation, with its estimated error."""
@@ -115,8 +115,8 @@ class Views:
         words.append(f"{len(self.events)} events")
         if self.warnings:
             words.append(f"{len(self.warnings)} warning{'s' * (len(self.warnings) != 1)} in .warnings")
-        if found := [state for state in self.states if state.found]:
-            last = found[-1]
+        if states := [state for state in self.states if state.found]:
+            last = states[-1]
             words.append(f"last at {last.mean_pressure:.6g} Pa, contact fraction {last.contact_fraction:.6g}")
         return f"<Result {self.status}: {', '.join(words)}>"
 
@@ -130,11 +130,11 @@ def _answers(states: Sequence[Any], loading: dict[str, Any]) -> dict[str, NDArra
     ]
     target = np.array(asked, dtype=np.float64)
     named = ("branch", "status")
-    found: dict[str, NDArray[Any]] = {name: np.array([getattr(state, name) for state in states]) for name in named}
+    columns: dict[str, NDArray[Any]] = {name: np.array([getattr(state, name) for state in states]) for name in named}
     rows = [_answer(state) for state in states]
     names = list(_answer(states[0])) if states else []
-    found["target"] = target
-    return found | {name: np.array([row[name] for row in rows], dtype=np.float64) for name in names}
+    columns["target"] = target
+    return columns | {name: np.array([row[name] for row in rows], dtype=np.float64) for name in names}
 
 
 def _answer(state: Any) -> dict[str, float | None]:
@@ -174,13 +174,15 @@ def _gap_columns(state: Any) -> dict[str, float]:
 
 def _columns(kind: type, records: Sequence[Any], prefix: str = "") -> dict[str, NDArray[Any]]:
     """Return records of a dataclass by columns; columns of nested records begin with the name of the record."""
-    found: dict[str, NDArray[Any]] = {}
+    columns: dict[str, NDArray[Any]] = {}
     for name, hint in get_type_hints(kind).items():
         values = [getattr(record, name) for record in records]
         if is_dataclass(hint):
-            found |= _columns(hint, values, f"{prefix}{name}_")  # type: ignore[arg-type]
+            columns |= _columns(hint, values, f"{prefix}{name}_")  # type: ignore[arg-type]
         elif hint in (str, int, bool) or get_origin(hint) is Literal:
-            found[prefix + name] = np.array(values, dtype=hint if isinstance(hint, type) else str)
+            columns[prefix + name] = np.array(values, dtype=hint if isinstance(hint, type) else str)
         elif hint in (float, float | None, int | None, bool | None):
-            found[prefix + name] = np.array([np.nan if value is None else value for value in values], dtype=np.float64)
-    return found
+            columns[prefix + name] = np.array(
+                [np.nan if value is None else value for value in values], dtype=np.float64
+            )
+    return columns

@@ -136,7 +136,7 @@ class Scene:
         return self.scan.preparation(self.profile.harmonics)
 
     def physics(self) -> dict[str, Any]:
-        """Return the tables that describe the contact, without absent ones; every code checks that it knows them."""
+        """Return the tables that describe the contact, without absent ones; every solver checks that it knows all."""
         tables = {name: getattr(self, name) for name in TABLES if name not in QUESTIONS}
         return {name: table for name, table in tables.items() if table is not None}
 
@@ -170,7 +170,7 @@ def load_scene(path: Path | str) -> Scene:
 
 
 def read_tables(path: Path | str) -> dict[str, Any]:
-    """Read the tables of a scene file, unchecked; SceneError if it is no regular file or no TOML."""
+    """Read the tables of a scene file, unchecked; SceneError if the path is no regular file or no TOML."""
     path = Path(path)
     try:
         if not stat.S_ISREG(path.stat().st_mode):
@@ -187,7 +187,7 @@ def read_tables(path: Path | str) -> dict[str, Any]:
 
 
 def scene_of(scene: Scene | Path | str | Table | None, tables: Mapping[str, Any]) -> Scene:
-    """Return the scene that is given as itself, as its file, as a mapping of tables, or by its `tables`.
+    """Return the scene given as a `Scene`, as a file, as a mapping of tables, or by `tables`.
 
     Raises
     ------
@@ -297,7 +297,7 @@ def _as_mapping(table: Any) -> Any:
 
 
 def _made(name: str, raw: Any) -> tuple[Any, dict[str, Any], list[Mistake]]:
-    """Return a table, None if it is absent or has mistakes, with its valid keys and its mistakes."""
+    """Return a table (None if absent or wrong), its valid keys and its mistakes."""
     if raw is None:
         if name in REQUIRED_TABLES:
             return None, {}, [Mistake(f"[{name}]", "is missing", f"a table with {', '.join(required_keys(name))}")]
@@ -313,7 +313,7 @@ def _made(name: str, raw: Any) -> tuple[Any, dict[str, Any], list[Mistake]]:
 def _scan(
     profile: Mapping[str, Any], given: set[str], base_dir: Path, arrays: Arrays | None
 ) -> tuple[Scan | None, list[Mistake]]:
-    """Return the prepared samples of profile.file or of arrays, if the profile says properly how to read them."""
+    """Return the prepared samples of profile.file or of arrays, if the keys of [profile] for reading are valid."""
     wrong = [key for key in given.intersection((*SCAN_KEYS, *DEFAULTS, *CUTOFFS)) if key not in profile]
     if profile.get("kind") != "samples" or "file" not in profile or wrong:
         return None, []

@@ -31,7 +31,7 @@ Unit = Literal["m", "cm", "mm", "um", "nm", "angstrom", "pm", "in", "mil", "uin"
 
 @table("profile")
 class ProfileTable:
-    """One period of the rigid profile; keys that the kind does not use are None."""
+    """Period of the rigid profile; keys that the kind does not use are None."""
 
     kind: Literal["self_affine", "harmonics", "samples"]
     period: Annotated[float | None, limits("profile.period")] = None
@@ -72,7 +72,7 @@ class StoredStart:
 
 
 def _stored(value: Any) -> Any:
-    """Return the stored start that a mapping describes, any other value as it is."""
+    """Return the stored start that a mapping describes; return any other value unchanged."""
     return StoredStart(**value) if isinstance(value, Mapping) else value
 
 
@@ -126,8 +126,8 @@ OUTPUTS = ("shapes", "spectra", "pressure_distribution")
 def class_of(name: str) -> type[Any]:
     """Return the class of a table, from a module that is imported only where the table is used."""
     module, _, kind = TABLES[name].rpartition(".")
-    found: type[Any] = getattr(import_module(module), kind)
-    return found
+    table_class: type[Any] = getattr(import_module(module), kind)
+    return table_class
 
 
 def required_keys(name: str) -> list[str]:

@@ -50,7 +50,7 @@ LONGEST_NAME = 64  # format: characters of the name of an array
 
 
 class CorruptArraysError(ValueError):
-    """Arrays that cannot be those of a result."""
+    """Error of arrays that cannot belong to a result."""
 
 
 def packed(arrays: Mapping[str, NDArray[Any]]) -> bytes:
@@ -80,7 +80,7 @@ def unpacked(raw: bytes) -> dict[str, NDArray[Any]]:
 
 
 def check_arrays(arrays: Mapping[str, NDArray[Any]], stored: Iterable[int]) -> None:
-    """Raise CorruptArraysError unless arrays are those of the states `stored` and have matching lengths."""
+    """Raise CorruptArraysError unless arrays belong to the states `stored` and have matching lengths."""
     states, sizes = {str(k) for k in stored}, dict[str, tuple[str, int]]()
     for name, values in arrays.items():
         stem, k = split(name)

@@ -1,4 +1,4 @@
-"""Start of a path from a stored state: it is read, must have converged, and must belong to the same bodies."""
+"""Start of a path from a stored state, which must have converged and belong to the bodies of the scene."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from bem.scene.scene_rules import QUESTIONS, Mistake, shown
 
 @dataclass(frozen=True)
 class StoredState:
-    """State with the resolved scene it was computed with."""
+    """State with the resolved scene of its computation."""
 
     state: State
     scene: dict[str, Any]
 
 
 def stored_start(initial: Any, control: str | None, base_dir: Path) -> tuple[StoredState | None, list[Mistake]]:
-    """Return the state that a valid loading.initial names, None if it names none, and the mistakes.
+    """Return the state that a valid loading.initial names, None if loading.initial names no state, and the mistakes.
 
     The state must provide the quantity of loading.control; relative names start from `base_dir`.
     """

@@ -49,7 +49,7 @@ def unloads(control: str, start: float, stop: float) -> bool:
 
 
 def equal_target(value: float, targets: Sequence[float]) -> float | None:
-    """Return the target that equals `value` within `SAME` of the largest one, None if there is none."""
+    """Return the target that equals `value` within `SAME` of the largest target; None without such a target."""
     if not targets:
         return None
     nearest = min(targets, key=lambda target: abs(target - value))
