@@ -56,7 +56,7 @@ def solve(
     with_separation: bool = True,
     max_iterations: int = 80,
 ) -> NonadhesiveContact | AdhesiveContact:
-    """Contact area, separation, energies, stress distribution and spectra of a rough contact at one load.
+    """Compute area, separation, energies, stress distribution and spectra of a rough contact at one load.
 
     Parameters
     ----------

@@ -41,7 +41,7 @@ ADVICE: dict[Status, str] = {
 
 
 def advice_for(status: Status) -> str:
-    """What to do about a status; empty when nothing needs to be done.
+    """Return the action to take for a status; empty if no action is needed.
 
     Examples
     --------
