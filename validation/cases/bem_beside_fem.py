@@ -1,4 +1,4 @@
-"""One scene by boundary elements and by finite elements: the numbers compared, with the uncertainty of each code.
+"""Scene by boundary elements and by finite elements: the numbers compared, with the uncertainty of each code.
 
 For every quantity |BEM - FEM| <= sqrt(u_BEM^2 + u_FEM^2).  u_FEM comes from the three meshes of the reference, u_BEM
 from the error estimates of a state: of the contact fraction for the edges, of the mean pressure for the load.  A
@@ -40,7 +40,7 @@ ELASTIC = ("converged", "negative_stress_intensity", "interpenetration")  # at g
 
 @dataclass(frozen=True)
 class Difference:
-    """One quantity by both codes, with the uncertainty of each and a scale, all in `unit`."""
+    """Quantity by both codes, with the uncertainty of each and a scale, all in `unit`."""
 
     name: str
     quantity: Quantity

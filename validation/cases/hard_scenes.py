@@ -165,7 +165,7 @@ def ends_of_the_path() -> Iterator[Hard]:
 
 
 def swept() -> Iterator[Hard]:
-    """One parameter from end to end, on the rough profile."""
+    """Yield scenes that vary one parameter from end to end, on the rough profile."""
     thin = 0.02 * PERIOD
     yield Hard("thin incompressible layer", "stiff by the third power of its thickness",
                sticky(30, "separation", [70e-6, 60e-6], thickness=thin), level="quick")

@@ -54,7 +54,7 @@ class Apart:
 
     @property
     def differs(self) -> bool:
-        """Whether that is beyond the limit."""
+        """True if the ratio exceeds the limit."""
         return not self.ratio <= self.limit
 
     def __str__(self) -> str:
@@ -77,7 +77,7 @@ class ComparedFolders:
         return [*self.others, *(str(number) for number in self.worst() if number.differs)]
 
     def worst(self) -> list[Apart]:
-        """The largest ratio of each quantity, over all places."""
+        """Return the number with the largest ratio of each quantity, over all places."""
         found: dict[str, Apart] = {}
         for number in self.numbers:
             kept = found.setdefault(number.quantity, number)
@@ -165,7 +165,7 @@ def _key(row: Mapping[str, Any]) -> str:
 
 
 def _paired(a: Result, b: Result, control: str) -> tuple[list[tuple[State, State]], dict[str, list[str]]]:
-    """States of A and B at the same targets, in the order of A; the places of those that have no counterpart."""
+    """Pair states of A and B at equal targets, in the order of A; also return the places of unpaired states."""
     met, free = (
         [state for state in result.targets if not math.isnan(getattr(state, control))] for result in (a, b)
     )  # not a pressure on the way that was missed
@@ -188,7 +188,7 @@ def _place(state: State, control: str) -> str:
 
 
 def _numbers(a: State | Event, b: State | Event, estimates: type, where: str) -> Iterator[Apart]:
-    """The numbers that have an estimated error on both sides."""
+    """Yield the numbers that have an estimated error on both sides."""
     for name in (item.name for item in fields(estimates)):
         errors = [getattr(side.error_estimate, name) for side in (a, b)]
         values = [getattr(side, name) for side in (a, b)]
@@ -198,7 +198,7 @@ def _numbers(a: State | Event, b: State | Event, estimates: type, where: str) ->
 
 
 def _scene_notes(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[str]:
-    """Keys in which two resolved scenes differ, but for their titles."""
+    """Yield the keys in which two resolved scenes differ, except their titles."""
     for table in (name for name in a if name != "title"):
         left, right = ({} if scene.get(table) is None else scene[table] for scene in (a, b))
         for key in dict.fromkeys((*left, *right)):
@@ -207,6 +207,6 @@ def _scene_notes(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _counts(words: Iterable[str]) -> str:
-    """Words with their counts, in the order in which they come first."""
+    """Return words with their counts, in the order of first occurrence."""
     listed = list(words)
     return ", ".join(f"{listed.count(word)} {word.replace('_', ' ')}" for word in dict.fromkeys(listed)) or "none"

@@ -92,7 +92,7 @@ def _affordable(arguments: dict[str, Any], resolution: Resolution, patches: int)
 
 
 def targets(arguments: dict[str, Any], values: list[float], resolution: Resolution) -> list[tuple[Result, float]]:
-    """The states at targets, in order, with their CPU seconds, up to the first that has none."""
+    """Solve for states at targets in order, ending with the first that does not converge; each with CPU seconds."""
     found: list[tuple[Result, float]] = []
     for value in values:
         begun = time.process_time()
@@ -110,7 +110,7 @@ def targets(arguments: dict[str, Any], values: list[float], resolution: Resoluti
 
 
 def with_entered(result: Result) -> FloatArray:
-    """Edges (n_patches, 2) in m: those of a state, and of every interval in which the profile enters the layer."""
+    """Return edges (n_patches, 2) in m of a state and of every interval in which the profile enters the layer."""
     period = result.problem.period
     count = GRID * result.problem.highest_order
     x = result.edges[0, 0] + np.arange(count) * (period / count)
@@ -126,7 +126,7 @@ def with_entered(result: Result) -> FloatArray:
 
 
 def _state(result: Result, seconds: float) -> dict[str, Any]:
-    """A state under the names of the boundary elements' result."""
+    """Return a state under the names of the boundary elements' result."""
     period = result.problem.period
     uncertain = {name: float(np.max(result.uncertainty[name])) for name in NUMBERS}
     uncertain |= {name: float(np.max(result.uncertainty[name])) / period for name in ENERGIES}

@@ -53,7 +53,7 @@ class Group:
 
     @property
     def name(self) -> str:
-        """Name that seeds the phases."""
+        """Return the name that seeds the phases."""
         return "-".join([SHORT[self.spectrum], *map(str, self.parameters)]).replace(" ", "")
 
     @property

@@ -43,7 +43,7 @@ GAIN = (
 
 
 def line_through(load: ArrayLike, area: ArrayLike) -> tuple[float, float]:
-    """Intercept and slope of the straight line by least squares.
+    """Return intercept and slope of the straight line by least squares.
 
     Examples
     --------
@@ -55,7 +55,7 @@ def line_through(load: ArrayLike, area: ArrayLike) -> tuple[float, float]:
 
 
 def curvature(load: ArrayLike, area: ArrayLike) -> float:
-    """Second Legendre coefficient of the area over its loads, over the largest area.
+    """Return the second Legendre coefficient of the area over its loads, divided by the last area.
 
     Examples
     --------
@@ -69,7 +69,7 @@ def curvature(load: ArrayLike, area: ArrayLike) -> float:
 
 
 def departures(area_at: Callable[[float], float]) -> list[float]:
-    """A/p where the area is each of `STRAIGHT_TO`, over A/p at the lowest load, less 1; of an area over p/E*.
+    """Return A/p at each area of `STRAIGHT_TO` over A/p at the lowest load, less 1; `area_at` takes p/E*.
 
     Examples
     --------

@@ -23,7 +23,7 @@ from validation.report.pages import ReportError
 
 @dataclass(frozen=True)
 class Member:
-    """One solution of an ensemble."""
+    """Solution of an ensemble, by name and scene."""
 
     name: str  # of its folder
     scene: Mapping[str, Any]  # content of a scene file, SI units

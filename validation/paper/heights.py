@@ -85,12 +85,12 @@ def compute(evidence: Evidence) -> Topic:
 
 
 def _excess(power: FloatArray) -> float:
-    """Excess kurtosis of independent phases."""
+    """Return the excess kurtosis of independent phases."""
     return float(-1.5 * np.sum(power**2) / np.sum(power) ** 2)
 
 
 def _fourth_moment(evidence: Evidence, first: int) -> tuple[float, float]:
-    """Mean over the profiles, with the waves below an order taken out, and its standard error."""
+    """Return the mean fourth moment of the profiles without the waves below an order, and its standard error."""
     moments = []
     for whole in (one.surface for one in evidence.loading):
         kept = whole.orders >= first

@@ -70,6 +70,6 @@ def _statement(value: float, found: Exponent, alone: Exponent, theory: float, ev
 
 
 def _followed(one: Realisation, orders: int) -> FloatArray:
-    """C_u / C at the last target, (n_orders,)."""
+    """Return C_u / C at the last target, (n_orders,)."""
     last = len(one.result.targets) - 1
     return np.asarray(one.result.fields[f"C_u_{last}"][:orders] / one.lines.power(one.surface.q0))

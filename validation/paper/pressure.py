@@ -38,14 +38,14 @@ COMPRESSIVE_END = (1.0, 3.0)  # of h'_rms / 2
 
 
 def density(one: Realisation, load: float, bounds: FloatArray) -> FloatArray:
-    """Mean of P E* over bins of sigma/E*, (n_bins,), from the exact shares of the solver's own bins."""
+    """Return the mean of P E* over bins of sigma/E*, (n_bins,), from the exact shares of the solver's own bins."""
     own = one.field("sigma_bounds", load) / MODULUS
     shares = np.concatenate([[0.0], np.cumsum(one.field("P", load) * np.diff(own) * MODULUS)])
     return np.asarray(np.diff(np.interp(bounds, own, shares)) / np.diff(bounds))
 
 
 def decay_power(sigma: FloatArray, values: FloatArray) -> float:
-    """k of ln P = a - b sigma^k by least squares; bins without weight are left out.
+    """Fit k of ln P = a - b sigma^k by least squares; bins with P = 0 are left out.
 
     Examples
     --------
@@ -82,7 +82,7 @@ def compute(evidence: Evidence) -> Topic:
 
 
 def _distribution(evidence: Evidence, load: float, factor: float) -> Callable[[FloatArray], FloatArray]:
-    """P E* of the theory at sigma/E*, its sigma_a multiplied by a factor."""
+    """Return the theory's P E* as a function of sigma/E*, with sigma_a multiplied by a factor."""
     found = evidence.with_adhesion[load]
     if factor != 1:
         found = theory_with_adhesion(evidence.loading[0], load, 1 / factor**2)
@@ -90,7 +90,7 @@ def _distribution(evidence: Evidence, load: float, factor: float) -> Callable[[F
 
 
 def _distance(evidence: Evidence, sample: Sample, factor: float) -> float:
-    """int |P - P of the theory| over the bins, over the contact fraction."""
+    """Return int |P - P of the theory| over the bins, divided by the contact fraction."""
     said = _distribution(evidence, sample.load, factor)(CENTRES)
     return float(np.sum(np.abs(sample.mean - said)) / np.sum(sample.mean))
 

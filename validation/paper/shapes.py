@@ -44,7 +44,7 @@ def compute(evidence: Evidence) -> Topic:
 
 
 def _together(one: Realisation) -> Figure:
-    """All shapes over the period, in one frame."""
+    """Draw all shapes over the period, in one frame."""
     series: list[Series] = []
     for k, separation in enumerate(SHAPES_AT):
         x, solid, profile = _about_highest_crest(one, k)

@@ -50,12 +50,12 @@ class Exponent:
     high: float
 
     def reported(self, added: float = 0.0) -> str:
-        """What the window leaves open, with a number added to the exponents."""
+        """Return the range of the exponent over the windows as text, with a number added to both ends."""
         return f"windows: {self.low + added:.3f} to {self.high + added:.3f}"
 
 
 def exponent(power: FloatArray, window: Window) -> float:
-    """Slope of ln C against ln q over the orders of a window; power belongs to the orders 1, 2, ..
+    """Return the slope of ln C against ln q over the orders of a window; power belongs to the orders 1, 2, ..
 
     Examples
     --------
@@ -68,7 +68,7 @@ def exponent(power: FloatArray, window: Window) -> float:
 
 
 def exponent_of(power: FloatArray, windows: Sequence[Window]) -> Exponent:
-    """Exponent of several realisations, (n_realisations, n_orders), over several windows; nan without a window.
+    """Fit the exponent of realisations, (n_realisations, n_orders), over several windows; NaN without a window.
 
     Examples
     --------
@@ -85,7 +85,7 @@ def exponent_of(power: FloatArray, windows: Sequence[Window]) -> Exponent:
 
 
 def exponent_of_mean(power: FloatArray, windows: Sequence[Window]) -> Exponent:
-    """Exponent of the mean over realisations, (n_realisations, n_orders), over several windows; jackknife error.
+    """Fit the exponent of the mean of realisations, (n_realisations, n_orders), over windows; jackknife error.
 
     Examples
     --------
@@ -100,7 +100,7 @@ def exponent_of_mean(power: FloatArray, windows: Sequence[Window]) -> Exponent:
 
 
 def spectra(evidence: Evidence, load: float, name: str = "C_u") -> FloatArray:
-    """C_u at a load in m^3, or C_sigma, (n_realisations, n_orders)."""
+    """Return C_u at a load in m^3, or C_sigma, (n_realisations, n_orders)."""
     every = [one.field(name, load) for one in evidence.with_fields_at(load)]
     return np.array(every)[:, : evidence.size.harmonics]
 
@@ -205,7 +205,7 @@ def _high(load: float, power: FloatArray, theory: FloatArray, evidence: Evidence
 
 
 def _high_load(one: Realisation, evidence: Evidence) -> tuple[Statement, Figure]:
-    """C_u / C as contact becomes complete: at the highest load, in bands of orders, and its mean at every load."""
+    """Judge and draw C_u / C as contact becomes complete: in bands of orders, and its mean at every load."""
     profile = one.result.fields["C_h"]
     carried = np.flatnonzero(profile > 0)
     series, lines = list[Series](), list[tuple[float, ...]]()
@@ -234,7 +234,7 @@ def _high_load(one: Realisation, evidence: Evidence) -> tuple[Statement, Figure]
 
 
 def banded(values: FloatArray, bands: int = BANDS) -> tuple[list[float], list[float]]:
-    """Means over bands of orders equal in ln q: central orders and values.
+    """Return means over bands of orders equal in ln q: central orders and values.
 
     Examples
     --------

@@ -105,7 +105,7 @@ class Orphans(pytest.Item):
     message = ""
 
     def runtest(self) -> None:
-        """Fail."""
+        """Fail with the message of the item."""
         raise RowFailure(self.message)
 
 
@@ -139,7 +139,7 @@ def level_of(item: pytest.Item) -> str:
 
 @pytest.fixture
 def rows(request: pytest.FixtureRequest) -> Rows:
-    """Rows of this case; the case fails at its end where a row does, with --pdb at once."""
+    """Return the rows of a case; the case fails at its end if a row fails, with --pdb at once."""
     return rows_of(request.node)
 
 

@@ -87,12 +87,12 @@ class Ledger:
         node.workerinput["validation_finished"] = list(self.resumed)
 
     def pytest_collection_finish(self, session: pytest.Session) -> None:
-        """Note what is planned in a run without workers."""
+        """Record the planned cases of a run without workers."""
         self.planned = self.planned or [item.nodeid for item in session.items]
 
     @pytest.hookimpl(optionalhook=True)
     def pytest_xdist_node_collection_finished(self, node: Any, ids: list[str]) -> None:
-        """Note what is planned, as a worker collected it."""
+        """Record the planned cases as a worker collected them."""
         self.planned = list(ids)
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:

@@ -78,7 +78,7 @@ Curve = tuple[ArrayLike, ArrayLike] | tuple[ArrayLike, ArrayLike, Any]  # x, y, 
 
 @dataclass(frozen=True)
 class Row:
-    """One comparison: lists hold one number per value, all in `unit`.
+    """Comparison of numbers: lists hold one number per value, all in `unit`.
 
     `reason` states where `allowed` comes from.  With a `cause`, values are ratios, references the middle of the band,
     and `allowed` is half the band.  `stored` is the stored error, or the stored value of a count; None where there is

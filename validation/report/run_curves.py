@@ -37,7 +37,7 @@ class Strokes:
 
 
 def curves_of(result: Result) -> Iterator[Figure]:
-    """Mean pressure against contact fraction and against separation, of a result of which all states are there."""
+    """Yield mean pressure against contact fraction and against separation, of a result that has all its states."""
     if not result.states:
         return
     if all(state.status == "complete_contact" for state in result.states):
@@ -94,7 +94,7 @@ def strokes_of(result: Result, value: Callable[[State], float], place: Callable[
 
 
 def _panel(result: Result, name: str, theories: list[Theory]) -> Panel:
-    """Branches, jumps, states at targets with error bars, events and pull-off, and the theory beside them."""
+    """Draw branches, jumps, states at targets with error bars, events and pull-off, and the theory beside them."""
     states = [state for state in result.states if not math.isnan(state.mean_pressure)]
     lift, pressure = axis_unit(max((abs(state.mean_pressure) for state in states), default=0.0), "Pa")
     apart = name == "separation"

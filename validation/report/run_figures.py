@@ -44,7 +44,7 @@ def stored_states(result: Result) -> dict[str, State]:
 
 
 def _errors(result: Result) -> Panel:
-    """Estimated errors over the states: of the contact fraction, and of the pressure over its largest value."""
+    """Draw estimated errors over the states: of the contact fraction, and of the pressure over its largest value."""
     scale = max((abs(state.mean_pressure) for state in result.states if not math.isnan(state.mean_pressure)), default=0)
     estimates = [state.error_estimate for state in result.states]
     found = {

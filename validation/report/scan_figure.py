@@ -31,7 +31,7 @@ SAID = {
 
 
 def preparation_figure(fields: Mapping[str, NDArray[np.float64]], steps: Sequence[Mapping[str, Any]]) -> Figure | None:
-    """The figure of a result, from its fields and `profile_preparation`; None where its profile is no scan.
+    """Draw the scan and the profile of a result from its fields and `profile_preparation`; None without a scan.
 
     Examples
     --------
@@ -56,7 +56,7 @@ def preparation_figure(fields: Mapping[str, NDArray[np.float64]], steps: Sequenc
 
 
 def spectrum_figure(fields: Mapping[str, NDArray[np.float64]], steps: Sequence[Mapping[str, Any]]) -> Figure | None:
-    """The power spectrum over wavelengths; None of a result without one, or of equal heights.
+    """Draw the power spectrum over wavelengths; None for a result without a spectrum, or with equal heights.
 
     Examples
     --------
@@ -87,7 +87,7 @@ def spectrum_figure(fields: Mapping[str, NDArray[np.float64]], steps: Sequence[M
 
 
 def _noise_in_words(facts: Mapping[str, Any]) -> str:
-    """What the spectrum of a scan tells, in a sentence."""
+    """State noise floor and suggested cutoff of the spectrum of a scan in a sentence."""
     said = facts["noise"]
     if "noise_rms" in facts:
         said = f"a noise floor of {_rounded(facts['noise_rms'])} rms"
@@ -98,12 +98,12 @@ def _noise_in_words(facts: Mapping[str, Any]) -> str:
 
 
 def _rounded(length: float) -> str:
-    """A length to three digits."""
+    """Return a length to three digits as text."""
     return quantity(float(f"{length:.3g}"), "m")
 
 
 def _cuts(steps: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, float]]:
-    """Names and wavelengths (m) at which a scan is cut, and at which it is suggested to be."""
+    """Yield names and wavelengths (m) of the cuts of a scan and of the suggested cut."""
     found = {step["step"]: step for step in steps}
     if "period" in found.get("periodic", {}) and "cut" in found:
         yield "harmonics end", found["periodic"]["period"] / found["cut"]["harmonics"]
@@ -115,7 +115,7 @@ def _cuts(steps: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, float]]:
 
 
 def caption_of(steps: Sequence[Mapping[str, Any]]) -> str:
-    """What was done to a scan, in a sentence."""
+    """Describe the preparation of a scan in a sentence."""
     samples = next(step["samples"] for step in steps if step["step"] == "read")
     done = [
         SAID.get(step["step"], {}).get(step.get("method", ""), "").format_map(step)

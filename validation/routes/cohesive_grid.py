@@ -35,7 +35,7 @@ STEP = 0.1  # of the path, in the span of the separations
 
 
 def missing() -> str:
-    """Why the packages cannot run here; empty when they can."""
+    """Return the reason why the packages cannot run on this machine; empty if they can."""
     return route.missing("peers", *PACKAGES)
 
 
@@ -64,7 +64,10 @@ class CohesiveGrid:
         self.tolerance = TOLERANCE * gamma / rho * self.spacing
 
     def relaxed(self, start: FloatArray, separation: float, iterations: int) -> tuple[FloatArray, int]:
-        """Gaps (n,) of this mean in m, from others, and the iterations taken; ArithmeticError after so many."""
+        """Relax gaps (n,) at a mean separation in m from `start`; return gaps and number of iterations.
+
+        ArithmeticError if `iterations` do not suffice.
+        """
         with redirect_stdout(io.StringIO()):  # it reports every direction of negative curvature
             found = import_module("NuMPI.Optimization").constrained_conjugate_gradients(
                 self.system.primal_objective(0.0, gradient=True),
@@ -79,7 +82,7 @@ class CohesiveGrid:
         return np.asarray(found.x, dtype=np.float64).ravel(), int(found.nit)
 
     def load(self, gap: FloatArray) -> tuple[float, float]:
-        """Mean pressure in Pa that holds these gaps, and elastic energy in J/m per period."""
+        """Return the mean pressure in Pa that holds given gaps, and the elastic energy in J/m per period."""
         _, force = self.system.primal_evaluate(gap + self.height, gap, pot=True, forces=True)
         uniform = float(np.mean(self.half_space.force))  # the package's spring of the mean displacement, not ours
         pressure = (float(np.mean(np.asarray(force).ravel()[gap > 0])) - uniform) / self.spacing
@@ -87,7 +90,7 @@ class CohesiveGrid:
 
 
 def solve(problem: Problem, points: int, spacings: int = SPACINGS, steps: int | None = None) -> Answer:
-    """The states at the targets, with adhesion in so many steps to each, by default as many as STEP says."""
+    """Solve for the states at the targets; with adhesion in `steps` steps to each, by default from STEP."""
     if problem.thickness is not None:
         raise NotImplementedError("layers under lines")
     if problem.work_of_adhesion is not None and problem.control == "mean_pressure":

@@ -59,7 +59,7 @@ STRICT = ConfigDict(strict=True, extra="forbid")
 
 @dataclass(frozen=True)
 class Answer:
-    """One number of a solved scene; the pull-off has no target."""
+    """Number of a solved scene; the pull-off has no target."""
 
     __pydantic_config__ = STRICT
 
@@ -84,7 +84,7 @@ class Solved:
 
     @property
     def good(self) -> bool:
-        """Whether the path ended as asked, or behind a pull-off."""
+        """True if the path ended as asked, or behind a pull-off."""
         return self.status in FINAL_STATUSES
 
 

@@ -39,7 +39,7 @@ LARGEST_JUMP = 5.0  # rms steps between the ends of a scan that is continued as 
 
 @dataclass(frozen=True)
 class Setting:
-    """One way to solve a scene.
+    """Way to solve a scene.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""A state of adhesive contact by the paper's method: descent, then what changes the number of patches, and again.
+"""State of adhesive contact by the paper's method: descents, with changes of the number of patches in between.
 
 After each descent: a patch that vanished detaches, a gap that vanished closes, and where the profile enters the solid
 between patches a new contact is made; then the descent starts anew.  A state is the minimum reached
@@ -47,7 +47,7 @@ class PaperState:
     found: Energy | None = None
 
     def gap(self, x: ArrayLike) -> FloatArray:
-        """Gap in m at positions x in m (n,) off the contact; nan when nothing was found."""
+        """Return the gap in m at positions x in m (n,) off the contact; NaN if the state has no energy."""
         at = np.asarray(x, dtype=np.float64) / self.surface.unit_length
         if self.found is None:
             return np.full(at.shape, np.nan)
@@ -150,7 +150,9 @@ def solve(
 def follow(
     surface: Surface, penetrations: ArrayLike, cells: int, allowed_residual: float = 1e-6, allowed: float = 1e-4
 ) -> list[PaperState]:
-    """States at increasing penetrations (n,) in m, each from the edges of the one before, first the highest crest.
+    """Solve for states at increasing penetrations (n,) in m.
+
+    The first state starts from the highest crest, every other state from the edges of its predecessor.
 
     The list ends with the first state that is not an equilibrium.
     """
@@ -167,13 +169,13 @@ def follow(
 
 
 def cells_for(surface: Surface, edges: FloatArray, cells: int) -> IntArray:
-    """Numbers of cells, (L,): `cells`, and as many more for every half wavelength of the highest harmonic."""
+    """Return numbers of cells, (L,): `cells`, and as many more for every half wavelength of the highest harmonic."""
     waves = np.diff(edges, axis=1)[:, 0] * surface.order.max() / np.pi
     return np.asarray(np.ceil(cells * (1 + waves)), dtype=np.int64)
 
 
 def gap_between(surface: Surface, state: Energy, penetration: float) -> tuple[FloatArray, FloatArray]:
-    """Gaps in rms heights, and their positions, at points between the patches that crowd at the edges."""
+    """Return gaps in rms heights and their positions, at points between the patches that crowd at the edges."""
     edges = state.cells.edges
     ends = np.append(edges[1:, 0], edges[0, 0] + 2 * np.pi)
     points = []
@@ -185,7 +187,7 @@ def gap_between(surface: Surface, state: Energy, penetration: float) -> tuple[Fl
 
 
 def displacement(surface: Surface, state: Energy, x: FloatArray) -> FloatArray:
-    """u - u_m in rms heights at points x (n,) off the contact."""
+    """Return u - u_m in rms heights at points x (n,) off the contact."""
     cells, charges = state.cells, state.charges
     kernel = np.log(np.abs(2 * np.sin(np.subtract.outer(x, cells.centre) / 2)))
     field = -kernel @ charges / np.pi
@@ -199,7 +201,7 @@ def displacement(surface: Surface, state: Energy, x: FloatArray) -> FloatArray:
 
 
 def _without_vanished(found: Descent) -> FloatArray | None:
-    """The edges without patches and gaps that vanished; None when there are none."""
+    """Return the edges without vanished patches, or with the first vanished gap closed; None if nothing vanished."""
     edges = found.state.cells.edges
     width = np.diff(edges, axis=1)[:, 0]
     gone = width < VANISHED * found.edge_scale.max(axis=1)
@@ -217,7 +219,7 @@ def _without_vanished(found: Descent) -> FloatArray | None:
 
 
 def _with_contact(surface: Surface, edges: FloatArray, position: float) -> FloatArray:
-    """The edges with a new small contact about a position."""
+    """Return the edges with a new small contact about a position."""
     behind = np.append(edges[1:, 0], edges[0, 0] + 2 * np.pi)
     after = int(np.flatnonzero((edges[:, 1] < position) & (position < behind))[0])
     free = min(position - edges[after, 1], behind[after] - position)

@@ -33,7 +33,7 @@ LIMIT = 600.0  # s of a run: a fault may make a path endless
 
 @dataclass(frozen=True)
 class Fault:
-    """One wrong piece of code."""
+    """Wrong piece of code to be detected by a case."""
 
     name: str
     file: str  # below the folder of the packages
@@ -43,7 +43,7 @@ class Fault:
     case: str
 
     def put_into(self, root: Path) -> None:
-        """Change the file below a root; ValueError where the right text does not stand there exactly once."""
+        """Change the file below a root; ValueError unless the file holds the text `before` exactly once."""
         path = root / self.file
         text = path.read_text("utf-8") if path.exists() else ""
         if text.count(self.before) != 1:

@@ -9,7 +9,7 @@ CUTS = [5, 20, 100]  # harmonics: waves in the length of the scan
 
 
 def solved(harmonics: int) -> bem.Result:
-    """The scan under 100 kPa with a cut."""
+    """Solve the scan under 100 kPa with a cut after so many harmonics."""
     return bem.solve(
         {
             "solid": {"youngs_modulus": 50e6, "poisson_ratio": 0.49},
