@@ -59,8 +59,8 @@ def problem(name: str) -> tuple[dict[str, Any], dict[str, Any]]:
 def names() -> list[str]:
     """Return the names of the problems, easy ones first."""
     order = {"easy": 0, "medium": 1, "hard": 2}
-    found = sorted(path.name for path in FOLDER.iterdir() if (path / "problem.toml").exists())
-    return sorted(found, key=lambda name: order.get(problem(name)[0]["difficulty"], len(order)))
+    folders = sorted(path.name for path in FOLDER.iterdir() if (path / "problem.toml").exists())
+    return sorted(folders, key=lambda name: order.get(problem(name)[0]["difficulty"], len(order)))
 
 
 def judge(rows: Rows, name: str, given: dict[str, Any], digits: float, of: Code = Code.USER) -> None:
@@ -165,12 +165,12 @@ def add_commands(commands: Any, perform: Callable[[argparse.Namespace], int]) ->
     actions = commands.add_parser("challenge", help="problems with certified answers: judge a solver by them")
     actions = actions.add_subparsers(required=True, metavar="ACTION")
     actions.add_parser("list", help="one problem a line").set_defaults(command=_list, perform=perform)
-    one = actions.add_parser("judge", help="judge a solver, or submitted answers")
-    given = one.add_mutually_exclusive_group(required=True)
+    command = actions.add_parser("judge", help="judge a solver, or submitted answers")
+    given = command.add_mutually_exclusive_group(required=True)
     given.add_argument("--solver", metavar="MODULE:FUNCTION", help="from the dictionary of a problem to one of answers")
     given.add_argument("--submission", type=Path, metavar="FILE", help="answers as JSON")
-    one.add_argument("--only", metavar="TEXT", help="problems whose name contains this, several between commas")
-    one.add_argument("--digits", type=float, default=3.0, help="digits of a right answer (default: 3)")
-    one.add_argument("--time-limit", type=float, default=600.0, metavar="S", help="of each problem (default: 600)")
-    one.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder of the report")
-    one.set_defaults(command=_judge, perform=perform)
+    command.add_argument("--only", metavar="TEXT", help="problems whose name contains this, several between commas")
+    command.add_argument("--digits", type=float, default=3.0, help="digits of a right answer (default: 3)")
+    command.add_argument("--time-limit", type=float, default=600.0, metavar="S", help="of each problem (default: 600)")
+    command.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder of the report")
+    command.set_defaults(command=_judge, perform=perform)

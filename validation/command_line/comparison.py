@@ -78,12 +78,12 @@ class ComparedFolders:
 
     def worst(self) -> list[Apart]:
         """Return the number with the largest ratio of each quantity, over all places."""
-        found: dict[str, Apart] = {}
+        largest: dict[str, Apart] = {}
         for number in self.numbers:
-            kept = found.setdefault(number.quantity, number)
-            if number.ratio > kept.ratio:
-                found[number.quantity] = number
-        return list(found.values())
+            known = largest.setdefault(number.quantity, number)
+            if number.ratio > known.ratio:
+                largest[number.quantity] = number
+        return list(largest.values())
 
 
 def compare(a: Path, b: Path) -> ComparedFolders:
@@ -96,12 +96,12 @@ def compare(a: Path, b: Path) -> ComparedFolders:
     if kind != other:
         raise ReportError(f"not comparable: {a} holds {kind}, {b} holds {other}")
     if kind == KINDS[RESULT_FILE]:
-        found = compare_results(read_result(a), read_result(b))
+        compared = compare_results(read_result(a), read_result(b))
     else:
-        found = compare_reports(read_report(a), read_report(b))
-    if not found.numbers:
-        raise ReportError(f"not comparable: no number in common ({'; '.join(found.others) or 'none at all'})")
-    return found
+        compared = compare_reports(read_report(a), read_report(b))
+    if not compared.numbers:
+        raise ReportError(f"not comparable: no number in common ({'; '.join(compared.others) or 'none at all'})")
+    return compared
 
 
 def _kind(folder: Path) -> str:

@@ -93,20 +93,20 @@ def _affordable(arguments: dict[str, Any], resolution: Resolution, patches: int)
 
 def targets(arguments: dict[str, Any], values: list[float], resolution: Resolution) -> list[tuple[Result, float]]:
     """Solve for states at targets in order, ending with the first that does not converge; each with CPU seconds."""
-    found: list[tuple[Result, float]] = []
+    states: list[tuple[Result, float]] = []
     for value in values:
         begun = time.process_time()
-        here = arguments | {"value": value, "resolution": resolution}
-        known = found[-1][0].edges if found and len(found[-1][0].edges) else None
-        result = fem_reference.solve(**here, start=known)
+        request = arguments | {"value": value, "resolution": resolution}
+        known = states[-1][0].edges if states and len(states[-1][0].edges) else None
+        result = fem_reference.solve(**request, start=known)
         while result.status == "interpenetration" and len(result.edges) < MOST_PATCHES:
             wider = with_entered(result)
             _affordable(arguments, resolution, len(wider))
-            result = fem_reference.solve(**here, start=wider)
-        found.append((result, time.process_time() - begun))
+            result = fem_reference.solve(**request, start=wider)
+        states.append((result, time.process_time() - begun))
         if result.status != "converged":
             break
-    return found
+    return states
 
 
 def with_entered(result: Result) -> FloatArray:

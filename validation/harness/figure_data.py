@@ -10,7 +10,7 @@ Values = Iterable[float | None]
 
 
 def trace(label: str, x: Values, y: Values, style: str = "line", hue: int | None = None) -> Series:
-    """Return a curve through lists, arrays or generators of n numbers; style and hue as of `Series`."""
+    """Return a curve through lists, arrays or generators of n numbers, None not drawn; style and hue as of `Series`."""
     numbers = {"x": _numbers(x), "y": _numbers(y)}
     return Series.model_validate({"label": label, **numbers, "style": style, "hue": hue})
 

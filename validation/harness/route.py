@@ -77,9 +77,9 @@ class Problem:
         phase = 2 * np.pi / self.period * np.multiply.outer(np.asarray(x), orders) + phases
         return np.asarray(np.cos(phase) @ amplitudes)
 
-    def answered(self, found: Mapping[str, Any]) -> dict[str, list[Any]]:
+    def answered(self, values: Mapping[str, Any]) -> dict[str, list[Any]]:
         """Return the quantities that the problem asks for, as lists, without quantities that are absent or None."""
-        return {name: np.atleast_1d(found[name]).tolist() for name in self.asked if found.get(name) is not None}
+        return {name: np.atleast_1d(values[name]).tolist() for name in self.asked if values.get(name) is not None}
 
     def padded(self, values: Iterable[Any]) -> list[Any]:
         """Return the numbers of the first targets, and None for targets that a route does not reach."""

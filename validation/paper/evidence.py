@@ -128,7 +128,7 @@ class Evidence:
 
     def jumped(self) -> int:
         """Return how many loads of `LOADS` realisations jump over: there `value_at` interpolates."""
-        return sum(one.index_of(load) is None for one in self.loading for load in LOADS)
+        return sum(realisation.index_of(load) is None for realisation in self.loading for load in LOADS)
 
     @cached_property
     def lines(self) -> DiscreteSpectrum:
@@ -148,15 +148,15 @@ class Evidence:
 
     def with_fields_at(self, load: float) -> tuple[Realisation, ...]:
         """Return the realisations that have a state at a load, for spectra and distributions."""
-        return tuple(one for one in self.loading if one.index_of(load) is not None)
+        return tuple(realisation for realisation in self.loading if realisation.index_of(load) is not None)
 
     def against_load(
-        self, of: Callable[[State], float], said: Callable[[AdhesiveContact | NonadhesiveContact], float | None]
+        self, of: Callable[[State], float], predicted: Callable[[AdhesiveContact | NonadhesiveContact], float | None]
     ) -> "LoadCurve":
         """Return a number of the states, and its value by both theories, at `LOADS`."""
-        values = np.array([[one.value_at(load, of) for load in LOADS] for one in self.loading])
+        values = np.array([[realisation.value_at(load, of) for load in LOADS] for realisation in self.loading])
         theories = (self.with_adhesion, self.without_adhesion)
-        wet, dry = (np.array([said(theory[load]) for load in LOADS], dtype=np.float64) for theory in theories)
+        wet, dry = (np.array([predicted(theory[load]) for load in LOADS], dtype=np.float64) for theory in theories)
         return LoadCurve(values, *mean_and_error(values), wet, dry)
 
 
@@ -171,21 +171,23 @@ class LoadCurve:
     dry: FloatArray
 
 
-def theory_with_adhesion(one: Realisation, load: float, detached_width: float = 1.0) -> AdhesiveContact:
+def theory_with_adhesion(realisation: Realisation, load: float, detached_width: float = 1.0) -> AdhesiveContact:
     """Solve Persson's theory for the lines of a profile, from the raw constants of its scene.
 
     A `detached_width` of 1/f^2 multiplies the detachment stress by f.
     """
-    scene = one.result.scene
+    scene = realisation.result.scene
     work = scene["adhesion"]["work_of_adhesion"]
-    found = solve(one.lines, load * MODULUS, work_of_adhesion=work, detached_width=detached_width, **scene["solid"])
-    assert isinstance(found, AdhesiveContact)
-    return found
+    contact = solve(
+        realisation.lines, load * MODULUS, work_of_adhesion=work, detached_width=detached_width, **scene["solid"]
+    )
+    assert isinstance(contact, AdhesiveContact)
+    return contact
 
 
-def mean_over_period(one: Realisation, k: int, values: FloatArray) -> float:
+def mean_over_period(realisation: Realisation, k: int, values: FloatArray) -> float:
     """Return the mean of values at the places of shape k, by the trapezoidal rule around the period."""
-    x, period = one.result.fields[f"x_{k}"], float(one.result.scene["profile"]["period"])
+    x, period = realisation.result.fields[f"x_{k}"], float(realisation.result.scene["profile"]["period"])
     return float(np.trapezoid(np.append(values, values[0]), np.append(x, x[0] + period)) / period)
 
 
@@ -214,7 +216,7 @@ def jackknife(quantity: Callable[[FloatArray], float], values: ArrayLike) -> tup
     array = np.asarray(values, dtype=np.float64)
     n = len(array)
     total = array.sum(axis=0)
-    without = np.array([quantity((total - one) / (n - 1)) for one in array])
+    without = np.array([quantity((total - value) / (n - 1)) for value in array])
     return quantity(total / n), float(np.sqrt((n - 1) / n * np.sum((without - without.mean()) ** 2)))
 
 

@@ -43,9 +43,9 @@ def mean_displacement(mean_pressure: float) -> float:
     return THICKNESS * mean_pressure / stiffness
 
 
-def sketches(found: Result, layer_id: str, heights_id: str) -> tuple[Figure, Figure]:
+def sketches(result: Result, layer_id: str, heights_id: str) -> tuple[Figure, Figure]:
     """Draw the layer on its profile, and its heights, from a result of `sketch_scene`."""
-    state, fields = found.targets[0], found.fields
+    state, fields = result.targets[0], result.fields
     around = np.append(np.arange(fields["x_0"].size), 0)  # the first place again at the end of the period
     x = np.append(fields["x_0"], fields["x_0"][0] + PERIOD) / PERIOD
     face = fields["displacement_0"][around] + state.separation

@@ -30,9 +30,9 @@ def up_to(pressures: Iterable[float], deepest: float) -> Table:
 
     States are kept at all mean pressures.
     """
-    *kept, last = pressures
+    *others, last = pressures
     way = {"control": "separation", "targets": [deepest], "stop_at_mean_pressure": last}
-    return way | ({"at_mean_pressures": kept} if kept else {})
+    return way | ({"at_mean_pressures": others} if others else {})
 
 
 def scene(title: str, profile: Table, loading: Table, work: float | None = None, **tables: Table) -> Table:

@@ -86,7 +86,7 @@ class RippledWave:
             jumps.append(self._jump(top, a))
 
     def unloaded(self, start: float, *ends: float) -> tuple[list[Jump], list[float]]:
-        """Return the jumps while the mean pressure falls from its value at half width `start` to the last of `ends` in Pa.
+        """Return the jumps while the pressure falls from its value at half width `start` to the last of `ends` in Pa.
 
         The second list holds the half width at each of `ends`.
         """
@@ -117,13 +117,13 @@ class RippledWave:
     def turning(self) -> dict[float, list[float]]:
         """Half widths of the maxima (sign 1) and minima (-1) of the mean pressure, ascending."""
         grid, value = self._grid, self.patch.mean_pressure(self._grid)
-        found = {}
+        places = {}
         for sign in (1.0, -1.0):
             rises = sign * np.diff(value)
             tops = np.flatnonzero((rises[:-1] > 0) & (rises[1:] <= 0)) + 1
             lowered = partial(self._lowered, sign)
-            found[sign] = [_least(lowered, grid[i - 1], grid[i + 1], 1e-12)[0] for i in tops]
-        return found
+            places[sign] = [_least(lowered, grid[i - 1], grid[i + 1], 1e-12)[0] for i in tops]
+        return places
 
     def _lowered(self, sign: float, a: float) -> float:
         return -sign * float(self.patch.mean_pressure(a))
@@ -167,8 +167,8 @@ def _root(quantity: Callable[[float], FloatArray], value: float, low: float, hig
 
 def _least(quantity: Callable[[float], float], low: float, high: float, close: float) -> tuple[float, float]:
     """Return the place between `low` and `high` at which a quantity is least, and the least value."""
-    found = minimize_scalar(quantity, bounds=(low, high), method="bounded", options={"xatol": close})
-    return float(found.x), float(found.fun)
+    minimum = minimize_scalar(quantity, bounds=(low, high), method="bounded", options={"xatol": close})
+    return float(minimum.x), float(minimum.fun)
 
 
 WAVE = RippledWave(30, 2e-6, 0.062)  # of the scene rippled_wave

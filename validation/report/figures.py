@@ -84,8 +84,8 @@ def canvas_of(figure: Figure, height: float = 3.9) -> Canvas:
 def panels_of(figure: Figure, prefix: str) -> Markup:
     """Return the panels of a figure as separate SVG elements of low height, to be placed side by side."""
     parts = [figure.solution] if figure.error is None else [figure.solution, figure.error]
-    alone = [figure.model_copy(update={"solution": panel, "error": None}) for panel in parts]
-    return Markup("").join(svg_of(one, f"{prefix}-{k}", LOW) for k, one in enumerate(alone))
+    singles = [figure.model_copy(update={"solution": panel, "error": None}) for panel in parts]
+    return Markup("").join(svg_of(single, f"{prefix}-{k}", LOW) for k, single in enumerate(singles))
 
 
 def save(canvas: Canvas, path: Path) -> None:
@@ -108,7 +108,7 @@ def _printed(canvas: Canvas, kind: str) -> bytes:
 
 
 def _make_drawable(canvas: Canvas) -> None:
-    """Remove from every text what cannot be drawn; an equation that cannot be set is shown as written."""
+    """Escape in every text the characters that cannot be drawn; an equation that cannot be set is shown as written."""
     from matplotlib.mathtext import MathTextParser
     from matplotlib.text import Text
 
@@ -143,9 +143,9 @@ def inline_svg(canvas: Canvas, prefix: str, title: str, description: str) -> Mar
         element.attrib.clear()
         element.attrib.update((name, _renamed(name, value, prefix)) for name, value in given.items())
     root.attrib |= {"role": "img", "aria-labelledby": f"{prefix}-title", "aria-describedby": f"{prefix}-desc"}
-    for place, (tag, said) in enumerate((("title", title), ("desc", description))):
+    for place, (tag, words) in enumerate((("title", title), ("desc", description))):
         element = ElementTree.Element(tag, {"id": f"{prefix}-{tag}"})
-        element.text = printable(said)
+        element.text = printable(words)
         root.insert(place, element)
     return Markup(ElementTree.tostring(root, encoding="unicode"))
 
@@ -175,8 +175,8 @@ def described(figure: Figure) -> str:
     'load against x: a & b.'
     """
     panels = filter(None, (figure.solution, figure.error))
-    named = ((one, ", ".join(filter(None, (series.label for series in one.series)))) for one in panels)
-    return " ".join(f"{one.ylabel} against {one.xlabel}: {names}." for one, names in named)
+    named = ((panel, ", ".join(filter(None, (series.label for series in panel.series)))) for panel in panels)
+    return " ".join(f"{panel.ylabel} against {panel.xlabel}: {names}." for panel, names in named)
 
 
 def _draw(axes: Axes, panel: Panel, most_inside: int = MOST_INSIDE, small: bool = False) -> None:

@@ -112,9 +112,9 @@ def _panel(result: Result, name: str, theories: list[Theory]) -> Panel:
 
     strokes = strokes_of(result, lambda state: float(getattr(state, name)), place if apart else None)
     series = [
-        one
+        curve
         for hue, (branch, points) in enumerate(strokes.branches.items())
-        for one in line(branch, points, "line", hue)
+        for curve in line(branch, points, "line", hue)
     ]
     series += line("jumps", strokes.jumps, "dashed", 3)
     targets = [state for state in states if state.target and (not apart or state.separation > 0)]

@@ -61,15 +61,15 @@ def spectrum_figure(fields: Mapping[str, NDArray[np.float64]], steps: Sequence[M
     Examples
     --------
     >>> fields = {"scan_wavelength": np.array([8e-6, 2e-6]), "scan_density": np.array([4e-20, 1e-22])}
-    >>> found = {"step": "spectrum", "noise": "flat tail", "noise_density": 1e-22, "noise_rms": 5e-9}
-    >>> steps = [found, {"step": "filter", "cutoff_short": 5e-6}]
+    >>> spectrum = {"step": "spectrum", "noise": "flat tail", "noise_density": 1e-22, "noise_rms": 5e-9}
+    >>> steps = [spectrum, {"step": "filter", "cutoff_short": 5e-6}]
     >>> [series.label for series in spectrum_figure(fields, steps).solution.series]
     ['power spectrum of the scan', 'noise floor', 'cutoff_short, 5 µm']
     """
-    kept = np.flatnonzero(fields.get("scan_density", np.zeros(0)) > 0)
-    if not kept.size:
+    positive = np.flatnonzero(fields.get("scan_density", np.zeros(0)) > 0)
+    if not positive.size:
         return None
-    wavelength, density = (fields[name][kept] for name in ("scan_wavelength", "scan_density"))
+    wavelength, density = (fields[name][positive] for name in ("scan_wavelength", "scan_density"))
     length, unit = axis_unit(float(wavelength.min()), "m")
     series = [trace("power spectrum of the scan", length * wavelength, density)]
     facts = {key: value for step in steps for key, value in step.items() if step["step"] == "spectrum"}
@@ -88,13 +88,13 @@ def spectrum_figure(fields: Mapping[str, NDArray[np.float64]], steps: Sequence[M
 
 def _noise_in_words(facts: Mapping[str, Any]) -> str:
     """State noise floor and suggested cutoff of the spectrum of a scan in a sentence."""
-    said = facts["noise"]
+    words = facts["noise"]
     if "noise_rms" in facts:
-        said = f"a noise floor of {_rounded(facts['noise_rms'])} rms"
+        words = f"a noise floor of {_rounded(facts['noise_rms'])} rms"
     if "suggested_cutoff" in facts:
         law = f"the profile, as the power {facts['exponent']:.2g} of the wavelength, falls below it"
-        said += f"; {law} at {_rounded(facts['suggested_cutoff'])}"
-    return f"Power spectrum of the scan, one-sided: {said}."
+        words += f"; {law} at {_rounded(facts['suggested_cutoff'])}"
+    return f"Power spectrum of the scan, one-sided: {words}."
 
 
 def _rounded(length: float) -> str:
@@ -104,14 +104,14 @@ def _rounded(length: float) -> str:
 
 def _cuts(steps: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, float]]:
     """Yield names and wavelengths (m) of the cuts of a scan and of the suggested cut."""
-    found = {step["step"]: step for step in steps}
-    if "period" in found.get("periodic", {}) and "cut" in found:
-        yield "harmonics end", found["periodic"]["period"] / found["cut"]["harmonics"]
+    by_name = {step["step"]: step for step in steps}
+    if "period" in by_name.get("periodic", {}) and "cut" in by_name:
+        yield "harmonics end", by_name["periodic"]["period"] / by_name["cut"]["harmonics"]
     for key in CUTOFFS:
-        if key in found.get("filter", {}):
-            yield key, found["filter"][key]
-    if "suggested_cutoff" in found.get("spectrum", {}):
-        yield "suggested cut", found["spectrum"]["suggested_cutoff"]
+        if key in by_name.get("filter", {}):
+            yield key, by_name["filter"][key]
+    if "suggested_cutoff" in by_name.get("spectrum", {}):
+        yield "suggested cut", by_name["spectrum"]["suggested_cutoff"]
 
 
 def caption_of(steps: Sequence[Mapping[str, Any]]) -> str:

@@ -59,21 +59,21 @@ def answers(problem: Problem, result: Result) -> dict[str, list[Any]]:
     """Return the answers to a problem from a result; ArithmeticError if the path did not converge."""
     if result.status != "converged":
         raise ArithmeticError(f"{result.status}: {result.failure}")
-    targets, found = result.targets, dict[str, Any]()
+    targets, values = result.targets, dict[str, Any]()
     for name, asked in problem.asked.items():
         if name == "gap_fraction":
-            found[name] = [1 - state.contact_fraction for state in targets]
+            values[name] = [1 - state.contact_fraction for state in targets]
         elif name == "patches":
-            found[name] = [state.n_patches for state in targets]
+            values[name] = [state.n_patches for state in targets]
         elif hasattr(targets[0], name) and name != "edges":
-            found[name] = [getattr(state, name) for state in targets]
+            values[name] = [getattr(state, name) for state in targets]
         elif name == "displacement_amplitudes":
-            found[name] = _amplitudes(problem, asked["orders"], result)
+            values[name] = _amplitudes(problem, asked["orders"], result)
         elif "target" in asked:
-            found[name] = _at_target(problem, name, asked, targets[int(asked["target"]) - 1])
+            values[name] = _at_target(problem, name, asked, targets[int(asked["target"]) - 1])
         else:
-            found[name] = _of_events(problem, name, result.events)
-    return problem.answered(found)
+            values[name] = _of_events(problem, name, result.events)
+    return problem.answered(values)
 
 
 def _at_target(problem: Problem, name: str, asked: Place, state: State) -> Any:

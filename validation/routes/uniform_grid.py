@@ -61,7 +61,7 @@ def answers(grid: Grid, states: list[OnGrid]) -> dict[str, list[Any]]:
     """Return the answers from the states at the targets, None beyond the last state, without answers of a path."""
     fractions = [float(np.mean(state.contact)) for state in states]
     spectra = [_amplitudes(grid, state) for state in states]
-    found: dict[str, Any] = {
+    quantities: dict[str, Any] = {
         "contact_fraction": fractions,
         "gap_fraction": [1 - fraction for fraction in fractions],
         "mean_pressure": [state.mean_pressure for state in states],
@@ -69,11 +69,11 @@ def answers(grid: Grid, states: list[OnGrid]) -> dict[str, list[Any]]:
         "elastic_energy": [float(np.sum(grid.modulus * q * np.abs(modes) ** 2) / 8) for modes, q in spectra],
         "patches": [int(np.sum(state.contact & ~np.roll(state.contact, 1))) for state in states],
     }
-    found = {name: grid.problem.padded(values) for name, values in found.items()}
+    quantities = {name: grid.problem.padded(values) for name, values in quantities.items()}
     for name, what in grid.problem.asked.items():
         if "target" in what and what["target"] <= len(states):
-            found[name] = _field(grid, states[int(what["target"]) - 1], name, what)
-    return grid.problem.answered(found)
+            quantities[name] = _field(grid, states[int(what["target"]) - 1], name, what)
+    return grid.problem.answered(quantities)
 
 
 def _amplitudes(grid: Grid, state: OnGrid) -> tuple[Any, Any]:

@@ -103,9 +103,9 @@ class _Pressures:
     def at(self, edges: FloatArray, near: Energy | None) -> Energy:
         """Return the energy at edges; Gauss-Seidel starts from the charges of a state near by."""
         start = None if near is None else near.charges
-        found = energy(self.surface, graded(edges, self.counts), self.penetration, self.precision, start)
-        self.evaluations, self.sweeps = self.evaluations + 1, self.sweeps + found.sweeps
-        return found
+        state = energy(self.surface, graded(edges, self.counts), self.penetration, self.precision, start)
+        self.evaluations, self.sweeps = self.evaluations + 1, self.sweeps + state.sweeps
+        return state
 
     def opened(self, state: Energy) -> Energy:
         """Move edges that close (K < 0) outward until none closes, and return the state."""
@@ -127,28 +127,28 @@ def _along(
     edges = state.cells.edges
     longest = FARTHEST / float(np.max(np.abs(motion) / edge_scale_of(edges)))
     low, at_low, high, at_high = 0.0, slope, np.nan, np.nan
-    step, here = min(guess, longest), state
+    step, trial = min(guess, longest), state
     best: tuple[float, Energy] | None = None
     for _ in range(TRIALS):
-        here = pressures.at(edges + step * motion * OUT, here)
-        found = float(np.sum(here.outward * motion))
-        if np.any(here.closing):
+        trial = pressures.at(edges + step * motion * OUT, trial)
+        trial_slope = float(np.sum(trial.outward * motion))
+        if np.any(trial.closing):
             if best is None and step < NEAREST * guess:
-                return step, here
+                return step, trial
             high, at_high = step, np.nan
             step = _between(low, at_low, high, at_high)
             continue
-        best = step, here
-        if abs(found) <= LEVEL * abs(slope) or (found < 0 and step >= longest):
+        best = step, trial
+        if abs(trial_slope) <= LEVEL * abs(slope) or (trial_slope < 0 and step >= longest):
             break
-        if found < 0:
-            secant = step + (step - low) * found / (at_low - found) if at_low < found else 2 * step
-            low, at_low = step, found
+        if trial_slope < 0:
+            secant = step + (step - low) * trial_slope / (at_low - trial_slope) if at_low < trial_slope else 2 * step
+            low, at_low = step, trial_slope
             step = min(secant, 4 * step, longest) if np.isnan(high) else _between(low, at_low, high, at_high)
         else:
-            high, at_high = step, found
+            high, at_high = step, trial_slope
             step = _between(low, at_low, high, at_high)
-    return (step, here) if best is None else best
+    return (step, trial) if best is None else best
 
 
 def _between(low: float, at_low: float, high: float, at_high: float) -> float:

@@ -113,20 +113,20 @@ def solve(
     for _ in range(CHANGES):
         counts = cells_for(surface, pairs, cells)
         try:
-            found = descend(surface, pairs, counts, depth, allowed_residual)
+            descent = descend(surface, pairs, counts, depth, allowed_residual)
         except SweepsError as error:
             return failed(str(error))
-        evaluations, sweeps = evaluations + found.evaluations, sweeps + found.sweeps
-        pairs = found.state.cells.edges
-        if found.end == "not_converged":
-            return failed(f"|G/w - 1| is {found.residual:.1e}")
-        changed = _without_vanished(found)
+        evaluations, sweeps = evaluations + descent.evaluations, sweeps + descent.sweeps
+        pairs = descent.state.cells.edges
+        if descent.end == "not_converged":
+            return failed(f"|G/w - 1| is {descent.residual:.1e}")
+        changed = _without_vanished(descent)
         if changed is None and np.any(cells_for(surface, pairs, cells) != counts):
             continue  # the cells are those of the edges found, whatever the start
         if changed is None:
-            gaps, where = gap_between(surface, found.state, depth)
+            gaps, where = gap_between(surface, descent.state, depth)
             if gaps.min() >= -allowed:
-                return _state(surface, penetration, found, float(gaps.min()), evaluations, sweeps)
+                return _state(surface, penetration, descent, float(gaps.min()), evaluations, sweeps)
             changed = _with_contact(surface, pairs, float(where[np.argmin(gaps)]))
         if changed.size == 0:
             return PaperState(
@@ -194,21 +194,21 @@ def displacement(surface: Surface, state: Energy, x: FloatArray) -> FloatArray:
     modes = surface.layer_modes
     if modes.size:
         order = np.arange(1, modes.size + 1)
-        angle, here = np.outer(cells.centre, order), np.outer(x, order)
-        field += (np.cos(here) * modes) @ (np.cos(angle).T @ charges) / np.pi
-        field += (np.sin(here) * modes) @ (np.sin(angle).T @ charges) / np.pi
+        angle, phase = np.outer(cells.centre, order), np.outer(x, order)
+        field += (np.cos(phase) * modes) @ (np.cos(angle).T @ charges) / np.pi
+        field += (np.sin(phase) * modes) @ (np.sin(angle).T @ charges) / np.pi
     return np.asarray(field)
 
 
-def _without_vanished(found: Descent) -> FloatArray | None:
+def _without_vanished(descent: Descent) -> FloatArray | None:
     """Return the edges without vanished patches, or with the first vanished gap closed; None if nothing vanished."""
-    edges = found.state.cells.edges
+    edges = descent.state.cells.edges
     width = np.diff(edges, axis=1)[:, 0]
-    gone = width < VANISHED * found.edge_scale.max(axis=1)
+    gone = width < VANISHED * descent.edge_scale.max(axis=1)
     if np.any(gone):
         return np.asarray(edges[~gone])
     behind = np.append(edges[1:, 0], edges[0, 0] + 2 * np.pi) - edges[:, 1]
-    closing = np.flatnonzero(behind < VANISHED * found.edge_scale[:, 1])
+    closing = np.flatnonzero(behind < VANISHED * descent.edge_scale[:, 1])
     if closing.size == 0:
         return None
     at = int(closing[0])
@@ -228,9 +228,9 @@ def _with_contact(surface: Surface, edges: FloatArray, position: float) -> Float
 
 
 def _state(
-    surface: Surface, penetration: float, found: Descent, smallest: float, evaluations: int, sweeps: int
+    surface: Surface, penetration: float, descent: Descent, smallest: float, evaluations: int, sweeps: int
 ) -> PaperState:
-    state, cells = found.state, found.state.cells
+    state, cells = descent.state, descent.state.cells
     tension = not np.any(state.closing)
     return PaperState(
         status="converged" if tension else "not_converged",
@@ -241,7 +241,7 @@ def _state(
         elastic_energy=state.elastic * surface.unit_energy,
         tension=tension,
         smallest_gap=smallest * surface.unit_height,
-        residual=found.residual,
+        residual=descent.residual,
         unknowns=int(cells.counts.sum()),
         evaluations=evaluations,
         sweeps=sweeps,

@@ -135,7 +135,7 @@ class Surface:
             )
             for x in candidates
         ]
-        highest = min(best, key=lambda found: float(found.fun))
+        highest = min(best, key=lambda minimum: float(minimum.fun))
         return float(highest.x) % (2 * np.pi), -float(highest.fun)
 
     @property
