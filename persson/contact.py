@@ -1,4 +1,4 @@
-"""A contact with adhesion as the theory has it: what `solve` returns, in SI units.
+"""Contact with adhesion by the theory, as `solve` returns it, in SI units.
 
 Arrays over magnification belong to the nodes of the mesh on which the state was found (`slope_variances`); at a
 wavenumber of the spectrum or any other they are interpolated.  Source: persson/adhesive.py.  Limits: P(sigma) is
@@ -32,9 +32,9 @@ class AdhesiveContact:
     contact_fraction : float
         A/A0 with all roughness resolved.
     separation : float or None
-        Distance of the mean planes, m; None if it was not asked for.
+        Distance of the mean planes, m; None without `with_separation`.
     status : str
-        One of the table in status.py; what to do about it is in `advice`.
+        Key of the table in status.py; `advice` states the action to take.
     zero_load_contact_fraction : float or None
         A/A0 to which contact tends at zero load, where it coexists with separation; None where it vanishes.
     fields : AdhesiveFields

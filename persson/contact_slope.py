@@ -58,7 +58,7 @@ def contact_fractions(
     Parameters
     ----------
     spectrum : DiscreteSpectrum or ContinuousSpectrum
-        Lines are those of a periodic profile if their wavenumbers are multiples of one; else of an infinite profile.
+        Lines form a periodic profile if their wavenumbers are multiples of one wavenumber, else an infinite profile.
     loads : (n_loads,) array
         sigma_0 / E* > 0.
     coefficients : mapping, optional

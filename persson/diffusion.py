@@ -172,7 +172,7 @@ def march(
 
 @dataclass(frozen=True, eq=False)
 class _Grid:
-    """Faces y_f in [0, 1], (n_cells + 1,), their centres, and what the terms of a step multiply.
+    """Faces y_f in [0, 1], (n_cells + 1,), their centres, and the operators that the terms of a step multiply.
 
     `operators`, (3, 4, n_cells), has the bands (below, diagonal, above) of -GAMMA times diffusion, shift and stretch,
     and of the identity, acting on cell contents.
@@ -224,11 +224,11 @@ class _Steps:
     Attributes
     ----------
     cell : (n_steps,) array
-        Of the mesh, in which a step lies.
+        Index of the mesh cell in which a step lies.
     reaches : (n_steps,) array
-        Whether it ends at the node above the cell.
+        True if the step ends at the node above the cell.
     terms : (n_steps, 3, n_loads, 4) array
-        What multiplies the operators of the grid.
+        Factors of the operators of the grid.
     """
 
     cell: IntArray

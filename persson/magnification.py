@@ -1,4 +1,4 @@
-"""Nodes in slope variance on which the adhesive theory is marched, and what the spectrum says at them.
+"""Nodes in slope variance on which the adhesive theory is marched, and the wavenumbers of the spectrum at them.
 
 Both routes of the diffusion need, at nodes S_0 = 0 < S_1 < .. < S_n, the wavenumber q just before and just after each
 node, q inside each cell, and the cumulative weight W = int dS / q of the elastic energy.
@@ -100,7 +100,7 @@ def magnification_mesh(
     barrier_scale : float
         Largest a / sqrt(q) possible, m^1/2.
     substeps, most_resolved : int
-        How finely a line is resolved, and how many at most (those with the largest J T, besides the coarse ones).
+        Substeps of a resolved line; largest number of resolved lines (largest J T first, besides the coarse lines).
     onsets : tuple of float
         Values of S at which cells crowd.
 

@@ -48,7 +48,7 @@ class NonadhesiveContact:
     contact_fractions : (n,) array
         A/A0 when the wavenumbers of the spectrum up to q_m are resolved.
     status : str
-        `converged`, `complete_contact` or `single_line`; what to do about it is in `advice`.
+        `converged`, `complete_contact` or `single_line`; `advice` states the action to take.
     """
 
     spectrum: Spectrum

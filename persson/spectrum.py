@@ -1,4 +1,4 @@
-"""The roughness of a profile: lines of a periodic profile, or a continuous power spectrum; never one for the other.
+"""Roughness of a profile: lines of a periodic profile, or a continuous power spectrum; never one for the other.
 
 The theory sees a profile through the slope variance that has been resolved once wavenumbers up to q are seen, S(q).
 In full contact the stress has the variance V E*^2, V = S / 4.
@@ -38,11 +38,11 @@ SHARES = 1000  # bands of a continuous spectrum, equal in ln q
 
 
 class PeriodicProfile(Protocol):
-    """A profile h = sum_m h_m cos(2 pi m x / period + phi_m), such as a measured one: what the theory sees of it."""
+    """Profile h = sum_m h_m cos(2 pi m x / period + phi_m), such as a measured one, as the theory reads it."""
 
     @property
     def period(self) -> float:
-        """In m."""
+        """Period in m."""
 
     @property
     def orders(self) -> IntArray:

@@ -1,4 +1,4 @@
-"""Named states of the theory and what to do about each; a silent number is never returned where it has no answer.
+"""Named states of the theory and the action to take for each; a silent number is never returned where it has no answer.
 
 | status           | meaning                                                                     |
 | ---------------- | --------------------------------------------------------------------------- |

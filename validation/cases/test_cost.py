@@ -75,7 +75,7 @@ def bem_runs(scene_at):
 
 
 def rows_of_bem(rows, measured, exact, source, by, u_reference):
-    """Add rows of the error at every tolerance, and of the work, which may not grow when fewer digits are asked for."""
+    """Add rows of the error at every tolerance, and of the work, which may not grow for fewer digits."""
     work = []
     for tolerance, (result, _, _) in zip(TOLERANCES, measured.values(), strict=True):
         state = result.targets[-1]

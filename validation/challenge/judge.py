@@ -57,7 +57,7 @@ def problem(name: str) -> tuple[dict[str, Any], dict[str, Any]]:
 
 
 def names() -> list[str]:
-    """Return the names of the problems, easy ones first."""
+    """Return the names of the problems, easy problems first."""
     order = {"easy": 0, "medium": 1, "hard": 2}
     folders = sorted(path.name for path in FOLDER.iterdir() if (path / "problem.toml").exists())
     return sorted(folders, key=lambda name: order.get(problem(name)[0]["difficulty"], len(order)))
@@ -94,7 +94,7 @@ def judge(rows: Rows, name: str, given: dict[str, Any], digits: float, of: Code 
 
 
 def solved(solver: str, name: str, folder: Path, limit: float) -> dict[str, Any]:
-    """Return what a solver MODULE:FUNCTION answers, in a process of its own; ReportError where it fails."""
+    """Return the answers of a solver MODULE:FUNCTION, run in its own process; ReportError if the solver fails."""
     out = folder / f"{name}.json"
     out.unlink(missing_ok=True)
     words = [sys.executable, "-c", RUN, solver, str(out)]
@@ -161,7 +161,7 @@ def _list(options: argparse.Namespace) -> int:
 
 
 def add_commands(commands: Any, perform: Callable[[argparse.Namespace], int]) -> None:
-    """Add `challenge list` and `challenge judge` to the commands of a program; `perform` runs what was parsed."""
+    """Add `challenge list` and `challenge judge` to the commands of a program; `perform` runs the parsed command."""
     actions = commands.add_parser("challenge", help="problems with certified answers: judge a solver by them")
     actions = actions.add_subparsers(required=True, metavar="ACTION")
     actions.add_parser("list", help="one problem a line").set_defaults(command=_list, perform=perform)

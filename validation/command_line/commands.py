@@ -58,7 +58,7 @@ def _example(options: argparse.Namespace) -> int:
 
 
 def _compare(options: argparse.Namespace) -> int:
-    """Print what differs, the largest difference of each quantity, and how many numbers were compared."""
+    """Print the differences, the largest of each quantity, and the number of compared numbers."""
     compared, as_json = comparison.compare(options.a, options.b), options.json
     differing, apart = compared.differing, sum(number.differs for number in compared.numbers)
     most = max(compared.numbers, key=lambda number: number.ratio / number.limit)
@@ -75,7 +75,7 @@ def _compare(options: argparse.Namespace) -> int:
 
 
 class _PrintCompletion(argparse.Action):
-    """Print what makes a shell complete our commands, by shtab (extra `completion`)."""
+    """Action that prints the shell completion of our commands, by shtab (extra `completion`)."""
 
     def __call__(self, parser: argparse.ArgumentParser, namespace: Any, values: Any, option: str | None = None) -> None:
         try:

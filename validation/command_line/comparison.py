@@ -27,7 +27,7 @@ WORDS = ("n_patches", "status")  # of a state, which are the same or not
 
 @dataclass(frozen=True)
 class Apart:
-    """A number of A and of B, the unit in which they are compared, and how many of it they may be apart."""
+    """A number of A and of B, their combined uncertainty, and the limit of their difference in units of it."""
 
     quantity: str
     where: str
@@ -38,7 +38,7 @@ class Apart:
 
     @property
     def ratio(self) -> float:
-        """Difference over combined uncertainty: 0 for equal numbers, infinite where one is none."""
+        """Difference over combined uncertainty: 0 for equal numbers, infinite if one is NaN or the uncertainty is 0."""
         if self.a == self.b or (math.isnan(self.a) and math.isnan(self.b)):
             return 0.0
         apart = abs(self.a - self.b)
@@ -46,7 +46,7 @@ class Apart:
 
     @property
     def in_percent(self) -> str:
-        """Difference over the larger of the two, in words; what rounding makes of a number is no difference."""
+        """Difference over the larger number, in words; a difference within rounding counts as none."""
         apart, larger = abs(self.a - self.b), max(abs(self.a), abs(self.b))
         if self.a == self.b or apart <= ROUNDING * larger:
             return "the same to rounding"
@@ -65,7 +65,7 @@ class Apart:
 
 @dataclass(frozen=True)
 class ComparedFolders:
-    """Numbers compared, sentences on what else differs, and notes on what was different to begin with."""
+    """Compared numbers, sentences on other differences, and notes on differences of the inputs."""
 
     numbers: tuple[Apart, ...]
     others: tuple[str, ...]
@@ -73,7 +73,7 @@ class ComparedFolders:
 
     @property
     def differing(self) -> list[str]:
-        """All else that differs, and of each quantity that does the largest difference, one sentence each."""
+        """Other differences, and the largest difference of each differing quantity, one sentence each."""
         return [*self.others, *(str(number) for number in self.worst() if number.differs)]
 
     def worst(self) -> list[Apart]:

@@ -55,7 +55,7 @@ def _source(file: str) -> Traversable:
 def write_example(name: str, folder: Path) -> list[Path]:
     """Write the files of an example, data last, and say which.
 
-    FileExistsError where one of the files is there already; then nothing is written.
+    FileExistsError if a file exists already; then nothing is written.
     """
     files = {folder / file: _source(file).read_bytes() for file in EXAMPLES[name]}
     for path in files:

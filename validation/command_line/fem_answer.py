@@ -54,7 +54,7 @@ def add_command(commands: Any, perform: Any) -> None:
 
 
 def _fem(options: argparse.Namespace) -> int:
-    """Answer a scene and write what came out."""
+    """Solve a scene and write the answer."""
     scene, resolution = load_scene(options.scene), ELEMENTS[options.elements]
     try:
         arguments = fem_arguments(scene)
@@ -81,7 +81,7 @@ def _fem(options: argparse.Namespace) -> int:
 
 
 def _affordable(arguments: dict[str, Any], resolution: Resolution, patches: int) -> None:
-    """Refuse what has too many unknowns, before any mesh is made."""
+    """Refuse a problem with too many unknowns before any mesh is made."""
     problem = problem_of(**{key: value for key, value in arguments.items() if key not in ("control", "value")})
     unknowns = base_unknowns(problem.depth, resolution, problem.highest_order) + patches * PER_PATCH[resolution.order]
     if unknowns > LARGEST:

@@ -79,7 +79,7 @@ class Drawn:
 
     @property
     def id(self) -> str:
-        """The name of the scene."""
+        """Name of the scene."""
         return f"seed_{self.seed}_scene_{self.index}"
 
     @property
@@ -91,7 +91,7 @@ class Drawn:
         return ", ".join([*parts, *([f"special: {self.special}"] if self.special else [])])
 
     def write(self, folder: Path) -> Path:
-        """Write the scene file, and its scan beside it; the path of the scene file."""
+        """Write the scene file, and its scan beside it; return the path of the scene file."""
         folder.mkdir(parents=True, exist_ok=True)
         self.write_scan(folder)
         path = folder / f"{self.id}.toml"

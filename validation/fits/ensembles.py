@@ -39,7 +39,7 @@ class Group:
     Attributes
     ----------
     spectrum : kind of spectrum, a key of `SHORT`.
-    parameters : those of `shape`.
+    parameters : parameters that `shape` evaluates.
     realisations : number for each seed root.
     loads_up_to : largest load.
     left_out : numbers of realisations that the solver did not finish.
@@ -53,7 +53,7 @@ class Group:
 
     @property
     def name(self) -> str:
-        """Return the name that seeds the phases."""
+        """Name that seeds the phases."""
         return "-".join([SHORT[self.spectrum], *map(str, self.parameters)]).replace(" ", "")
 
     @property

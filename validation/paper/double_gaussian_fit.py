@@ -41,7 +41,7 @@ CAUSE = (
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """P E* of every realisation in bins, with what the theory says of its end; stresses in units of E*."""
+    """P E* of every realisation in bins, with the theory's sigma_a; stresses in units of E*."""
 
     load: float
     centres: FloatArray  # (n_bins,)
@@ -51,12 +51,12 @@ class Sample:
 
     @cached_property
     def mean(self) -> FloatArray:
-        """Over the realisations."""
+        """Mean over the realisations."""
         return np.asarray(self.values.mean(axis=0))
 
     @cached_property
     def fit(self) -> DoubleGaussian:
-        """Of the mean, as it is judged."""
+        """Fit of the mean, which is judged."""
         return self.over(START)
 
     def over(

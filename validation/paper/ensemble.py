@@ -31,7 +31,7 @@ class Member:
 
 @contextmanager
 def workers(jobs: int, executor: str = "local") -> Iterator[Executor]:
-    """Open processes of this machine, or those of a dask scheduler: "local" or "dask://host:port".
+    """Open processes of this machine, or of a dask scheduler: "local" or "dask://host:port".
 
     Raises
     ------

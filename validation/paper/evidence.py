@@ -103,7 +103,7 @@ class Evidence:
 
     @property
     def shortfall(self) -> str:
-        """Why this is not the paper's ensemble; empty when it is."""
+        """Reason why the ensemble differs from the paper's; empty if it does not."""
         if self.size != PAPER:
             return f"short form: {len(self.loading)} realisations with {self.size.harmonics} harmonics"
         if len(self.loading) < self.size.seeds:
@@ -127,12 +127,12 @@ class Evidence:
         )
 
     def jumped(self) -> int:
-        """Return how many loads of `LOADS` realisations jump over: there `value_at` interpolates."""
+        """Count the loads of `LOADS` that realisations jump over; `value_at` interpolates at these loads."""
         return sum(realisation.index_of(load) is None for realisation in self.loading for load in LOADS)
 
     @cached_property
     def lines(self) -> DiscreteSpectrum:
-        """The spectrum that all profiles of the loading ensemble share."""
+        """Spectrum that all profiles of the loading ensemble share."""
         return self.loading[0].lines
 
     @cached_property

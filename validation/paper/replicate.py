@@ -57,7 +57,7 @@ def replicate(
     say: Callable[[str], None] = print,
     size: Size | None = None,
 ) -> int:
-    """Solve what is missing and write the report; 0, or 1 where a realisation has no result or a check fails."""
+    """Solve missing realisations and write the report; return 1 if one has no result or a check fails, else 0."""
     begun, size = time.monotonic(), size or (QUICK if quick else PAPER)
     with workers(jobs, executor) as pool:
         failed = solve_members(all_members(size), folder / "members", pool, say)
@@ -120,7 +120,7 @@ def gather(size: Size, folder: Path, failed: Mapping[str, str]) -> Evidence:
 
 
 def topics_of(evidence: Evidence) -> list[Topic]:
-    """Return all topics; one that needs a standard error says so where there are fewer than two realisations."""
+    """Return all topics; with fewer than two realisations, topics that need a standard error hold a message instead."""
     topics = [_realisations(evidence)]
     if len(evidence.loading) < 2:
         message = f"{len(evidence.loading)} realisations reached {LOADS[-1]:g} E*; 2 are needed"

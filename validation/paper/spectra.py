@@ -159,7 +159,7 @@ def _middle(load: float, power: FloatArray, theory: FloatArray, evidence: Eviden
 
 
 def _shift(load: float, power: FloatArray, theory: FloatArray, evidence: Evidence) -> list[Statement]:
-    """Judge how far C_u lies above that of the theory: mean over the orders of `SHIFTED`."""
+    """Judge how far C_u lies above the theory's C_u: mean over the orders of `SHIFTED`."""
     if power.shape[1] < SHIFTED[1]:
         return []
     inside = slice(int(SHIFTED[0]) - 1, int(SHIFTED[1]))

@@ -12,7 +12,7 @@ SCHEMA = "linecontact-report/2"
 
 
 def content_of(run: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what report.json holds: rows with verdicts, counts, cases, figures, provenance."""
+    """Return the content of report.json: rows with verdicts, counts, cases, figures, provenance."""
     rows = [stated for case in run["cases"] for stated in _rows_of(case)]
     rows += [_bare(case, "not run", "the run ended before") for case in run["not_run"]]
     cases = [{key: value for key, value in case.items() if key != "rows"} for case in run["cases"]]

@@ -32,7 +32,7 @@ APPROACH = 60  # half widths at which the gap at a crest is looked at while an e
 
 @dataclass(frozen=True)
 class Jump:
-    """From one half width a to another at a mean pressure, Pa: energy released, J/m^2, and crests touched each side."""
+    """Jump between half widths a at a mean pressure, Pa: energy released, J/m^2, and crests touched each side."""
 
     start: float
     end: float

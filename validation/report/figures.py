@@ -244,7 +244,7 @@ def write_figure(figure: Figure, folder: Path) -> None:
 
 
 def write_files(canvas: Canvas, path: Path, table: str) -> None:
-    """Write what is drawn as SVG and PDF, and the numbers behind it as CSV, at a path without an ending."""
+    """Write a figure as SVG and PDF, and its numbers as CSV, at a path without an ending."""
     for kind in KINDS[:2]:
         save(canvas, path.with_name(f"{path.name}.{kind}"))
     write_atomically(path.with_name(f"{path.name}.csv"), table)

@@ -152,7 +152,7 @@ def _pulled_off(result: Result, factor: float, lift: float) -> Iterator[Series]:
 
 
 def finite(error: float | None) -> float:
-    """Return an estimated error; zero where there is no finite one."""
+    """Return an estimated error; zero if it is missing or not finite."""
     return 0.0 if error is None or not math.isfinite(error) else error
 
 
@@ -163,7 +163,7 @@ SPAN = 50.0  # largest load drawn over the smallest
 
 @dataclass(frozen=True)
 class Theory:
-    """A curve: loads in Pa, contact fractions, and separations in m where they are known."""
+    """Curve of a theory: loads in Pa, contact fractions, and separations in m where they are known."""
 
     label: str
     loads: list[float]

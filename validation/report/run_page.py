@@ -166,7 +166,7 @@ def _certificate(result: Result) -> Iterator[tuple[str, str]]:
 
 
 def _measure(value: float, name: str) -> str:
-    """Return a number with its unit, where it has one."""
+    """Return a number with its unit, if it has a unit."""
     return quantity(value, UNITS[name]) if name in UNITS else number(value)
 
 

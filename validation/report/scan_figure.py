@@ -1,4 +1,4 @@
-"""A scan before and after its preparation: heights as measured and as they are solved, and in words what was done.
+"""A scan before and after its preparation: heights as measured and as solved, and the preparation in words.
 
 The numbers are those that a result stores (`Scan.drawn` in bem/scans/prepared_scan.py): scan_x, scan_h and
 profile_x, profile_h in m.  Both lines are drawn about their own mean.  A second figure is the power spectrum of the

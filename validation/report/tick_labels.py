@@ -13,7 +13,7 @@ POWER = re.compile(r"\$\\mathdefault\{(?:(?P<factor>[^{}]+)\\times)?10\^\{(?P<ex
 
 
 class PlainPowers(LogFormatterSciNotation):
-    """Labels the ticks that Matplotlib labels, in plain text; what is no power of ten stays as it is."""
+    """Formatter that writes Matplotlib's powers of ten as plain text and keeps all other labels."""
 
     def __call__(self, x: float, pos: int | None = None) -> str:
         """Return the label of a tick."""

@@ -1,4 +1,4 @@
-"""The boundary element solver of this project: everything that is asked, at a tolerance."""
+"""The boundary element solver of this project as a route: all answers, at a tolerance."""
 
 from typing import Any
 

@@ -72,7 +72,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class Solved:
-    """Outcome of one setting; `sha256` is that of its resolved scene."""
+    """Outcome of one setting; `sha256` identifies its resolved scene."""
 
     __pydantic_config__ = STRICT
 
@@ -101,7 +101,7 @@ class Stored:
 
 
 def run(path: Path, folder: Path, options: Options, say: Callable[[str], None]) -> int:
-    """Run the study of a scene file into a folder; 1 where the scene does not converge as it is.
+    """Run the study of a scene file into a folder; return 1 if the unchanged scene does not converge.
 
     SceneError where the scene is refused, ReportError where the folder holds something else.
     """
@@ -167,7 +167,7 @@ def read_solved(folder: Path, sha256: str, overwrite: bool) -> dict[str, Solved]
 def solve_settings(
     settings: Sequence[Setting], stored: Mapping[str, Solved], base: Path, options: Options
 ) -> Iterator[tuple[str, Solved]]:
-    """Solve what is not stored yet, the scene as it is first, and yield every outcome with its title."""
+    """Solve the settings that are not stored, the unchanged scene first, and yield every outcome with its title."""
     first, *others = settings
     known = _known(first, stored, base) or solve_setting(first.tables, str(base), math.inf)
     yield first.title, known

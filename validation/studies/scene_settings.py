@@ -43,9 +43,9 @@ class Setting:
 
     Attributes
     ----------
-    source : what is varied.
-    name : how it is varied.
-    tables : content of the scene file; empty where there is a reason.
+    source : kind of choice that is varied.
+    name : value of the varied choice.
+    tables : content of the scene file; empty if there is a reason.
     reason : why the setting is not solved.
     """
 

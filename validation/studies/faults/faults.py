@@ -1,4 +1,4 @@
-"""Would the cases notice?  Each fault of the tables is put into a copy of the packages, and its case runs there.
+"""Test of the cases by faults: each fault of the tables is put into a copy of the packages, and its case runs on it.
 
     python -m validation.studies.faults.faults --out FOLDER [--only TEXT] [--jobs N]
 
@@ -64,7 +64,7 @@ def faults() -> list[Fault]:
 
 
 def outcome(case: str, fault: Fault | None, root: Path, scratch: Path) -> dict[str, Any]:
-    """Run a case in a copy of the packages with a fault, or without; return what its report says."""
+    """Run a case in a copy of the packages with or without a fault; return exit code and failing verdicts."""
     with TemporaryDirectory(dir=scratch) as name:
         tree = Path(name)
         for package in PACKAGES:

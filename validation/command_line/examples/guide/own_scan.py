@@ -20,7 +20,7 @@ def solved(harmonics: int) -> bem.Result:
 
 
 def main() -> dict[int, bem.Result]:
-    """Solve with each cut, and print what it changes; the results."""
+    """Solve with each cut, print the changes, and return the results."""
     results = {cut: solved(cut) for cut in CUTS}
     for step in results[CUTS[-1]].profile_preparation:
         if step["step"] != "read" and "rms_height" in step:
