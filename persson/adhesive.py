@@ -67,7 +67,7 @@ class AdhesionProblem:
     detached_width: float
 
     def nonadhesive_area(self) -> FloatArray:
-        """A/A0 without adhesion at the nodes, (n_loads, n + 1)."""
+        """Return A/A0 without adhesion at the nodes, (n_loads, n + 1)."""
         return contact_fraction(self.mesh.slope_variance, self.loads[:, None])
 
     @cached_property
@@ -107,7 +107,10 @@ class AdhesiveFields:
         return -self.work[:, 0]
 
     def onset(self) -> float | None:
-        """S at which the barrier leaves zero for good, first load; None if it is never zero or never leaves it."""
+        """Return S above which the barrier of the first load stays positive.
+
+        None if the barrier is positive everywhere, or zero up to the last node.
+        """
         work, nodes = self.work[0], self.problem.mesh.slope_variance
         below = np.flatnonzero(work <= 0)
         if below.size == 0 or below[-1] == nodes.size - 1:
@@ -125,7 +128,7 @@ def solve_fixed_point(
     tolerance: float,
     max_iterations: int,
 ) -> AdhesiveFields:
-    """Area, effective work of adhesion and barrier that agree with one another at all magnifications.
+    """Solve for area, effective work of adhesion and barrier that are consistent at all magnifications.
 
     Parameters
     ----------
@@ -169,7 +172,7 @@ def solve_fixed_point(
                 [survival(float(p), variance, b, m) for p, b, m in zip(loads, barrier, inside, strict=True)]
             )
         barriers[rows] = barrier
-        # as many steps as all loads ask for, so that what is found does not hang on which of them are converged
+        # the step count covers all loads, so that the result does not depend on which loads are converged
         result = march(loads, variance, barrier, n_cells, steps_of(variance, barriers))
         last.update(
             zip(rows.tolist(), zip(result.distribution.faces, result.distribution.density, strict=True), strict=True)
@@ -194,9 +197,11 @@ def solve_fixed_point(
 def _anderson(
     mapping: Callable[[FloatArray, IntArray], FloatArray], guess: FloatArray, tolerance: float, max_iterations: int
 ) -> tuple[FloatArray, int, BoolArray]:
-    """Fixed point of each row on its own; ends on a plain evaluation, so that area and distribution agree.
+    """Find the fixed point of each row independently by Anderson mixing.
 
-    `mapping` takes rows and their numbers; rows that are converged are left out of it.
+    The last step is a plain evaluation, so that area and distribution agree.
+
+    `mapping` takes rows and their indices. Converged rows are not passed to `mapping` again.
     """
     state, image = guess.copy(), guess.copy()
     points: list[FloatArray] = []
@@ -211,14 +216,14 @@ def _anderson(
         state[rows] = image[rows]
         for row in rows:
             mixed = _mix([p[row] for p in points], [i[row] for i in images])
-            # mixing may leave what an area can be; the plain iterate never does
+            # a mixed iterate can leave the range (0, 1] of an area; a plain iterate cannot
             if np.all(mixed > 0) and np.all(mixed <= 1 + tolerance):
                 state[row] = mixed
     return image, iteration, ~np.isin(np.arange(guess.shape[0]), rows)
 
 
 def _mix(points: list[FloatArray], images: list[FloatArray]) -> FloatArray:
-    """Combination of the images, weights summing to one, whose residual is smallest."""
+    """Return the combination of the images, weights summing to one, with the smallest residual."""
     residuals = [image - point for image, point in zip(images, points, strict=True)]
     if len(residuals) == 1:
         return images[-1]

@@ -1,4 +1,4 @@
-"""A contact with adhesion as the theory has it: what `solve` returns, in SI units.
+"""Contact with adhesion by the theory, as `solve` returns it, in SI units.
 
 Arrays over magnification belong to the nodes of the mesh on which the state was found (`slope_variances`); at a
 wavenumber of the spectrum or any other they are interpolated.  Source: persson/adhesive.py.  Limits: P(sigma) is
@@ -25,16 +25,16 @@ CELLS_PER_DEVIATION = 80
 
 @dataclass(frozen=True, eq=False)
 class AdhesiveContact:
-    """What the theory says at one load.
+    """Solution of the theory with adhesion at one load.
 
     Attributes
     ----------
     contact_fraction : float
         A/A0 with all roughness resolved.
     separation : float or None
-        Distance of the mean planes, m; None if it was not asked for.
+        Distance of the mean planes, m; None without `with_separation`.
     status : str
-        One of the table in status.py; what to do about it is in `advice`.
+        Key of the table in status.py; `advice` states the action to take.
     zero_load_contact_fraction : float or None
         A/A0 to which contact tends at zero load, where it coexists with separation; None where it vanishes.
     fields : AdhesiveFields
@@ -53,7 +53,7 @@ class AdhesiveContact:
 
     @property
     def advice(self) -> str:
-        """What the status means and what to do."""
+        """Meaning of the status, and the action to take."""
         return advice_for(self.status)
 
     @property
@@ -107,21 +107,21 @@ class AdhesiveContact:
         return np.asarray(PchipInterpolator(self.slope_variances, self.areas)(self.spectrum.slope_variance))
 
     def contact_fraction_at(self, wavenumber: float) -> float:
-        """A/A0 when wavenumbers up to this one (rad/m) are resolved."""
+        """Return A/A0 with the roughness up to a wavenumber (rad/m) resolved."""
         variance = self.spectrum.resolved_variance(wavenumber)
         return float(PchipInterpolator(self.slope_variances, self.areas)(variance))
 
     def displacement_power(self, period_wavenumber: float | None = None) -> FloatArray:
-        """C_u = C A(q)/A0 in m^3 at the wavenumbers of the spectrum; lines need q0 of their period 2 pi / q0."""
+        """Return C_u = C A(q)/A0 in m^3 at the wavenumbers of the spectrum; lines need q0 of their period 2 pi / q0."""
         return power(self.spectrum, period_wavenumber) * self.contact_fractions
 
     def pressure_power(self, period_wavenumber: float | None = None) -> FloatArray:
-        """C_sigma = E*^2 q^2 C_u / 4 in Pa^2 m at the wavenumbers of the spectrum."""
+        """Return C_sigma = E*^2 q^2 C_u / 4 in Pa^2 m at the wavenumbers of the spectrum."""
         stiffness = self.plane_strain_modulus * self.spectrum.wavenumbers / 2
         return np.asarray(stiffness**2 * self.displacement_power(period_wavenumber))
 
     def stress_distribution(self, wavenumber: float | None = None) -> StressDistribution:
-        """P in finite volumes, stresses in units of E*, with the roughness up to a wavenumber (rad/m) resolved."""
+        """Return P in finite volumes, in units of E*, with the roughness up to a wavenumber (rad/m) resolved."""
         mesh = self.fields.problem.mesh
         total = float(mesh.slope_variance[-1])
         resolved = total if wavenumber is None else min(self.spectrum.resolved_variance(wavenumber), total)
@@ -129,20 +129,20 @@ class AdhesiveContact:
             raise ValueError(f"wavenumber: {wavenumber} resolves no roughness; P is a delta function there (rad/m)")
         if resolved == total and self.fields.distribution is not None:
             return self.fields.distribution
-        kept = mesh.slope_variance < resolved * (1 - 1e-12)
+        before_end = mesh.slope_variance < resolved * (1 - 1e-12)
         barrier = mesh.smoothed(self.fields.barrier)[0]
         barrier[0] = barrier[1]
         square = np.interp(resolved, mesh.slope_variance, barrier**2)
         spread = mesh.stress_variance
-        nodes = np.append(spread[kept], np.interp(resolved, mesh.slope_variance, spread))
-        path = np.append(barrier[kept], np.sqrt(square))
+        nodes = np.append(spread[before_end], np.interp(resolved, mesh.slope_variance, spread))
+        path = np.append(barrier[before_end], np.sqrt(square))
         loads = self.fields.problem.loads[:1]
         deviations = (float(loads[0] + path[-1]) / np.sqrt(nodes[-1])) + REACH
         n_cells = int(np.ceil(CELLS_PER_DEVIATION * deviations))
         return march(loads, nodes, path[None, :], n_cells).distribution
 
     def pressure_distribution(self, pressure: ArrayLike, wavenumber: float | None = None) -> FloatArray:
-        """P(sigma) per nominal area in 1/Pa at pressures in Pa, tension < 0; its integral is A/A0."""
+        """Return P(sigma) per nominal area in 1/Pa at pressures in Pa, tension < 0; the integral of P is A/A0."""
         distribution = self.stress_distribution(wavenumber)
         faces, density = distribution.faces[0], distribution.density[0]
         points = np.concatenate([faces[:1], (faces[1:] + faces[:-1]) / 2])

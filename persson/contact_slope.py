@@ -58,7 +58,7 @@ def contact_fractions(
     Parameters
     ----------
     spectrum : DiscreteSpectrum or ContinuousSpectrum
-        Lines are those of a periodic profile if their wavenumbers are multiples of one; else of an infinite profile.
+        Lines form a periodic profile if their wavenumbers are multiples of one wavenumber, else an infinite profile.
     loads : (n_loads,) array
         sigma_0 / E* > 0.
     coefficients : mapping, optional
@@ -85,11 +85,11 @@ def contact_fractions(
     curvature = summit_curvature(spectrum)
     if curvature is None:
         return rough
-    one = 2 / np.pi * np.arcsin(np.sqrt(np.minimum(2 * pressed / curvature, 1.0)))
+    single = 2 / np.pi * np.arcsin(np.sqrt(np.minimum(2 * pressed / curvature, 1.0)))
     shares = slope_shares(spectrum)[1]
     several = rough * max(1 - float(shares @ shares), 0.0) ** (value["s"] * (1 - rough**4))
     # 1 - (1 - a)(1 - b), without the difference of numbers near one
-    fourth = one**4 + several**4 - (one * several) ** 4
+    fourth = single**4 + several**4 - (single * several) ** 4
     return np.asarray(fourth**0.25)
 
 
@@ -187,5 +187,5 @@ def _common(first: float, second: float, least: float) -> float:
 
 def _reduction(area: FloatArray, correlation: float, smallest: float) -> FloatArray:
     """Return (g / h'_rms)^2 at contact fractions A_rough > 0, same shape."""
-    kept = (1 - correlation) * area / (area + smallest)
-    return np.asarray(kept + area - kept * area)  # 1 - (1 - kept)(1 - area), with all digits at small loads
+    factor = (1 - correlation) * area / (area + smallest)
+    return np.asarray(factor + area - factor * area)  # 1 - (1 - factor)(1 - area), with all digits at small loads

@@ -80,7 +80,7 @@ class March:
 
 
 def exact_until(loads: FloatArray, variance: FloatArray, barrier: FloatArray) -> tuple[IntArray, NDArray[np.bool_]]:
-    """Last node up to which an exact solution holds, and whether it is the one with the image, (n_loads,) each.
+    """Return the last node up to which an exact solution holds, and if that solution has an image, (n_loads,) each.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def exact_until(loads: FloatArray, variance: FloatArray, barrier: FloatArray) ->
 
 
 def steps_of(variance: FloatArray, barrier: FloatArray) -> IntArray:
-    """Runge-Kutta steps in each cell, (n,), from arrays as in `march`: no barrier jumps by more than LARGEST_JUMP."""
+    """Return the Runge-Kutta steps in each cell, (n,): no barrier of `march` jumps by more than LARGEST_JUMP."""
     jump = np.abs(np.diff(barrier, axis=1)) / (LARGEST_JUMP * np.sqrt(variance[..., 1:]))
     return np.asarray(np.maximum(np.ceil(np.max(jump, axis=0)), 1).astype(np.int64))
 
@@ -124,7 +124,7 @@ def march(
     n_cells : int
         Cells across the domain.
     n_steps : (n,) array, optional
-        Runge-Kutta steps in each cell; None for those of `steps_of`.
+        Runge-Kutta steps in each cell; None calls `steps_of`.
 
     Raises
     ------
@@ -172,7 +172,7 @@ def march(
 
 @dataclass(frozen=True, eq=False)
 class _Grid:
-    """Faces y_f in [0, 1], (n_cells + 1,), their centres, and what the terms of a step multiply.
+    """Faces y_f in [0, 1], (n_cells + 1,), their centres, and the operators that the terms of a step multiply.
 
     `operators`, (3, 4, n_cells), has the bands (below, diagonal, above) of -GAMMA times diffusion, shift and stretch,
     and of the identity, acting on cell contents.
@@ -204,7 +204,7 @@ def _grid(n_cells: int) -> _Grid:
 
 
 def _divergence(low: FloatArray, high: FloatArray) -> FloatArray:
-    """Bands of flux above minus flux below, for fluxes low Q_{k-1} + high Q_k through the inner faces."""
+    """Return the bands of flux above minus flux below, for fluxes low Q_{k-1} + high Q_k through the inner faces."""
     bands = np.zeros((3, low.size + 1))
     bands[1, :-1] += low
     bands[2, :-1] += high
@@ -224,11 +224,11 @@ class _Steps:
     Attributes
     ----------
     cell : (n_steps,) array
-        Of the mesh, in which a step lies.
+        Index of the mesh cell in which a step lies.
     reaches : (n_steps,) array
-        Whether it ends at the node above the cell.
+        True if the step ends at the node above the cell.
     terms : (n_steps, 3, n_loads, 4) array
-        What multiplies the operators of the grid.
+        Factors of the operators of the grid.
     """
 
     cell: IntArray
@@ -237,7 +237,7 @@ class _Steps:
 
 
 def _steps(extent: FloatArray, barrier: FloatArray, variance: FloatArray, n_steps: IntArray) -> _Steps:
-    """All steps between nodes, from arrays (n_loads, n_nodes), with `n_steps` (n_nodes - 1,) in each cell."""
+    """Return the steps between nodes, from arrays (n_loads, n_nodes), with `n_steps` (n_nodes - 1,) in each cell."""
     extent, barrier, variance = extent.T, barrier.T, variance.T
     jump, squares = np.diff(barrier, axis=0), np.diff(barrier**2, axis=0)
     cell = np.repeat(np.arange(n_steps.size), n_steps)
@@ -258,7 +258,7 @@ def _steps(extent: FloatArray, barrier: FloatArray, variance: FloatArray, n_step
 
 
 def _advance(grid: _Grid, content: FloatArray, terms: FloatArray) -> FloatArray:
-    """One Runge-Kutta step of the cell contents (n_loads, n_cells); `terms` (3, n_loads, 4) of its stages."""
+    """Advance the cell contents (n_loads, n_cells) by one Runge-Kutta step; `terms` (3, n_loads, 4) of the stages."""
     bands = np.matmul(terms[:, None], grid.operators)
     changes: list[FloatArray] = []
     for stage, weights in enumerate(STAGE_WEIGHTS):
@@ -271,7 +271,7 @@ def _advance(grid: _Grid, content: FloatArray, terms: FloatArray) -> FloatArray:
 
 
 def _solve(bands: FloatArray, right: FloatArray) -> FloatArray:
-    """(1 - GAMMA L) Q = right, all loads as one tridiagonal system (no band reaches from load to load)."""
+    """Solve (1 - GAMMA L) Q = right for all loads as one tridiagonal system (no band reaches from load to load)."""
     *_, solution, info = dgtsv(
         bands[0].ravel()[1:],
         bands[1].ravel(),
@@ -287,7 +287,7 @@ def _solve(bands: FloatArray, right: FloatArray) -> FloatArray:
 
 
 def _exact_contents(load: float, variance: float, faces: FloatArray, image: bool) -> FloatArray:
-    """int P over the cells: a Gaussian about sigma_0, less its mirror image behind a barrier at zero."""
+    """Return int P over the cells: a Gaussian about sigma_0, less its mirror image behind a barrier at zero."""
     root = np.sqrt(2 * variance)
     # differences of the tail on the nearer side keep their digits
     upper = -np.diff(erfc((faces - load) / root)) / 2

@@ -49,14 +49,14 @@ class DoubleGaussian:
         return float(self.amplitude * (self.mean_pressure - self.detachment_stress * area))
 
     def __call__(self, pressure: ArrayLike) -> FloatArray:
-        """P in 1/Pa at pressures in Pa; zero below -sigma_a."""
+        """Return P in 1/Pa at pressures in Pa; zero below -sigma_a."""
         return self.amplitude * double_gaussian(pressure, self.mean_pressure, self.detachment_stress, self.diffusivity)
 
 
 def double_gaussian(
     pressure: ArrayLike, mean_pressure: float, detachment_stress: float, diffusivity: float
 ) -> FloatArray:
-    """P in 1/Pa at pressures in Pa, any shape.
+    """Return P in 1/Pa at pressures in Pa, any shape.
 
     Examples
     --------
@@ -79,7 +79,7 @@ def fit_double_gaussian(
     free_amplitude: bool = False,
     logarithmic: bool = False,
 ) -> DoubleGaussian:
-    """Least squares over the points given, sigma_0 held, the best of several starts.
+    """Fit sigma_a and G to the given points by least squares, sigma_0 fixed, from the best of several starts.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def fit_double_gaussian(
     sigma, target = _checked(pressure, density, mean_pressure)
     peak = float(np.max(target))
     variance = max(float(np.sum(target * (sigma - mean_pressure) ** 2) / np.sum(target)), 1e-6 * mean_pressure**2)
-    kept = target > LEAST * peak if logarithmic else np.full(target.shape, True)
+    inside = target > LEAST * peak if logarithmic else np.full(target.shape, True)
 
     def made(parameters: FloatArray, residual: float = np.nan) -> DoubleGaussian:
         stress, diffusivity = parameters[0] * np.sqrt(variance), np.exp(parameters[1])
@@ -117,10 +117,10 @@ def fit_double_gaussian(
         return DoubleGaussian(mean_pressure, float(stress), float(diffusivity), amplitude, residual)
 
     def misfit(parameters: FloatArray) -> FloatArray:
-        found = made(parameters)(sigma[kept])
+        fitted = made(parameters)(sigma[inside])
         if logarithmic:
-            return np.asarray(np.log(np.maximum(found, FLOOR * peak)) - np.log(target[kept]))
-        return np.asarray((found - target[kept]) / peak)
+            return np.asarray(np.log(np.maximum(fitted, FLOOR * peak)) - np.log(target[inside]))
+        return np.asarray((fitted - target[inside]) / peak)
 
     spread = np.log(variance / (2 * mean_pressure**2))
     lowest = [0.0, spread - WIDEST, -WIDEST][: 2 + free_amplitude]
@@ -145,7 +145,7 @@ def fit_double_gaussian(
 
 
 def _checked(pressure: ArrayLike, density: ArrayLike, mean_pressure: float) -> tuple[FloatArray, FloatArray]:
-    """The points as arrays; ValueError names what is wrong with them."""
+    """Return the points as arrays; ValueError names the invalid value."""
     sigma, target = np.asarray(pressure, dtype=np.float64), np.asarray(density, dtype=np.float64)
     if sigma.ndim != 1 or sigma.size < LEAST_POINTS or sigma.shape != target.shape:
         raise ValueError(

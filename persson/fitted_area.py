@@ -70,7 +70,7 @@ class FittedArea:
     status : "in_domain" or "out_of_domain"
         The errors of the module hold in the domain; outside of it the area is an extrapolation.
     reasons : tuple of str
-        One for each number that lies outside of the domain, with its value and what is allowed.
+        A sentence for each number outside of the domain, with its value and the allowed interval.
     pull_off : float or None
         Least mean pressure in Pa at which there is contact, < 0 where adhesion holds contact in tension; None without
         adhesion.
@@ -95,7 +95,7 @@ def contact_area(
     Parameters
     ----------
     spectrum : DiscreteSpectrum or ContinuousSpectrum
-        Lines are those of a periodic profile if their wavenumbers are multiples of one; else of an infinite profile.
+        Lines form a periodic profile if their wavenumbers are multiples of one wavenumber, else an infinite profile.
     mean_pressure : float
         sigma_0 in Pa; > 0 without adhesion, not below the pull-off with adhesion.
     youngs_modulus, poisson_ratio : float

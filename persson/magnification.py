@@ -1,4 +1,4 @@
-"""Nodes in slope variance on which the adhesive theory is marched, and what the spectrum says at them.
+"""Nodes in slope variance on which the adhesive theory is marched, and the wavenumbers of the spectrum at them.
 
 Both routes of the diffusion need, at nodes S_0 = 0 < S_1 < .. < S_n, the wavenumber q just before and just after each
 node, q inside each cell, and the cumulative weight W = int dS / q of the elastic energy.
@@ -65,11 +65,11 @@ class MagnificationMesh:
     duration: FloatArray
 
     def smoothed(self, barrier: FloatArray) -> FloatArray:
-        """The barrier at the nodes, (.., n + 1), moved inward by the staircase that the nodes do not resolve."""
+        """Return the barrier at the nodes, (.., n + 1), moved inward by the staircase that the nodes do not resolve."""
         return _moved_inward(barrier, self.jump, self.duration)
 
     def smoothed_inside(self, barrier: FloatArray) -> FloatArray:
-        """The same in the middle of the cells, (.., n)."""
+        """Return the barrier in the middle of the cells, (.., n), moved inward by the unresolved staircase."""
         return _moved_inward(barrier, self.jump[1:], self.duration[1:])
 
     @property
@@ -88,7 +88,7 @@ def magnification_mesh(
     most_resolved: int = 200,
     onsets: tuple[float, ...] = (),
 ) -> MagnificationMesh:
-    """Nodes from S = 0, `start`, .. to the total slope variance.
+    """Build the mesh with nodes from S = 0, `start`, .. to the total slope variance.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def magnification_mesh(
     barrier_scale : float
         Largest a / sqrt(q) possible, m^1/2.
     substeps, most_resolved : int
-        How finely a line is resolved, and how many at most (those with the largest J T, besides the coarse ones).
+        Substeps of a resolved line; largest number of resolved lines (largest J T first, besides the coarse lines).
     onsets : tuple of float
         Values of S at which cells crowd.
 
@@ -172,7 +172,7 @@ def _lines_to_nodes(
 
 
 def _bounded_growth(nodes: FloatArray, growth: float) -> FloatArray:
-    """Cells that grow too much are cut geometrically; the first, from zero to the start, is left."""
+    """Cut cells that grow by more than `growth` geometrically, except the first cell, from zero to the start."""
     pieces = np.maximum(1, np.ceil(np.log(nodes[2:] / nodes[1:-1]) / np.log(growth) - 1e-9)).astype(np.int64)
     cell = np.repeat(np.arange(pieces.size), pieces)
     position = np.arange(cell.size) - np.repeat(np.cumsum(pieces) - pieces, pieces)

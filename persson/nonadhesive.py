@@ -35,7 +35,7 @@ COMPLETE = 1e-12  # of 1 - A/A0: below, contact is complete to rounding
 
 @dataclass(frozen=True, eq=False)
 class NonadhesiveContact:
-    """What the theory says at one load, SI units.
+    """Solution of the theory without adhesion at one load, SI units.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class NonadhesiveContact:
     contact_fractions : (n,) array
         A/A0 when the wavenumbers of the spectrum up to q_m are resolved.
     status : str
-        `converged`, `complete_contact` or `single_line`; what to do about it is in `advice`.
+        `converged`, `complete_contact` or `single_line`; `advice` states the action to take.
     """
 
     spectrum: Spectrum
@@ -62,18 +62,18 @@ class NonadhesiveContact:
 
     @property
     def advice(self) -> str:
-        """What the status means and what to do."""
+        """Meaning of the status, and the action to take."""
         return advice_for(self.status)
 
     def contact_fraction_at(self, wavenumber: float) -> float:
-        """A/A0 when wavenumbers up to this one (rad/m) are resolved."""
+        """Return A/A0 with the roughness up to a wavenumber (rad/m) resolved."""
         variance = self.spectrum.resolved_variance(wavenumber)
         return float(contact_fraction(np.array([variance]), self.mean_pressure / self.plane_strain_modulus)[0])
 
     def pressure_distribution(self, pressure: ArrayLike, wavenumber: float | None = None) -> FloatArray:
-        """P(sigma) per nominal area in 1/Pa at pressures in Pa; its integral over sigma > 0 is A/A0.
+        """Return P(sigma) per nominal area in 1/Pa at pressures in Pa; the integral over sigma > 0 is A/A0.
 
-        With `wavenumber` (rad/m) only the roughness up to it is resolved; some of it must be.
+        With `wavenumber` (rad/m) only the roughness up to that wavenumber is resolved. ValueError if there is none.
         """
         modulus = self.plane_strain_modulus
         stress, mean = np.asarray(pressure, dtype=np.float64) / modulus, self.mean_pressure / modulus
@@ -88,11 +88,11 @@ class NonadhesiveContact:
         return np.where(stress > 0, direct * image / (np.sqrt(2 * np.pi * variance) * modulus), 0.0)
 
     def displacement_power(self, period_wavenumber: float | None = None) -> FloatArray:
-        """C_u = C A(q)/A0 in m^3 at the wavenumbers of the spectrum; lines need q0 of their period 2 pi / q0."""
+        """Return C_u = C A(q)/A0 in m^3 at the wavenumbers of the spectrum; lines need q0 of their period 2 pi / q0."""
         return power(self.spectrum, period_wavenumber) * self.contact_fractions
 
     def pressure_power(self, period_wavenumber: float | None = None) -> FloatArray:
-        """C_sigma(q) = E*^2 q^2 C_u / 4 in Pa^2 m, at the wavenumbers of the spectrum."""
+        """Return C_sigma(q) = E*^2 q^2 C_u / 4 in Pa^2 m, at the wavenumbers of the spectrum."""
         stiffness = self.plane_strain_modulus * self.spectrum.wavenumbers / 2
         return np.asarray(stiffness**2 * self.displacement_power(period_wavenumber))
 
@@ -100,7 +100,7 @@ class NonadhesiveContact:
 def solve_nonadhesive(
     spectrum: Spectrum, mean_pressure: float, *, youngs_modulus: float, poisson_ratio: float
 ) -> NonadhesiveContact:
-    """Area, separation, energy and spectra at one load.
+    """Compute area, separation, energy and spectra at one load.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def solve_nonadhesive(
 
 
 def plane_strain_modulus(youngs_modulus: float, poisson_ratio: float) -> float:
-    """E* = E / (1 - nu^2) in Pa; ValueError outside E > 0, nu in (-1, 0.5].
+    """Return E* = E / (1 - nu^2) in Pa; ValueError outside E > 0, nu in (-1, 0.5].
 
     Examples
     --------
@@ -154,7 +154,7 @@ def plane_strain_modulus(youngs_modulus: float, poisson_ratio: float) -> float:
 
 
 def dimensionless_load(mean_pressure: float, modulus: float) -> float:
-    """sigma_0 / E*; ValueError unless sigma_0 > 0."""
+    """Return sigma_0 / E*; ValueError unless sigma_0 > 0."""
     if not (mean_pressure > 0 and np.isfinite(mean_pressure)):
         raise ValueError(
             f"mean_pressure: {mean_pressure} must be finite and > 0 (Pa); the separation integral diverges at zero load"
@@ -163,14 +163,14 @@ def dimensionless_load(mean_pressure: float, modulus: float) -> float:
 
 
 def status_of(spectrum: Spectrum, fraction: float) -> Status:
-    """Status of a state by its contact fraction and the kind of its spectrum."""
+    """Return the status of a state from its contact fraction and the kind of its spectrum."""
     if isinstance(spectrum, DiscreteSpectrum) and spectrum.n_carriers == 1:
         return "single_line"
     return "complete_contact" if 1 - fraction < COMPLETE else "converged"
 
 
 def power(spectrum: Spectrum, period_wavenumber: float | None) -> FloatArray:
-    """Two-sided C in m^3 at the wavenumbers of the spectrum; lines need the wavenumber of their period."""
+    """Return the two-sided C in m^3 at the wavenumbers of the spectrum; lines need the wavenumber of their period."""
     if isinstance(spectrum, ContinuousSpectrum):
         if period_wavenumber is not None:
             raise ValueError(
@@ -183,13 +183,16 @@ def power(spectrum: Spectrum, period_wavenumber: float | None) -> FloatArray:
 
 
 def contact_fraction(slope_variance: FloatArray, load: float | FloatArray) -> FloatArray:
-    """A/A0 at S and sigma_0 / E*, of shapes that broadcast; 1 at S = 0."""
+    """Return A/A0 at S and sigma_0 / E*, of shapes that broadcast; 1 at S = 0."""
     with np.errstate(divide="ignore"):
         return np.asarray(erf(np.sqrt(2) * load / np.sqrt(slope_variance)))
 
 
 def energy_length(spectrum: Spectrum, load: float, ends: FloatArray) -> FloatArray:
-    """1/4 int_0^S (A/A0) / q dS in m up to each S of ends, (n,): elastic energy over E* of the roughness below."""
+    """Return 1/4 int_0^S (A/A0) / q dS in m up to each S of ends, (n,).
+
+    The integral is the elastic energy over E* of the roughness below S.
+    """
 
     def antiderivative(s: FloatArray) -> FloatArray:
         return _area_integral(s, load)
@@ -201,7 +204,7 @@ def energy_length(spectrum: Spectrum, load: float, ends: FloatArray) -> FloatArr
 
 
 def separation_length(spectrum: Spectrum, load: float) -> float:
-    """s in m at a load sigma_0 / E*."""
+    """Return the separation s in m at a load sigma_0 / E*."""
 
     def antiderivative(s: FloatArray) -> FloatArray:
         return _separation_integral(s, load)
@@ -213,7 +216,7 @@ def separation_length(spectrum: Spectrum, load: float) -> float:
 
 
 def _area_integral(variance: FloatArray, load: float) -> FloatArray:
-    """int_0^S erf(c / sqrt S) dS, c = sqrt 2 sigma_0."""
+    """Return int_0^S erf(c / sqrt S) dS, c = sqrt 2 sigma_0."""
     c = np.sqrt(2) * load
     with np.errstate(divide="ignore"):
         ratio = c / np.sqrt(variance)
@@ -223,7 +226,7 @@ def _area_integral(variance: FloatArray, load: float) -> FloatArray:
 
 
 def _separation_integral(variance: FloatArray, load: float) -> FloatArray:
-    """int_0^S sqrt(2 / (pi S)) E1(a / S) dS, a = 2 sigma_0^2, by parts twice."""
+    """Return int_0^S sqrt(2 / (pi S)) E1(a / S) dS, a = 2 sigma_0^2, integrated by parts twice."""
     a = 2 * load**2
     with np.errstate(divide="ignore"):
         x = a / variance

@@ -56,7 +56,7 @@ def solve(
     with_separation: bool = True,
     max_iterations: int = 80,
 ) -> NonadhesiveContact | AdhesiveContact:
-    """Contact area, separation, energies, stress distribution and spectra of a rough contact at one load.
+    """Compute area, separation, energies, stress distribution and spectra of a rough contact at one load.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def solve(
     detached_width : float
         In wavelengths, in (0, 1]; 0.5 raises the detachment stress by sqrt 2.
     route : "finite_volumes" or "volterra"
-        Two independent solutions of the same theory.
+        Two independent solutions of the theory.
     resolution : float
         > 0; 2 halves the steps of every discretisation.
     with_separation : bool

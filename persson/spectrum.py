@@ -1,4 +1,4 @@
-"""The roughness of a profile: lines of a periodic profile, or a continuous power spectrum; never one for the other.
+"""Roughness of a profile: lines of a periodic profile, or a continuous power spectrum; never one for the other.
 
 The theory sees a profile through the slope variance that has been resolved once wavenumbers up to q are seen, S(q).
 In full contact the stress has the variance V E*^2, V = S / 4.
@@ -38,11 +38,11 @@ SHARES = 1000  # bands of a continuous spectrum, equal in ln q
 
 
 class PeriodicProfile(Protocol):
-    """A profile h = sum_m h_m cos(2 pi m x / period + phi_m), such as a measured one: what the theory sees of it."""
+    """Profile h = sum_m h_m cos(2 pi m x / period + phi_m), such as a measured one, as the theory reads it."""
 
     @property
     def period(self) -> float:
-        """In m."""
+        """Period in m."""
 
     @property
     def orders(self) -> IntArray:
@@ -89,7 +89,7 @@ class DiscreteSpectrum:
 
     @classmethod
     def self_affine(cls, first_wavenumber: float, hurst: float, h_rms: float, n_lines: int) -> DiscreteSpectrum:
-        """Lines m q0, m = 1..n_lines, with h_m proportional to m^-(H + 1/2) and the rms height asked for.
+        """Return lines m q0, m = 1..n_lines, with h_m proportional to m^-(H + 1/2) and a given rms height.
 
         Examples
         --------
@@ -108,7 +108,7 @@ class DiscreteSpectrum:
 
     @classmethod
     def of_profile(cls, profile: PeriodicProfile) -> DiscreteSpectrum:
-        """The lines of a profile: wavenumbers 2 pi m / period of its orders m, in ascending order.
+        """Return the lines of a profile: wavenumbers 2 pi m / period of its orders m, in ascending order.
 
         Examples
         --------
@@ -158,17 +158,17 @@ class DiscreteSpectrum:
         return int(np.count_nonzero(self.slope_variance_steps))
 
     def power(self, period_wavenumber: float) -> FloatArray:
-        """Two-sided C(q_m) = h_m^2 / (4 q0) in m^3, (n_lines,), for the period 2 pi / q0."""
+        """Return the two-sided C(q_m) = h_m^2 / (4 q0) in m^3, (n_lines,), for the period 2 pi / q0."""
         _positive("period_wavenumber", period_wavenumber, "rad/m")
         return np.asarray(self.amplitudes**2 / (4 * period_wavenumber))
 
     def resolved_variance(self, wavenumber: float) -> float:
-        """S when wavenumbers up to and including this one are resolved."""
+        """Return S of the roughness up to and including a wavenumber (rad/m)."""
         _positive("wavenumber", wavenumber, "rad/m")
         return float(np.sum(self.slope_variance_steps[self.wavenumbers <= wavenumber * (1 + 1e-12)]))
 
     def weighted_integral(self, antiderivative: ArrayFunction, density: ArrayFunction, ends: FloatArray) -> FloatArray:
-        """int_0^S f / q dS up to each S of ends, (n,), in m times f; exact, from F with F' = f and F(0) = 0."""
+        """Return int_0^S f / q dS up to each S of ends, (n,), in m times f; exact, from F with F' = f and F(0) = 0."""
         bands = np.concatenate([[0.0], self.slope_variance])
         at_bands = antiderivative(bands)
         full = np.concatenate([[0.0], np.cumsum(np.diff(at_bands) / self.wavenumbers)])
@@ -213,7 +213,7 @@ class ContinuousSpectrum:
 
     @classmethod
     def self_affine(cls, lowest: float, highest: float, hurst: float, h_rms: float) -> ContinuousSpectrum:
-        """C proportional to q^-(1 + 2 H) between two wavenumbers, with the rms height asked for.
+        """Return C proportional to q^-(1 + 2 H) between two wavenumbers, with a given rms height.
 
         Exact at and between the points of its table, TABLE_DENSITY to a decade.
 
@@ -258,14 +258,14 @@ class ContinuousSpectrum:
         return float(np.sum(self._segment_moments(1)) / 4)
 
     def power_at(self, wavenumber: ArrayLike) -> FloatArray:
-        """Two-sided C(q) in m^3; zero outside the table."""
+        """Return the two-sided C(q) in m^3; zero outside the table."""
         q = np.asarray(wavenumber, dtype=np.float64)
         inside = (q >= self.wavenumbers[0]) & (q <= self.wavenumbers[-1])
         logarithm = np.interp(np.log(q), np.log(self.wavenumbers), np.log(self.power))
         return np.where(inside, np.exp(logarithm), 0.0)
 
     def resolved_variance(self, wavenumber: float) -> float:
-        """S when wavenumbers up to this one are resolved."""
+        """Return S of the roughness up to a wavenumber (rad/m)."""
         _positive("wavenumber", wavenumber, "rad/m")
         q = float(np.clip(wavenumber, self.wavenumbers[0], self.wavenumbers[-1]))
         segment = min(int(np.searchsorted(self.wavenumbers, q, side="right")) - 1, self.wavenumbers.size - 2)
@@ -275,7 +275,7 @@ class ContinuousSpectrum:
         return float(self.slope_variance[segment] + scale * ratio * exprel(growth * ratio))
 
     def wavenumber_at(self, slope_variance: FloatArray) -> FloatArray:
-        """q(S), the inverse of S(q), in rad/m; (n,) for S in [0, S_total]."""
+        """Return q(S), the inverse of S(q), in rad/m; (n,) for S in [0, S_total]."""
         bands = self.slope_variance
         segment = np.clip(np.searchsorted(bands, slope_variance, side="right") - 1, 0, bands.size - 2)
         growth = (self._exponents() + 3)[segment]
@@ -285,7 +285,7 @@ class ContinuousSpectrum:
         return np.asarray(self.wavenumbers[segment] * np.exp(ratio))
 
     def weighted_integral(self, antiderivative: ArrayFunction, density: ArrayFunction, ends: FloatArray) -> FloatArray:
-        """int_0^S f / q dS up to each S of ends, (n,), in m times f; Gauss panels that grow with S, ends included."""
+        """Return int_0^S f / q dS up to each S of ends, (n,), in m times f, by Gauss panels that grow with S."""
         bands, total = self.slope_variance, float(np.max(ends))
         count = int(np.ceil(np.log(1 / PANEL_FLOOR) / np.log(PANEL_RATIO)))
         growing = total * np.geomspace(PANEL_FLOOR, 1.0, count)
@@ -300,7 +300,7 @@ class ContinuousSpectrum:
         return np.asarray(np.diff(np.log(self.power)) / np.diff(np.log(self.wavenumbers)))
 
     def _segment_moments(self, power: int) -> FloatArray:
-        """2 int q^power C dq over each segment, (n_points - 1,)."""
+        """Return 2 int q^power C dq over each segment, (n_points - 1,)."""
         ratio = np.diff(np.log(self.wavenumbers))
         scale = 2 * self.power[:-1] * self.wavenumbers[:-1] ** (power + 1)
         return np.asarray(scale * ratio * exprel((self._exponents() + power + 1) * ratio))

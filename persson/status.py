@@ -1,4 +1,4 @@
-"""Named states of the theory and what to do about each; a silent number is never returned where it has no answer.
+"""Named states of the theory and the action to take for each; a silent number is never returned where it has no answer.
 
 | status           | meaning                                                                     |
 | ---------------- | --------------------------------------------------------------------------- |
@@ -41,7 +41,7 @@ ADVICE: dict[Status, str] = {
 
 
 def advice_for(status: Status) -> str:
-    """What to do about a status; empty when nothing needs to be done.
+    """Return the action to take for a status; empty if no action is needed.
 
     Examples
     --------

@@ -50,7 +50,7 @@ REFUSED = (ReportError, CorruptResultError, SceneError, FolderError, UsageError)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command, by default that of `sys.argv`, and return its exit code.
+    """Run one command, by default the command in `sys.argv`, and return its exit code.
 
     0 done, 1 something failed, 2 bad input, 130 interrupted.
     """
@@ -94,7 +94,7 @@ def _verify(options: argparse.Namespace) -> int:
 
 
 def _report(options: argparse.Namespace) -> int:
-    """Render the page of a run or of a verification again; print it where that is asked for."""
+    """Render the page of a run or of a verification again; with --pdf print the page."""
     folder: Path = options.folder if options.folder.name else options.folder.absolute()  # "." has no name
     if not (folder / REPORT).exists() and (folder / RESULT_FILE).exists():
         result = write_run_page(folder)
@@ -119,7 +119,7 @@ def _replicate(options: argparse.Namespace) -> int:
 
 
 def _study(options: argparse.Namespace) -> int:
-    """Study a scene; studies of earlier releases are refused with what does their work."""
+    """Study a scene; refuse studies of earlier releases and name the command that replaces each."""
     if options.name != "scene":
         instead = INSTEAD.get(options.name, "linecontact study scene SCENE --out DIR")
         raise UsageError(f"study {options.name}: no such study; use {instead}")
@@ -137,7 +137,7 @@ def _gone(options: argparse.Namespace) -> int:
 
 
 def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], run_name: str = "run") -> None:
-    """Add the commands to those of a program, which hands what it parsed to `options.perform`.
+    """Add the commands to a program, which passes its parsed options to `options.perform`.
 
     `run_name` is the name of the command that runs the cases.
     """

@@ -28,7 +28,7 @@ SERIES_BELOW = 1e-4  # of xi^2: next term of the series below 1e-16
 
 
 def gaussian_slope_1d(unresolved_slope_variance: ArrayLike) -> FloatArray:
-    """M of a Gaussian slope in one direction.
+    """Return M of a Gaussian slope in one direction.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def gaussian_slope_1d(unresolved_slope_variance: ArrayLike) -> FloatArray:
 
 
 def isotropic_2d(unresolved_slope_variance: ArrayLike) -> FloatArray:
-    """M of the paper, for two-dimensional isotropic roughness, whose xi^2 is the variance of the full gradient.
+    """Return the paper's M for two-dimensional isotropic roughness; xi^2 is the variance of the full gradient.
 
     Parameters
     ----------

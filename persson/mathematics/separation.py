@@ -27,7 +27,9 @@ QUADRATURE = 128
 
 
 def load_ladder(load: float, slope_variance: float, count: int) -> FloatArray:
-    """Loads sigma / E* from sigma_0 up to complete contact, (count,), or sigma_0 alone if contact is complete there.
+    """Return loads sigma / E* from sigma_0 up to complete contact, (count,).
+
+    If contact is complete at sigma_0, the ladder holds sigma_0 alone.
 
     Examples
     --------
@@ -45,7 +47,7 @@ def load_ladder(load: float, slope_variance: float, count: int) -> FloatArray:
 
 
 def adhesive_part(loads: FloatArray, excess_energy: FloatArray) -> float:
-    """int D' d ln sigma in m over a ladder, from D / E* in m at its loads, (n_loads,).
+    """Return int D' d ln sigma in m over a ladder, from D / E* in m at its loads, (n_loads,).
 
     Examples
     --------
@@ -65,6 +67,6 @@ def adhesive_part(loads: FloatArray, excess_energy: FloatArray) -> float:
 
 @cache
 def _rule(count: int) -> tuple[FloatArray, FloatArray]:
-    """Points and weights of Gauss and Legendre, (count,) each."""
+    """Return the points and weights of Gauss-Legendre quadrature, (count,) each."""
     point, weight = np.polynomial.legendre.leggauss(count)
     return point, weight

@@ -27,7 +27,7 @@ NEAR = 12  # cells next to the diagonal whose square root is averaged
 
 
 def survival(load: float, variance: FloatArray, barrier: FloatArray, barrier_inside: FloatArray) -> FloatArray:
-    """A/A0 at the nodes for one load.
+    """Return A/A0 at the nodes for one load.
 
     Parameters
     ----------

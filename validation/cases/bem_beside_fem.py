@@ -1,4 +1,4 @@
-"""One scene by boundary elements and by finite elements: the numbers compared, with the uncertainty of each code.
+"""Scene by boundary elements and by finite elements: the numbers compared, with the uncertainty of each code.
 
 For every quantity |BEM - FEM| <= sqrt(u_BEM^2 + u_FEM^2).  u_FEM comes from the three meshes of the reference, u_BEM
 from the error estimates of a state: of the contact fraction for the edges, of the mean pressure for the load.  A
@@ -40,7 +40,7 @@ ELASTIC = ("converged", "negative_stress_intensity", "interpenetration")  # at g
 
 @dataclass(frozen=True)
 class Difference:
-    """One quantity by both codes, with the uncertainty of each and a scale, all in `unit`."""
+    """Quantity by both codes, with the uncertainty of each and a scale, all in `unit`."""
 
     name: str
     quantity: Quantity
@@ -54,7 +54,7 @@ class Difference:
 
 @dataclass(frozen=True)
 class Comparison:
-    """A scene by both codes; without differences one of them has no state, and `failure` says why."""
+    """A scene by both codes; without differences a code has no state, and `failure` states the reason."""
 
     differences: tuple[Difference, ...]
     fem: Result | None = None
@@ -111,7 +111,7 @@ def compare_prescribed(scene: Scene, elements: str, edges: FloatArray, penetrati
 
 
 def differences(scene: Scene, fem: Result, elastic: bem.ContactState, state: State | None) -> Iterator[Difference]:
-    """Yield everything that both codes compute and nobody prescribed; `state` is None at given edges."""
+    """Yield every quantity that both codes compute and that is not prescribed; `state` is None at given edges."""
     tolerance, known = scene.accuracy.tolerance, fem.uncertainty
     height, period, control = fem.problem.unit_height, fem.problem.period, scene.loading.control
     prescribed = "penetration" if control == "separation" else control

@@ -21,7 +21,7 @@ Table = dict[str, Any]
 
 @dataclass(frozen=True)
 class Hard:
-    """Hard scene; `checks` name what is asked besides dense algebra.
+    """Hard scene; `checks` name the checks besides dense algebra.
 
     "wave" and "last gap", "closing gaps": closed forms; "equal": patches; "tension": the load at the end.
     """
@@ -100,7 +100,7 @@ LOW = [60e-6, 30e-6]
 
 
 def crests_and_gaps() -> Iterator[Hard]:
-    """Contacts that begin, vanish, merge and nearly close."""
+    """Yield scenes with contacts that begin, vanish, merge and nearly close."""
     yield Hard("twin crests", "two crests of equal height touch at one instant and must stay equal",
                scene(waves([2, 4], [50e-6, 10e-6]), "penetration", [1e-5, 3e-5, 0.0], 0.05),
                events=("first_touch",), checks=("equal",))
@@ -132,7 +132,7 @@ def crests_and_gaps() -> Iterator[Hard]:
 
 
 def ends_of_the_path() -> Iterator[Hard]:
-    """Complete contact and beyond, symmetry that breaks, the last gaps."""
+    """Yield scenes of complete contact and beyond, of symmetry that breaks, and of the last gaps."""
     yield Hard("penetration beyond complete contact", "unreachable; the states before it stay",
                wave("penetration", [3e-5, 6e-5], WAVE_WORK), BEYOND, level="quick")
     yield Hard("complete contact by separation", "separation zero admits complete contact only",
@@ -165,7 +165,7 @@ def ends_of_the_path() -> Iterator[Hard]:
 
 
 def swept() -> Iterator[Hard]:
-    """One parameter from end to end, on the rough profile."""
+    """Yield scenes that vary one parameter from end to end, on the rough profile."""
     thin = 0.02 * PERIOD
     yield Hard("thin incompressible layer", "stiff by the third power of its thickness",
                sticky(30, "separation", [70e-6, 60e-6], thickness=thin), level="quick")

@@ -32,7 +32,7 @@ def theory(scene, pressures):
 
 @pytest.mark.quick
 def test_one_profile(rows):
-    """How does contact area grow with load, with and without adhesion, and how far off is the theory?"""
+    """With and without adhesion, how does contact area grow with load, and how far off is the theory?"""
     loads, fewer = np.array([0.002, 0.005, 0.01, 0.02]), {"harmonics": 50}
     loading = {"control": "mean_pressure", "targets": (loads * MODULUS).tolist()}
     states = solved("rough_100", profile=fewer, adhesion=None, loading=loading).targets
@@ -55,7 +55,7 @@ def test_one_profile(rows):
 
 @pytest.mark.standard
 def test_paper_profile(rows):
-    """How large is the contact area of the paper's profile of 1000 harmonics, and how far off is the theory?"""
+    """For the paper's profile of 1000 harmonics, how large is the contact area, and how far off is the theory?"""
     loads, scene, result = np.arange(1, 9) * 0.0025, posed("paper_profile"), solved("paper_profile")
     assert all(state.certificate.ok for state in result.states)
     assert max(state.certificate.closure or 0.0 for state in result.states) < 1e-8
@@ -109,7 +109,7 @@ def areas_of(hurst, seed, adhesive):
      pytest.param(True, range(2), ((1.9, 3.7), (1.65, 2.6), (1.6, 2.1), (1.35, 1.66)), id="adhesion")],
 )
 def test_hurst_exponents(rows, adhesive, seeds, bands):
-    """How does the mean area of realisations compare with the theory over loads and Hurst exponents?"""
+    """Over loads and Hurst exponents, how does the mean area of realisations compare with the theory?"""
     areas = np.array([[areas_of(hurst, seed, adhesive) for seed in seeds] for hurst in HURST])
     expected = np.array([theory(posed("rough_100", **tables), pressures)
                          for tables, pressures in (realisation(hurst, 0, adhesive) for hurst in HURST)])

@@ -1,4 +1,4 @@
-"""What does accuracy cost?  CPU seconds against true error of every route, measured in this run on one thread.
+"""Cost of accuracy: CPU seconds against true error of every route, measured in this run on one thread.
 
 The smooth problem is Johnson's adhesive wave (alpha = 0.3) at the load of contact fraction 1/2, exact.  The rough one
 has 20 harmonics and adhesion along its true length, followed from first touch to one separation; its reference is the
@@ -75,7 +75,7 @@ def bem_runs(scene_at):
 
 
 def rows_of_bem(rows, measured, exact, source, by, u_reference):
-    """Add rows of the error at every tolerance, and of the work, which may not grow when fewer digits are asked for."""
+    """Add rows of the error at every tolerance, and of the work, which may not grow for fewer digits."""
     work = []
     for tolerance, (result, _, _) in zip(TOLERANCES, measured.values(), strict=True):
         state = result.targets[-1]
@@ -92,7 +92,7 @@ def rows_of_bem(rows, measured, exact, source, by, u_reference):
 
 @pytest.mark.standard
 def test_smooth_wave(rows):
-    """How many seconds does a digit cost on a smooth adhesive wave, by every route?"""
+    """On a smooth adhesive wave, how many seconds does a digit cost by every route?"""
     runs = bem_runs(lambda t: bem.parse_scene(SMOOTH | {"accuracy": {"tolerance": t}}))
     ours = timed(runs)
     rows_of_bem(rows, ours, 0.5, "Johnson 1995", Code.EXACT, 0.0)
@@ -134,7 +134,7 @@ def peers(problem):
 
 @pytest.mark.standard
 def test_rough_adhesive(rows):
-    """How many seconds does a digit cost on a rough adhesive contact?"""
+    """On a rough adhesive contact, how many seconds does a digit cost?"""
     ours = timed(bem_runs(lambda t: rough(accuracy={"tolerance": t})))
     finest = bem.solve(rough(accuracy={"tolerance": 1e-11}))
     exact, finer = (dense_algebra.reference(rough(), finest.targets[-1], k)["contact_fraction"] for k in (1, 2))
@@ -182,7 +182,7 @@ print(*(name for name in %r if name in sys.modules))
 
 @pytest.mark.standard
 def test_price_of_effects(rows):
-    """What does each effect of a scene cost, and does one that is absent cost nothing?"""
+    """For each effect of a scene, how much does it cost, and does an absent effect cost nothing?"""
     measured = timed({name: lambda t=tables: bem.solve(rough(**t)) for name, (tables, _) in EFFECTS.items()})
     lines = []
     for name, (_, base) in EFFECTS.items():

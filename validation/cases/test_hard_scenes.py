@@ -81,7 +81,7 @@ def construction(rows, name, value, because="none may be there", allowed=0.5):
 
 
 def identities(rows, posed, result):
-    """Add rows of what the numbers of every state and event have to do with one another."""
+    """Add rows of the identities between the numbers of every state and event."""
     surface = posed.surface()
     highest, period = (0.0 if surface.is_flat else surface.max_height), surface.period
     met = [state for state in result.states if state.status in ("converged", "separated", "complete_contact")]

@@ -1,4 +1,4 @@
-"""One wave against closed forms: Johnson's curve along whole loops, Westergaard's contact, stability and stiffness.
+"""Single wave against closed forms: Johnson's curve along whole loops, Westergaard's contact, stability and stiffness.
 
 h = D cos(q0 x) on a half-space, D = 100 um, period 10 mm, E = 1 MPa, nu = 0.5, without slope term.  With psi = pi times
 half the contact fraction, S = sin^2 psi, p* = pi E* D / period and alpha = sqrt(2 E* gamma / period) / p*,
@@ -147,7 +147,7 @@ def test_seven_equal_waves_lose_their_symmetry(rows):
 
 @pytest.mark.quick
 def test_error_against_unknowns(rows):
-    """How many unknowns does an adhesive contact need for a given accuracy, at Johnson's edges?"""
+    """At Johnson's edges, how many unknowns does an adhesive contact need for a given accuracy?"""
     psi, half = 0.6 * np.pi / 2, 0.3 * WAVE.wavelength
     surface, critical = posed("sinusoid").surface(), np.sqrt(2 * WAVE.modulus * WAVE.work_of_adhesion)
     load, intensity = {}, {}

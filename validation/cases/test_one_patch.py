@@ -1,4 +1,4 @@
-"""One patch on a symmetric profile in closed form: jumps from ripple to ripple, and two crests that merge.
+"""Single patch on a symmetric profile in closed form: jumps from ripple to ripple, and two crests that merge.
 
 A wave D cos q0 x, D = 100 um, period 10 mm, E* = 1 MPa / 0.75, carries a ripple of order 20, 30 or 40.  The mean
 pressure p(a) of one patch of half width a in equilibrium rises and falls with every ripple that the edges cross.

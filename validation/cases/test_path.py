@@ -110,7 +110,7 @@ class Ripples:
         return bem.ContactState(profile, solid, edges, penetration, adhesion=adhesion, tolerance=1e-8)
 
     def relaxed(self, edges, penetration):
-        """Return edges at rest, (n, 2) in m, by the overdamped motion from given ones."""
+        """Return edges at rest, (n, 2) in m, by the overdamped motion from given edges."""
         widths = edges[:, 1] - edges[:, 0]
         for _ in range(STEPS):
             force = self.state(edges, penetration).gradient / self.work

@@ -1,4 +1,4 @@
-"""One rough profile where all three codes answer: boundary elements, finite elements, and Persson's theory.
+"""Rough profile where all three codes answer: boundary elements, finite elements, and Persson's theory.
 
 A self-affine profile (H = 0.7, h_rms = 50 um, period 10 mm) of 8 or 20 harmonics without adhesion at 0.01 E* on a
 layer of two periods, which is a half-space to 1e-8; E = 1 MPa, nu = 0.5.  Both solvers answer for one realisation and
@@ -36,7 +36,7 @@ def tables(harmonics, seed, loads, layer=True):
                   marks=pytest.mark.standard)],
 )
 def test_rough_profile(rows, harmonics, elements, bands):
-    """What do boundary elements, finite elements and Persson's theory say of one rough profile?"""
+    """For one rough profile, do both solvers agree, and how far is Persson's theory from the mean of realisations?"""
     both = compare_equilibria(posed("rough_100", **tables(harmonics, SEED, LOADS[-1:])), elements, None)
     both.add_to(rows)
     figure(rows, f"Pressure of a rough profile of {harmonics} harmonics, {elements}", both)

@@ -35,7 +35,7 @@ def dry(spectrum, load):
 
 @pytest.mark.quick
 def test_magnification(rows):
-    """How much contact is left as finer roughness is resolved, and from where does adhesion act?"""
+    """As finer roughness is resolved, how much contact is left, and from which magnification does adhesion act?"""
     zeta = np.unique(np.round(np.geomspace(1.0, 1000.0, 61)))
     states = {load: adhesive(LINES, load) for load in (0.005, 0.02, 0.1)}
     integral, resolved = adhesive(LINES, 0.02, route="volterra"), (1, 10, 100, 300, 500, 1000)

@@ -1,4 +1,4 @@
-"""One adhesive wave three ways: boundary elements, finite elements and Johnson's closed form, any two compared.
+"""Adhesive wave three ways: boundary elements, finite elements and Johnson's closed form, any two compared.
 
 h = D cos(q0 x), D = 50 um, period 10 mm, E = 1 MPa, nu = 0.3, work of adhesion by Johnson's alpha = 0.3.  Both codes
 get the mean pressure of the contact fraction 0.5, p = p* [sin^2 psi - alpha sqrt(tan psi)], psi = pi/4, and find their

@@ -1,1 +1,1 @@
-"""The line-contact challenge: problems with certified answers, and a judge for solvers of anyone."""
+"""The line-contact challenge: problems with certified answers, and a judge for any solver."""

@@ -57,10 +57,10 @@ def problem(name: str) -> tuple[dict[str, Any], dict[str, Any]]:
 
 
 def names() -> list[str]:
-    """Return the names of the problems, easy ones first."""
+    """Return the names of the problems, easy problems first."""
     order = {"easy": 0, "medium": 1, "hard": 2}
-    found = sorted(path.name for path in FOLDER.iterdir() if (path / "problem.toml").exists())
-    return sorted(found, key=lambda name: order.get(problem(name)[0]["difficulty"], len(order)))
+    folders = sorted(path.name for path in FOLDER.iterdir() if (path / "problem.toml").exists())
+    return sorted(folders, key=lambda name: order.get(problem(name)[0]["difficulty"], len(order)))
 
 
 def judge(rows: Rows, name: str, given: dict[str, Any], digits: float, of: Code = Code.USER) -> None:
@@ -94,7 +94,7 @@ def judge(rows: Rows, name: str, given: dict[str, Any], digits: float, of: Code 
 
 
 def solved(solver: str, name: str, folder: Path, limit: float) -> dict[str, Any]:
-    """Return what a solver MODULE:FUNCTION answers, in a process of its own; ReportError where it fails."""
+    """Return the answers of a solver MODULE:FUNCTION, run in its own process; ReportError if the solver fails."""
     out = folder / f"{name}.json"
     out.unlink(missing_ok=True)
     words = [sys.executable, "-c", RUN, solver, str(out)]
@@ -161,16 +161,16 @@ def _list(options: argparse.Namespace) -> int:
 
 
 def add_commands(commands: Any, perform: Callable[[argparse.Namespace], int]) -> None:
-    """Add `challenge list` and `challenge judge` to the commands of a program; `perform` runs what was parsed."""
+    """Add `challenge list` and `challenge judge` to the commands of a program; `perform` runs the parsed command."""
     actions = commands.add_parser("challenge", help="problems with certified answers: judge a solver by them")
     actions = actions.add_subparsers(required=True, metavar="ACTION")
     actions.add_parser("list", help="one problem a line").set_defaults(command=_list, perform=perform)
-    one = actions.add_parser("judge", help="judge a solver, or submitted answers")
-    given = one.add_mutually_exclusive_group(required=True)
+    command = actions.add_parser("judge", help="judge a solver, or submitted answers")
+    given = command.add_mutually_exclusive_group(required=True)
     given.add_argument("--solver", metavar="MODULE:FUNCTION", help="from the dictionary of a problem to one of answers")
     given.add_argument("--submission", type=Path, metavar="FILE", help="answers as JSON")
-    one.add_argument("--only", metavar="TEXT", help="problems whose name contains this, several between commas")
-    one.add_argument("--digits", type=float, default=3.0, help="digits of a right answer (default: 3)")
-    one.add_argument("--time-limit", type=float, default=600.0, metavar="S", help="of each problem (default: 600)")
-    one.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder of the report")
-    one.set_defaults(command=_judge, perform=perform)
+    command.add_argument("--only", metavar="TEXT", help="problems whose name contains this, several between commas")
+    command.add_argument("--digits", type=float, default=3.0, help="digits of a right answer (default: 3)")
+    command.add_argument("--time-limit", type=float, default=600.0, metavar="S", help="of each problem (default: 600)")
+    command.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder of the report")
+    command.set_defaults(command=_judge, perform=perform)

@@ -58,24 +58,24 @@ def _example(options: argparse.Namespace) -> int:
 
 
 def _compare(options: argparse.Namespace) -> int:
-    """Print what differs, the largest difference of each quantity, and how many numbers were compared."""
-    found, as_json = comparison.compare(options.a, options.b), options.json
-    differing, apart = found.differing, sum(number.differs for number in found.numbers)
-    most = max(found.numbers, key=lambda number: number.ratio / number.limit)
+    """Print the differences, the largest of each quantity, and the number of compared numbers."""
+    compared, as_json = comparison.compare(options.a, options.b), options.json
+    differing, apart = compared.differing, sum(number.differs for number in compared.numbers)
+    most = max(compared.numbers, key=lambda number: number.ratio / number.limit)
     if as_json:
-        facts = {"compared": len(found.numbers), "apart": apart, "differing": differing, "notes": found.notes}
+        facts = {"compared": len(compared.numbers), "apart": apart, "differing": differing, "notes": compared.notes}
         print(json.dumps(facts | {"largest": str(most)}))
     else:
         ending = f"they agree; at most, {most}"
         if differing:
-            ending = f"{apart} differ, and {len(found.others)} other differences"
-        said = [*found.notes, *(f"DIFFERS {line}" for line in differing)]
-        print(*said, f"{len(found.numbers)} numbers compared: {ending}", sep="\n")
+            ending = f"{apart} differ, and {len(compared.others)} other differences"
+        lines = [*compared.notes, *(f"DIFFERS {line}" for line in differing)]
+        print(*lines, f"{len(compared.numbers)} numbers compared: {ending}", sep="\n")
     return FAILED if differing else DONE
 
 
 class _PrintCompletion(argparse.Action):
-    """Print what makes a shell complete our commands, by shtab (extra `completion`)."""
+    """Action that prints the shell completion of our commands, by shtab (extra `completion`)."""
 
     def __call__(self, parser: argparse.ArgumentParser, namespace: Any, values: Any, option: str | None = None) -> None:
         try:

@@ -27,7 +27,7 @@ WORDS = ("n_patches", "status")  # of a state, which are the same or not
 
 @dataclass(frozen=True)
 class Apart:
-    """A number of A and of B, the unit in which they are compared, and how many of it they may be apart."""
+    """A number of A and of B, their combined uncertainty, and the limit of their difference in units of it."""
 
     quantity: str
     where: str
@@ -38,7 +38,7 @@ class Apart:
 
     @property
     def ratio(self) -> float:
-        """Difference over combined uncertainty: 0 for equal numbers, infinite where one is none."""
+        """Difference over combined uncertainty: 0 for equal numbers, infinite if one is NaN or the uncertainty is 0."""
         if self.a == self.b or (math.isnan(self.a) and math.isnan(self.b)):
             return 0.0
         apart = abs(self.a - self.b)
@@ -46,7 +46,7 @@ class Apart:
 
     @property
     def in_percent(self) -> str:
-        """Difference over the larger of the two, in words; what rounding makes of a number is no difference."""
+        """Difference over the larger number, in words; a difference within rounding counts as none."""
         apart, larger = abs(self.a - self.b), max(abs(self.a), abs(self.b))
         if self.a == self.b or apart <= ROUNDING * larger:
             return "the same to rounding"
@@ -54,7 +54,7 @@ class Apart:
 
     @property
     def differs(self) -> bool:
-        """Whether that is beyond the limit."""
+        """True if the ratio exceeds the limit."""
         return not self.ratio <= self.limit
 
     def __str__(self) -> str:
@@ -65,7 +65,7 @@ class Apart:
 
 @dataclass(frozen=True)
 class ComparedFolders:
-    """Numbers compared, sentences on what else differs, and notes on what was different to begin with."""
+    """Compared numbers, sentences on other differences, and notes on differences of the inputs."""
 
     numbers: tuple[Apart, ...]
     others: tuple[str, ...]
@@ -73,17 +73,17 @@ class ComparedFolders:
 
     @property
     def differing(self) -> list[str]:
-        """All else that differs, and of each quantity that does the largest difference, one sentence each."""
+        """Other differences, and the largest difference of each differing quantity, one sentence each."""
         return [*self.others, *(str(number) for number in self.worst() if number.differs)]
 
     def worst(self) -> list[Apart]:
-        """The largest ratio of each quantity, over all places."""
-        found: dict[str, Apart] = {}
+        """Return the number with the largest ratio of each quantity, over all places."""
+        largest: dict[str, Apart] = {}
         for number in self.numbers:
-            kept = found.setdefault(number.quantity, number)
-            if number.ratio > kept.ratio:
-                found[number.quantity] = number
-        return list(found.values())
+            known = largest.setdefault(number.quantity, number)
+            if number.ratio > known.ratio:
+                largest[number.quantity] = number
+        return list(largest.values())
 
 
 def compare(a: Path, b: Path) -> ComparedFolders:
@@ -96,12 +96,12 @@ def compare(a: Path, b: Path) -> ComparedFolders:
     if kind != other:
         raise ReportError(f"not comparable: {a} holds {kind}, {b} holds {other}")
     if kind == KINDS[RESULT_FILE]:
-        found = compare_results(read_result(a), read_result(b))
+        compared = compare_results(read_result(a), read_result(b))
     else:
-        found = compare_reports(read_report(a), read_report(b))
-    if not found.numbers:
-        raise ReportError(f"not comparable: no number in common ({'; '.join(found.others) or 'none at all'})")
-    return found
+        compared = compare_reports(read_report(a), read_report(b))
+    if not compared.numbers:
+        raise ReportError(f"not comparable: no number in common ({'; '.join(compared.others) or 'none at all'})")
+    return compared
 
 
 def _kind(folder: Path) -> str:
@@ -165,7 +165,7 @@ def _key(row: Mapping[str, Any]) -> str:
 
 
 def _paired(a: Result, b: Result, control: str) -> tuple[list[tuple[State, State]], dict[str, list[str]]]:
-    """States of A and B at the same targets, in the order of A; the places of those that have no counterpart."""
+    """Pair states of A and B at equal targets, in the order of A; also return the places of unpaired states."""
     met, free = (
         [state for state in result.targets if not math.isnan(getattr(state, control))] for result in (a, b)
     )  # not a pressure on the way that was missed
@@ -188,7 +188,7 @@ def _place(state: State, control: str) -> str:
 
 
 def _numbers(a: State | Event, b: State | Event, estimates: type, where: str) -> Iterator[Apart]:
-    """The numbers that have an estimated error on both sides."""
+    """Yield the numbers that have an estimated error on both sides."""
     for name in (item.name for item in fields(estimates)):
         errors = [getattr(side.error_estimate, name) for side in (a, b)]
         values = [getattr(side, name) for side in (a, b)]
@@ -198,7 +198,7 @@ def _numbers(a: State | Event, b: State | Event, estimates: type, where: str) ->
 
 
 def _scene_notes(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[str]:
-    """Keys in which two resolved scenes differ, but for their titles."""
+    """Yield the keys in which two resolved scenes differ, except their titles."""
     for table in (name for name in a if name != "title"):
         left, right = ({} if scene.get(table) is None else scene[table] for scene in (a, b))
         for key in dict.fromkeys((*left, *right)):
@@ -207,6 +207,6 @@ def _scene_notes(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _counts(words: Iterable[str]) -> str:
-    """Words with their counts, in the order in which they come first."""
+    """Return words with their counts, in the order of first occurrence."""
     listed = list(words)
     return ", ".join(f"{listed.count(word)} {word.replace('_', ' ')}" for word in dict.fromkeys(listed)) or "none"

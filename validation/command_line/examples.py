@@ -34,7 +34,7 @@ FOLDER = resources.files("validation.command_line").joinpath("examples")
 
 
 def listed() -> list[str]:
-    """One line for each example: its name, and its title."""
+    """Return a line for each example: its name, and its title."""
     width = max(map(len, EXAMPLES))
     return [f"{name:<{width}}  {_title(first)}" for name, (first, *_) in EXAMPLES.items()]
 
@@ -47,7 +47,7 @@ def _title(file: str) -> str:
 
 
 def _source(file: str) -> Traversable:
-    """Where a file to be written is; scripts stand in a folder of their own."""
+    """Return the path of an example's file in the package; scripts have a folder of their own."""
     is_script = file.endswith(".py") and not file.startswith(OWN)
     return (FOLDER.joinpath(GUIDE) if is_script else FOLDER).joinpath(file)
 
@@ -55,7 +55,7 @@ def _source(file: str) -> Traversable:
 def write_example(name: str, folder: Path) -> list[Path]:
     """Write the files of an example, data last, and say which.
 
-    FileExistsError where one of the files is there already; then nothing is written.
+    FileExistsError if a file exists already; then nothing is written.
     """
     files = {folder / file: _source(file).read_bytes() for file in EXAMPLES[name]}
     for path in files:

@@ -54,7 +54,7 @@ def add_command(commands: Any, perform: Any) -> None:
 
 
 def _fem(options: argparse.Namespace) -> int:
-    """Answer a scene and write what came out."""
+    """Solve a scene and write the answer."""
     scene, resolution = load_scene(options.scene), ELEMENTS[options.elements]
     try:
         arguments = fem_arguments(scene)
@@ -81,7 +81,7 @@ def _fem(options: argparse.Namespace) -> int:
 
 
 def _affordable(arguments: dict[str, Any], resolution: Resolution, patches: int) -> None:
-    """Refuse what has too many unknowns, before any mesh is made."""
+    """Refuse a problem with too many unknowns before any mesh is made."""
     problem = problem_of(**{key: value for key, value in arguments.items() if key not in ("control", "value")})
     unknowns = base_unknowns(problem.depth, resolution, problem.highest_order) + patches * PER_PATCH[resolution.order]
     if unknowns > LARGEST:
@@ -92,25 +92,25 @@ def _affordable(arguments: dict[str, Any], resolution: Resolution, patches: int)
 
 
 def targets(arguments: dict[str, Any], values: list[float], resolution: Resolution) -> list[tuple[Result, float]]:
-    """The states at targets, in order, with their CPU seconds, up to the first that has none."""
-    found: list[tuple[Result, float]] = []
+    """Solve for states at targets in order, ending with the first that does not converge; each with CPU seconds."""
+    states: list[tuple[Result, float]] = []
     for value in values:
         begun = time.process_time()
-        here = arguments | {"value": value, "resolution": resolution}
-        known = found[-1][0].edges if found and len(found[-1][0].edges) else None
-        result = fem_reference.solve(**here, start=known)
+        request = arguments | {"value": value, "resolution": resolution}
+        known = states[-1][0].edges if states and len(states[-1][0].edges) else None
+        result = fem_reference.solve(**request, start=known)
         while result.status == "interpenetration" and len(result.edges) < MOST_PATCHES:
             wider = with_entered(result)
             _affordable(arguments, resolution, len(wider))
-            result = fem_reference.solve(**here, start=wider)
-        found.append((result, time.process_time() - begun))
+            result = fem_reference.solve(**request, start=wider)
+        states.append((result, time.process_time() - begun))
         if result.status != "converged":
             break
-    return found
+    return states
 
 
 def with_entered(result: Result) -> FloatArray:
-    """Edges (n_patches, 2) in m: those of a state, and of every interval in which the profile enters the layer."""
+    """Return edges (n_patches, 2) in m of a state and of every interval in which the profile enters the layer."""
     period = result.problem.period
     count = GRID * result.problem.highest_order
     x = result.edges[0, 0] + np.arange(count) * (period / count)
@@ -126,7 +126,7 @@ def with_entered(result: Result) -> FloatArray:
 
 
 def _state(result: Result, seconds: float) -> dict[str, Any]:
-    """A state under the names of the boundary elements' result."""
+    """Return a state under the names of the boundary elements' result."""
     period = result.problem.period
     uncertain = {name: float(np.max(result.uncertainty[name])) for name in NUMBERS}
     uncertain |= {name: float(np.max(result.uncertainty[name])) / period for name in ENERGIES}

@@ -21,7 +21,7 @@ BEYOND = 0.05  # of the area: with stresses beyond the ends of the colours
 
 @own_settings()
 def deformed_mesh(result: Result) -> Figure:
-    """The layer of a state near its face, SI units inside, micrometres on the axes."""
+    """Draw the layer of a state near its face; SI units inside, micrometres on the axes."""
     problem, mesh = result.problem, field_mesh(result)
     x, y = mesh.points[:, 0], mesh.points[:, 1]
     corners = mesh.cells[0].data[:, :3]
@@ -56,7 +56,7 @@ def deformed_mesh(result: Result) -> Figure:
 
 
 def _round(factor: float) -> float:
-    """One digit, or 1 where there is nothing to enlarge."""
+    """Round a factor to one digit; 1 if nothing is to be enlarged."""
     if not np.isfinite(factor) or factor > 1e12:
         return 1.0
     return float(f"{factor:.0e}")

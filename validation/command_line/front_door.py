@@ -12,7 +12,7 @@ OF_A_SCENE = ("check", "run", "keys", "schema")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command, by default that of `sys.argv`; its exit code."""
+    """Run one command, by default the command in `sys.argv`, and return its exit code."""
     if arguments is None:  # imports leave no garbage, and what they make lives until the end: a tenth of a small run
         gc.disable()
     words = sys.argv[1:] if arguments is None else arguments

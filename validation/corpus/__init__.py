@@ -1,1 +1,1 @@
-"""What cases and studies both run: hard cases, scenes drawn at random, and curves of convergence."""
+"""Scenes that cases and studies share: hard cases, scenes drawn at random, and curves of convergence."""

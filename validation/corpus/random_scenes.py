@@ -79,19 +79,19 @@ class Drawn:
 
     @property
     def id(self) -> str:
-        """The name of the scene."""
+        """Name of the scene."""
         return f"seed_{self.seed}_scene_{self.index}"
 
     @property
     def reason(self) -> str:
-        """What the scene asks for, in a line."""
+        """Summary of the scene in a line."""
         tables, loading = self.tables, self.tables["loading"]
         parts = [tables["profile"]["kind"], str(loading["control"])]
         parts += [name for name in ("layer", "adhesion") if name in tables]
         return ", ".join([*parts, *([f"special: {self.special}"] if self.special else [])])
 
     def write(self, folder: Path) -> Path:
-        """Write the scene file, and its scan beside it; the path of the scene file."""
+        """Write the scene file, and its scan beside it; return the path of the scene file."""
         folder.mkdir(parents=True, exist_ok=True)
         self.write_scan(folder)
         path = folder / f"{self.id}.toml"
@@ -105,7 +105,7 @@ class Drawn:
 
 
 def draw(seed: int, index: int, most_harmonics: int = 12) -> Drawn:
-    """Scene `index` of a seed, both >= 0; `most_harmonics` is the highest order of a profile.
+    """Draw scene `index` of a seed, both >= 0; `most_harmonics` is the highest order of a profile.
 
     Examples
     --------
@@ -138,12 +138,12 @@ def draw(seed: int, index: int, most_harmonics: int = 12) -> Drawn:
 
 
 def plane_strain_modulus(solid: Table) -> float:
-    """E / (1 - nu^2) of [solid], Pa."""
+    """Return E / (1 - nu^2) of [solid], Pa."""
     return float(solid["youngs_modulus"] / (1 - solid["poisson_ratio"] ** 2))
 
 
 def complete_pressure(tables: Table, surface: Profile) -> float:
-    """Mean pressure from which contact is complete without adhesion, Pa."""
+    """Return the mean pressure from which contact is complete without adhesion, Pa."""
     stiffness = plane_strain_modulus(tables["solid"]) * surface.q0 * surface.orders / 2
     if "layer" in tables:
         q_d = surface.q0 * surface.orders * tables["layer"]["thickness"]
@@ -153,14 +153,14 @@ def complete_pressure(tables: Table, surface: Profile) -> float:
 
 
 def _within(rng: np.random.Generator, low: float, high: float, ends: tuple[float, ...] = ()) -> float:
-    """Uniform in a range, or now and then an end of it (or one of the special values given)."""
+    """Draw uniformly from a range, or with probability `AT_THE_END` one of its ends (or of the special values)."""
     if rng.random() < AT_THE_END:
         return float(rng.choice(ends or (low, high)))
     return float(rng.uniform(low, high))
 
 
 def _profile(rng: np.random.Generator, period: float, rms: float, most: int) -> tuple[Table, Numbers | None, Profile]:
-    """[profile], its samples if it has any, and the profile itself."""
+    """Draw [profile]; return the table, its samples if it has any, and the profile."""
     kind = rng.choice(["self_affine", "harmonics", "samples"], p=[0.4, 0.35, 0.25])
     if kind == "self_affine":
         hurst, count = _within(rng, 0.05, 0.95, (0.001, 0.999)), int(rng.integers(1, most + 1))
@@ -184,7 +184,7 @@ def _profile(rng: np.random.Generator, period: float, rms: float, most: int) -> 
 
 
 def _sampled(rng: np.random.Generator, period: float, rms: float, most: int) -> tuple[Table, Numbers | None, Profile]:
-    """[profile] of a noisy scan that may be inclined and start anywhere."""
+    """Draw [profile] of a noisy scan that may be inclined and start anywhere."""
     number = int(rng.integers(5, 8 * most))
     x = (np.arange(number) + float(rng.choice([0, 0, 1, -3, 0.5]))) * (period / number)
     wave = Profile.self_affine(period, rng.uniform(0.3, 0.9), rms, most, int(rng.integers(2**31)))
@@ -209,7 +209,7 @@ def _sampled(rng: np.random.Generator, period: float, rms: float, most: int) -> 
 
 
 def _adhesion(rng: np.random.Generator, solid: Table, surface: Profile) -> Table:
-    """[adhesion]: w = alpha^2 p*^2 period / (2 E*) of a wave of the rms height, alpha from weak to strong."""
+    """Draw [adhesion]: w = alpha^2 p*^2 period / (2 E*) of a wave of the rms height, alpha from weak to strong."""
     alpha = 10 ** _within(rng, -2.5, 0.0)
     height = np.sqrt(2) * surface.rms_height or surface.period
     work = (alpha * np.pi * height) ** 2 * plane_strain_modulus(solid) / (2 * surface.period)
@@ -227,14 +227,14 @@ def mean_compliance(tables: Table) -> float:
 
 
 def _loading(rng: np.random.Generator, tables: Table, surface: Profile) -> tuple[Table, float]:
-    """[loading], and the length of its path over that of an increment of 1."""
+    """Draw [loading]; return the table, and the length of its path over the length of an increment of 1."""
     controls = ["separation", "penetration", "mean_pressure", *["total_displacement"] * ("layer" in tables)]
     control = str(rng.choice(controls))
     complete = complete_pressure(tables, surface) or plane_strain_modulus(tables["solid"])
     highest = surface.max_height or surface.period
 
     def value(part: float) -> float:
-        """The controlled quantity after a part of the way to complete contact; the load grows as the square."""
+        """Return the controlled quantity after a part of the way to complete contact; the load grows as the square."""
         pressure = complete * part * abs(part)
         ways = {
             "separation": max(highest * (1 - part), 0.0),
@@ -265,7 +265,7 @@ def _loading(rng: np.random.Generator, tables: Table, surface: Profile) -> tuple
 
 
 def _history(rng: np.random.Generator) -> tuple[list[float], Table]:
-    """Targets as parts of the way to complete contact, and the other keys of [loading], parts among them as floats."""
+    """Draw targets as parts of the way to complete contact, and the other keys of [loading]; floats are parts too."""
     deep = 1.0 if rng.random() < 0.05 else float(rng.uniform(0.03, rng.choice([0.35, 0.6, 0.95])))
     low = float(rng.choice([-0.2, 0.0, deep * rng.uniform(0.1, 0.9)]))
     form = rng.choice(["load", "load", "unload", "unload", "zigzag", "range", "back", "complete"])
@@ -283,7 +283,7 @@ def _history(rng: np.random.Generator) -> tuple[list[float], Table]:
 
 
 def _accuracy(rng: np.random.Generator, span: float) -> Table:
-    """[accuracy]: a path of a bounded number of increments, any tolerance."""
+    """Draw [accuracy]: a path of a bounded number of increments, any tolerance."""
     table: Table = {}
     if span / 0.05 > MOST_STEPS or rng.random() < 0.6:
         table["max_increment"] = min(span / float(np.exp(rng.uniform(*np.log(STEPS)))), 100.0)
@@ -293,7 +293,7 @@ def _accuracy(rng: np.random.Generator, span: float) -> Table:
 
 
 def _output(rng: np.random.Generator, loading: Table) -> Table:
-    """[output], for a part of the scenes."""
+    """Draw [output], which most scenes lack."""
     table: Table = {}
     shares = rng.random(3)  # the third belonged to an output that is gone: draws after it stay as they were
     for name, share in zip(("spectra", "pressure_distribution"), shares, strict=False):
@@ -307,7 +307,7 @@ def _output(rng: np.random.Generator, loading: Table) -> Table:
 def _changed(
     rng: np.random.Generator, tables: Table, changes: Changes, scan: Numbers | None, expected: Expectation
 ) -> tuple[Table, Numbers | None, Expectation, str]:
-    """The scene with one value replaced, among those that its tables have."""
+    """Return the scene with one value replaced, drawn from the changes that fit the tables of the scene."""
     kind = tables["profile"]["kind"]
     fitting = [
         (table, key, value)

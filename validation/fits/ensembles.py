@@ -39,7 +39,7 @@ class Group:
     Attributes
     ----------
     spectrum : kind of spectrum, a key of `SHORT`.
-    parameters : those of `shape`.
+    parameters : parameters that `shape` evaluates.
     realisations : number for each seed root.
     loads_up_to : largest load.
     left_out : numbers of realisations that the solver did not finish.

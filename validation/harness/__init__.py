@@ -1,1 +1,1 @@
-"""What runs cases and judges them: rows and their schema, comparison, verdicts, baselines, processes, provenance."""
+"""Machinery that runs and judges cases: rows, schema, comparison, verdicts, baselines, processes, provenance."""

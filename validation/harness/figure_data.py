@@ -10,28 +10,28 @@ Values = Iterable[float | None]
 
 
 def trace(label: str, x: Values, y: Values, style: str = "line", hue: int | None = None) -> Series:
-    """A curve through lists, arrays or generators of n numbers, None left out; style and hue as of `Series`."""
+    """Return a curve through lists, arrays or generators of n numbers, None not drawn; style and hue as of `Series`."""
     numbers = {"x": _numbers(x), "y": _numbers(y)}
     return Series.model_validate({"label": label, **numbers, "style": style, "hue": hue})
 
 
 def marks(label: str, x: Values, y: Values, hue: int | None = None) -> Series:
-    """As `trace`, as points."""
+    """Return a series of points; arguments as of `trace`."""
     return trace(label, x, y, "points", hue)
 
 
 def shaded(label: str, x: Values, lower: Values, upper: Values, hue: int | None = None) -> Series:
-    """The band between two curves; arguments as of `trace`."""
+    """Return the band between two curves; arguments as of `trace`."""
     return Series(label=label, x=_numbers(x), y=_numbers(lower), upper=_numbers(upper), style="band", hue=hue)
 
 
 def bars(label: str, x: Values, lower: Values, upper: Values, hue: int | None = None) -> Series:
-    """As `shaded`, each pair joined by a vertical bar with caps: error bars."""
+    """Return error bars: vertical bars with caps from `lower` to `upper`; arguments as of `shaded`."""
     return shaded(label, x, lower, upper, hue).model_copy(update={"style": "bars"})
 
 
 def axes(xlabel: str, ylabel: str, *series: Series, **scales: Any) -> Panel:
-    """Axes with at least one curve; `scales` are xscale and yscale of `Panel`, by default linear."""
+    """Return axes with at least one curve; `scales` are xscale and yscale of `Panel`, by default linear."""
     return Panel(xlabel=xlabel, ylabel=ylabel, series=list(series), **scales)
 
 
@@ -41,18 +41,18 @@ loglog = partial(axes, xscale="log", yscale="log")
 
 
 def drawn(name: str, caption: str, solution: Panel, error: Panel | None = None) -> Figure:
-    """A figure, its name unique in the report: a solution and, where there is one, its signed error below."""
+    """Return a figure with a name unique in the report: a solution and, if given, its signed error below."""
     return Figure(id=name, caption=caption, solution=solution, error=error)
 
 
 def table(caption: str, columns: Mapping[str, Iterable[Any]]) -> Table:
-    """A table from its columns, all of one length, by their headings."""
+    """Return a table from its columns, all of one length, by their headings."""
     rows: list[Cells] = [list(line) for line in zip(*columns.values(), strict=True)]
     return Table(caption=caption, columns=list(columns), rows=rows)
 
 
 def digits(values: Iterable[float], count: int) -> list[float]:
-    """Numbers to so many significant digits, as tables show them."""
+    """Round numbers to so many significant digits, as tables show them."""
     return [float(f"{value:.{count}g}") for value in values]
 
 

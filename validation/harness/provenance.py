@@ -1,4 +1,4 @@
-"""Where a report comes from: commit, versions, machine, BLAS; nothing that names a person, a host or a folder."""
+"""Provenance of a report: commit, versions, machine, BLAS; nothing that names a person, a host or a folder."""
 
 import hashlib
 import os
@@ -27,7 +27,7 @@ SOURCES = ("bem", "fem_reference", "persson", "validation")
 
 
 def provenance() -> dict[str, Any]:
-    """Facts about code and machine, as plain values."""
+    """Return facts about code and machine, as plain values."""
     import numpy  # noqa: F401  (its BLAS is what is asked about)
 
     blas = [pool for pool in threadpool_info() if pool["user_api"] == "blas"]
@@ -44,12 +44,12 @@ def provenance() -> dict[str, Any]:
 
 
 def versions() -> dict[str, str]:
-    """Versions of Python, of this package and of those it runs on."""
+    """Return the versions of Python, of this package and of the packages it runs on."""
     return {"python": platform.python_version()} | {name: _version(name) for name in PACKAGES}
 
 
 def sources_digest() -> str:
-    """SHA-256 of the source files of the four packages, names and contents."""
+    """Return the SHA-256 of the source files of the four packages, names and contents."""
     root = Path(__file__).parents[2]
     digest = hashlib.sha256()
     for package in SOURCES:
@@ -61,7 +61,7 @@ def sources_digest() -> str:
 
 
 def working_tree() -> tuple[str, bool] | None:
-    """Commit and whether sources, stored errors apart, have changes; None outside a checkout of this project."""
+    """Return the commit, and True if sources other than stored errors have changes; None outside a checkout."""
     root = Path(__file__).parents[2]
     if not (root / ".git").exists():
         return None

@@ -1,4 +1,4 @@
-"""What is asked, who answers, and what came back: a problem in plain SI numbers, a route, and its answer.
+"""Problem in plain SI numbers, the answer of a route to it, and the wall seconds of its parts.
 
 A problem is raw data, from which every code derives its own constants, so that a mistake in what follows from them
 cannot cancel between two codes.  A route is a code with one knob of accuracy, all else fixed.  What it cannot do it
@@ -41,7 +41,7 @@ class Problem:
 
     @classmethod
     def of(cls, data: Mapping[str, Any]) -> Problem:
-        """From tables as problem.toml of the challenge has them, lists as lists or arrays.
+        """Build a problem from tables like problem.toml of the challenge, lists as lists or arrays.
 
         Examples
         --------
@@ -72,24 +72,24 @@ class Problem:
         return np.array(self.orders), np.array(self.amplitudes), np.array(self.phases)
 
     def height(self, x: ArrayLike) -> FloatArray:
-        """The profile at positions in m, term by term, in m."""
+        """Return the profile at positions in m, summed term by term, in m."""
         orders, amplitudes, phases = self.harmonics
         phase = 2 * np.pi / self.period * np.multiply.outer(np.asarray(x), orders) + phases
         return np.asarray(np.cos(phase) @ amplitudes)
 
-    def answered(self, found: Mapping[str, Any]) -> dict[str, list[Any]]:
-        """Of what was found that which is asked, as lists; None stands for a number that is not offered."""
-        return {name: np.atleast_1d(found[name]).tolist() for name in self.asked if found.get(name) is not None}
+    def answered(self, values: Mapping[str, Any]) -> dict[str, list[Any]]:
+        """Return the quantities that the problem asks for, as lists, without quantities that are absent or None."""
+        return {name: np.atleast_1d(values[name]).tolist() for name in self.asked if values.get(name) is not None}
 
     def padded(self, values: Iterable[Any]) -> list[Any]:
-        """Numbers of the first targets, and None for those that a route does not reach."""
+        """Return the numbers of the first targets, and None for targets that a route does not reach."""
         known = list(values)
         return known + [None] * (len(self.targets) - len(known))
 
 
 @dataclass(frozen=True)
 class Answer:
-    """What a route came back with: numbers by quantity, at all targets or where they are asked, and their cost."""
+    """Answer of a route: numbers by quantity, at all targets or at the places asked for, and their cost."""
 
     status: str = "answered"  # or "not offered", "crashed", "out of memory", "timed out"
     message: str = ""
@@ -111,7 +111,7 @@ class Laps:
         self._begun = time.perf_counter()
 
     def end(self, part: str) -> None:
-        """The part that has just ended gets the wall seconds since the one before."""
+        """Record the wall seconds of the part that ends now, since the end of the part before."""
         now = time.perf_counter()
         self.parts[part], self._begun = now - self._begun, now
 
@@ -121,6 +121,6 @@ def _plain(value: Any) -> Any:
 
 
 def missing(extra: str, *packages: str) -> str:
-    """Why a route of an extra cannot run here; empty when it can."""
+    """Return the reason why a route of an extra cannot run on this machine; empty if it can."""
     absent = [name for name in packages if find_spec(name) is None]
     return f'{", ".join(absent)} not installed: pip install ".[{extra}]"' if absent else ""

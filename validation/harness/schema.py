@@ -21,7 +21,7 @@ class _Strict(BaseModel):
 
 
 class Series(_Strict):
-    """One curve or set of points; a `band` or error `bars` lie between `y` and `upper`, `thin` curves stay behind.
+    """Curve or set of points; a `band` or error `bars` lie between `y` and `upper`, `thin` curves stay behind.
 
     Series of one `hue` share a colour; without it, each takes the next one. `notes` stand beside the points.
     """
@@ -48,7 +48,7 @@ class Series(_Strict):
         return self
 
     def noted(self, notes: Iterable[object]) -> Series:
-        """The same with a text beside each point."""
+        """Return the series with a text beside each point."""
         return self.model_copy(update={"notes": [str(note) for note in notes]})
 
 

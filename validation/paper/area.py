@@ -43,7 +43,7 @@ GAIN = (
 
 
 def line_through(load: ArrayLike, area: ArrayLike) -> tuple[float, float]:
-    """Intercept and slope of the straight line by least squares.
+    """Return intercept and slope of the straight line by least squares.
 
     Examples
     --------
@@ -55,7 +55,7 @@ def line_through(load: ArrayLike, area: ArrayLike) -> tuple[float, float]:
 
 
 def curvature(load: ArrayLike, area: ArrayLike) -> float:
-    """Second Legendre coefficient of the area over its loads, over the largest area.
+    """Return the second Legendre coefficient of the area over its loads, divided by the last area.
 
     Examples
     --------
@@ -69,7 +69,7 @@ def curvature(load: ArrayLike, area: ArrayLike) -> float:
 
 
 def departures(area_at: Callable[[float], float]) -> list[float]:
-    """A/p where the area is each of `STRAIGHT_TO`, over A/p at the lowest load, less 1; of an area over p/E*.
+    """Return A/p at each area of `STRAIGHT_TO` over A/p at the lowest load, less 1; `area_at` takes p/E*.
 
     Examples
     --------
@@ -83,14 +83,14 @@ def departures(area_at: Callable[[float], float]) -> list[float]:
 
 def _straightness(evidence: Evidence) -> Statement:
     """Judge the theory, without adhesion and with it."""
-    one = evidence.loading[0]
-    solid = one.result.scene["solid"]
+    realisation = evidence.loading[0]
+    solid = realisation.result.scene["solid"]
 
     def dry(load: float) -> float:
         return solve_nonadhesive(evidence.lines, load * MODULUS, **solid).contact_fraction
 
     def wet(load: float) -> float:
-        return theory_with_adhesion(one, load).contact_fraction
+        return theory_with_adhesion(realisation, load).contact_fraction
 
     overlapping = departures(lambda load: -np.expm1(-load))[0]
     return evidence.statement(
@@ -109,7 +109,8 @@ def compute(evidence: Evidence) -> Topic:
     area, load = evidence.against_load(AREA, AREA), np.array(LOADS)
     fitted, compared = np.isin(load, FITTED), np.isin(load, COMPARED)
     (intercept, slope), (_, slope_error) = (
-        map(float, both) for both in mean_and_error([line_through(load[fitted], one[fitted]) for one in area.values])
+        map(float, both)
+        for both in mean_and_error([line_through(load[fitted], curve[fitted]) for curve in area.values])
     )
     bend, bend_error = jackknife(lambda curve: curvature(load[fitted], curve[fitted]), area.values)
     theory_slope = line_through(load[fitted], area.wet[fitted])[1]
@@ -179,7 +180,7 @@ def compute(evidence: Evidence) -> Topic:
         axes(
             "mean pressure $p/E^*$",
             "contact fraction $A/A_0$",
-            *scattered([one.path(AREA) for one in evidence.loading], LOADS, area.values),
+            *scattered([realisation.path(AREA) for realisation in evidence.loading], LOADS, area.values),
             trace(
                 f"line through the mean, slope {slope:.3g}",
                 ends,

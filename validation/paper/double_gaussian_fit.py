@@ -41,7 +41,7 @@ CAUSE = (
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """P E* of every realisation in bins, with what the theory says of its end; stresses in units of E*."""
+    """P E* of every realisation in bins, with the theory's sigma_a; stresses in units of E*."""
 
     load: float
     centres: FloatArray  # (n_bins,)
@@ -51,18 +51,18 @@ class Sample:
 
     @cached_property
     def mean(self) -> FloatArray:
-        """Over the realisations."""
+        """Mean over the realisations."""
         return np.asarray(self.values.mean(axis=0))
 
     @cached_property
     def fit(self) -> DoubleGaussian:
-        """Of the mean, as it is judged."""
+        """Fit of the mean, which is judged."""
         return self.over(START)
 
     def over(
         self, start: float, values: FloatArray | None = None, free_amplitude: bool = False, logarithmic: bool = True
     ) -> DoubleGaussian:
-        """Of these values, or of the mean, from `start` on."""
+        """Fit the given values, or the mean if None, from `start` on."""
         inside = self.centres > start
         chosen = self.mean if values is None else values
         return fit_double_gaussian(
@@ -70,11 +70,11 @@ class Sample:
         )
 
     def over_theory(self, fit: DoubleGaussian) -> float:
-        """Fitted sigma_a over the theory's."""
+        """Return the fitted sigma_a over the theory's."""
         return fit.detachment_stress / self.detachment_stress
 
     def ratio(self, start: float, free_amplitude: bool = False, logarithmic: bool = True) -> tuple[float, float]:
-        """Fitted sigma_a over the theory's, and its standard error."""
+        """Return the fitted sigma_a over the theory's, and its standard error."""
         return jackknife(
             lambda mean: self.over_theory(self.over(start, mean, free_amplitude, logarithmic)), self.values
         )

@@ -23,7 +23,7 @@ from validation.report.pages import ReportError
 
 @dataclass(frozen=True)
 class Member:
-    """One solution of an ensemble."""
+    """Solution of an ensemble, by name and scene."""
 
     name: str  # of its folder
     scene: Mapping[str, Any]  # content of a scene file, SI units
@@ -31,7 +31,7 @@ class Member:
 
 @contextmanager
 def workers(jobs: int, executor: str = "local") -> Iterator[Executor]:
-    """Open processes of this machine, or those of a dask scheduler: "local" or "dask://host:port".
+    """Open processes of this machine, or of a dask scheduler: "local" or "dask://host:port".
 
     Raises
     ------

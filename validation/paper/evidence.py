@@ -1,4 +1,4 @@
-"""What the realisations and the theory say, at the loads they were asked for; means with their standard errors.
+"""Numbers of the realisations and of the theory at the loads asked for; means with their standard errors.
 
 The standard error of a mean over n realisations is s / sqrt n with the n - 1 standard deviation s; that of a quantity
 taken from the mean curve, such as a fitted exponent, is the jackknife's: the curve without realisation k gives t_k, and
@@ -53,7 +53,7 @@ class Realisation:
         return [state for state in self.result.states if state.mean_pressure > 0]
 
     def path(self, of: Callable[[State], float]) -> tuple[list[float], list[float]]:
-        """Loads over E* of the states that carry one, and a number of each."""
+        """Return the loads over E* of all states in `touching`, and a number of each state."""
         return [state.mean_pressure / MODULUS for state in self.touching], list(map(of, self.touching))
 
     @property
@@ -62,7 +62,7 @@ class Realisation:
         return max((state.mean_pressure for state in self.result.states), default=0.0) / MODULUS
 
     def value_at(self, load: float, of: Callable[[State], float]) -> float:
-        """A number of the state at this load; on the straight line across the jump when the load jumps over it."""
+        """Return a number of the state at a load; interpolate linearly if the load is jumped over."""
         k = self.index_of(load)
         if k is not None:
             return of(self.result.targets[k])
@@ -73,14 +73,14 @@ class Realisation:
         raise LookupError(f"{self.name}: the load {load:g} E* is never met")
 
     def field(self, name: str, load: float) -> NDArray[Any]:
-        """A field of the state at this load; LookupError when it is not there."""
+        """Return a field of the state at a load; LookupError if there is no such state."""
         k = self.index_of(load)
         if k is None:
             raise LookupError(f"{self.name}: no state at {load:g} E*")
         return self.result.fields[f"{name}_{k}"]
 
     def index_of(self, load: float) -> int | None:
-        """Which target has this load; None when an instability carries the load across it."""
+        """Return the index of the target at a load; None if an instability jumps over the load."""
         for k, state in enumerate(self.result.targets):
             if abs(state.mean_pressure / MODULUS - load) < SAME_LOAD:
                 return k
@@ -89,11 +89,11 @@ class Realisation:
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """All members that were computed, by what they are for."""
+    """Computed members of the ensemble, by purpose."""
 
     size: Size  # what was asked for
-    loading: tuple[Realisation, ...]  # those that reached the highest load
-    short: tuple[Realisation, ...]  # those that did not
+    loading: tuple[Realisation, ...]  # realisations that reached the highest load
+    short: tuple[Realisation, ...]  # realisations that ended below the highest load
     shapes: Realisation | None
     high_load: Realisation | None
     hurst: dict[float, tuple[Realisation, ...]]
@@ -103,7 +103,7 @@ class Evidence:
 
     @property
     def shortfall(self) -> str:
-        """Why this is not the paper's ensemble; empty when it is."""
+        """Reason why the ensemble differs from the paper's; empty if it does not."""
         if self.size != PAPER:
             return f"short form: {len(self.loading)} realisations with {self.size.harmonics} harmonics"
         if len(self.loading) < self.size.seeds:
@@ -127,12 +127,12 @@ class Evidence:
         )
 
     def jumped(self) -> int:
-        """Return how many loads of `LOADS` realisations jump over: there `value_at` interpolates."""
-        return sum(one.index_of(load) is None for one in self.loading for load in LOADS)
+        """Count the loads of `LOADS` that realisations jump over; `value_at` interpolates at these loads."""
+        return sum(realisation.index_of(load) is None for realisation in self.loading for load in LOADS)
 
     @cached_property
     def lines(self) -> DiscreteSpectrum:
-        """The spectrum that all profiles of the loading ensemble share."""
+        """Spectrum that all profiles of the loading ensemble share."""
         return self.loading[0].lines
 
     @cached_property
@@ -147,16 +147,16 @@ class Evidence:
         return {load: solve_nonadhesive(self.lines, load * MODULUS, **solid) for load in LOADS}
 
     def with_fields_at(self, load: float) -> tuple[Realisation, ...]:
-        """The realisations that have a state at this load, for spectra and distributions."""
-        return tuple(one for one in self.loading if one.index_of(load) is not None)
+        """Return the realisations that have a state at a load, for spectra and distributions."""
+        return tuple(realisation for realisation in self.loading if realisation.index_of(load) is not None)
 
     def against_load(
-        self, of: Callable[[State], float], said: Callable[[AdhesiveContact | NonadhesiveContact], float | None]
+        self, of: Callable[[State], float], predicted: Callable[[AdhesiveContact | NonadhesiveContact], float | None]
     ) -> "LoadCurve":
-        """A number of the states, and what the theories say of it, at `LOADS`."""
-        values = np.array([[one.value_at(load, of) for load in LOADS] for one in self.loading])
+        """Return a number of the states, and its value by both theories, at `LOADS`."""
+        values = np.array([[realisation.value_at(load, of) for load in LOADS] for realisation in self.loading])
         theories = (self.with_adhesion, self.without_adhesion)
-        wet, dry = (np.array([said(theory[load]) for load in LOADS], dtype=np.float64) for theory in theories)
+        wet, dry = (np.array([predicted(theory[load]) for load in LOADS], dtype=np.float64) for theory in theories)
         return LoadCurve(values, *mean_and_error(values), wet, dry)
 
 
@@ -171,26 +171,28 @@ class LoadCurve:
     dry: FloatArray
 
 
-def theory_with_adhesion(one: Realisation, load: float, detached_width: float = 1.0) -> AdhesiveContact:
-    """Persson's theory for the lines of this profile; the raw constants of its scene are handed over.
+def theory_with_adhesion(realisation: Realisation, load: float, detached_width: float = 1.0) -> AdhesiveContact:
+    """Solve Persson's theory for the lines of a profile, from the raw constants of its scene.
 
     A `detached_width` of 1/f^2 multiplies the detachment stress by f.
     """
-    scene = one.result.scene
+    scene = realisation.result.scene
     work = scene["adhesion"]["work_of_adhesion"]
-    found = solve(one.lines, load * MODULUS, work_of_adhesion=work, detached_width=detached_width, **scene["solid"])
-    assert isinstance(found, AdhesiveContact)
-    return found
+    contact = solve(
+        realisation.lines, load * MODULUS, work_of_adhesion=work, detached_width=detached_width, **scene["solid"]
+    )
+    assert isinstance(contact, AdhesiveContact)
+    return contact
 
 
-def mean_over_period(one: Realisation, k: int, values: FloatArray) -> float:
-    """Mean of values at the places of the shape k, by the trapezoidal rule around the period."""
-    x, period = one.result.fields[f"x_{k}"], float(one.result.scene["profile"]["period"])
+def mean_over_period(realisation: Realisation, k: int, values: FloatArray) -> float:
+    """Return the mean of values at the places of shape k, by the trapezoidal rule around the period."""
+    x, period = realisation.result.fields[f"x_{k}"], float(realisation.result.scene["profile"]["period"])
     return float(np.trapezoid(np.append(values, values[0]), np.append(x, x[0] + period)) / period)
 
 
 def mean_and_error(values: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Mean over the first axis and its standard error.
+    """Return the mean over the first axis and its standard error.
 
     Examples
     --------
@@ -203,7 +205,7 @@ def mean_and_error(values: ArrayLike) -> tuple[FloatArray, FloatArray]:
 
 
 def jackknife(quantity: Callable[[FloatArray], float], values: ArrayLike) -> tuple[float, float]:
-    """A quantity of the mean over the first axis, and its standard error.
+    """Return a quantity of the mean over the first axis, and its standard error.
 
     Examples
     --------
@@ -214,12 +216,12 @@ def jackknife(quantity: Callable[[FloatArray], float], values: ArrayLike) -> tup
     array = np.asarray(values, dtype=np.float64)
     n = len(array)
     total = array.sum(axis=0)
-    without = np.array([quantity((total - one) / (n - 1)) for one in array])
+    without = np.array([quantity((total - value) / (n - 1)) for value in array])
     return quantity(total / n), float(np.sqrt((n - 1) / n * np.sum((without - without.mean()) ** 2)))
 
 
 def estimate(values: ArrayLike) -> tuple[float, float]:
-    """Mean over realisations of one number of each, and its standard error.
+    """Return the mean over realisations of one number of each, and its standard error.
 
     Examples
     --------
@@ -231,7 +233,7 @@ def estimate(values: ArrayLike) -> tuple[float, float]:
 
 
 def joined(curves: Sequence[tuple[Sequence[float], Sequence[float]]]) -> tuple[list[float | None], list[float | None]]:
-    """Curves as one series, with gaps between them."""
+    """Join curves to one series, with gaps between them."""
     x: list[float | None] = []
     y: list[float | None] = []
     for a, b in curves:
@@ -248,7 +250,7 @@ def scattered(
     name: str = "",
     hue: int | None = None,
 ) -> list[Series]:
-    """Every realisation thin, and their values (n_realisations, n) at x by mean and standard error."""
+    """Return series of every realisation, thin, and of mean and standard error of `values` (n_realisations, n) at x."""
     mean, error = mean_and_error(values)
     return [
         trace(f"{name}{each}", *joined(curves), "thin", hue=hue),

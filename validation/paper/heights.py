@@ -32,7 +32,7 @@ CAUSE = (
 
 def compute(evidence: Evidence) -> Topic:
     """Return statements, checks and figure."""
-    heights = [one.surface.grid[1] / RMS_HEIGHT for one in evidence.loading]
+    heights = [realisation.surface.grid[1] / RMS_HEIGHT for realisation in evidence.loading]
     rms = [float(np.sqrt(np.mean(h**2))) for h in heights]
     moments = np.array([[np.mean(h**3), np.mean(h**4) - 3] for h in heights])
     density = np.array([np.histogram(h, BOUNDS, density=True)[0] for h in heights])
@@ -77,7 +77,7 @@ def compute(evidence: Evidence) -> Topic:
         axes(
             "height $h/h_{rms}$",
             "density",
-            *scattered([(centre, one) for one in density], centre, density, "profiles"),
+            *scattered([(centre, profile) for profile in density], centre, density, "profiles"),
             trace("Gaussian", smooth, np.exp(-(smooth**2) / 2) / np.sqrt(2 * np.pi), hue=1),
         ),
     )
@@ -85,16 +85,16 @@ def compute(evidence: Evidence) -> Topic:
 
 
 def _excess(power: FloatArray) -> float:
-    """Excess kurtosis of independent phases."""
+    """Return the excess kurtosis of independent phases."""
     return float(-1.5 * np.sum(power**2) / np.sum(power) ** 2)
 
 
 def _fourth_moment(evidence: Evidence, first: int) -> tuple[float, float]:
-    """Mean over the profiles, with the waves below an order taken out, and its standard error."""
+    """Return the mean fourth moment of the profiles without the waves below an order, and its standard error."""
     moments = []
-    for whole in (one.surface for one in evidence.loading):
-        kept = whole.orders >= first
-        waves = Profile.from_harmonics(whole.period, whole.orders[kept], whole.amplitudes[kept], whole.phases[kept])
+    for whole in (realisation.surface for realisation in evidence.loading):
+        short = whole.orders >= first
+        waves = Profile.from_harmonics(whole.period, whole.orders[short], whole.amplitudes[short], whole.phases[short])
         heights = waves.grid[1]
         moments.append(float(np.mean(heights**4) / np.mean(heights**2) ** 2))
     return estimate(moments)

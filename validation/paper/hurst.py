@@ -33,12 +33,12 @@ def compute(evidence: Evidence) -> Topic:
             return Topic(question, message=f"H = {value:g}: {len(group)} realisations, 2 at least are needed")
         orders = group[0].surface.max_order
         windows = [(low * orders, high * orders) for low, high in WINDOWS]
-        power = np.array([_followed(one, orders) for one in group])
-        found, alone = exponent_of_mean(power, windows), exponent_of(power, windows)
+        power = np.array([_followed(realisation, orders) for realisation in group])
+        of_mean, of_each = exponent_of_mean(power, windows), exponent_of(power, windows)
         theory = theory_with_adhesion(group[0], group[0].final_load)
-        said = float(np.mean([exponent(theory.contact_fractions, window) for window in windows]))
-        statements.append(_statement(value, found, alone, said, evidence))
-        bands = [banded(one, 16) for one in power]
+        predicted = float(np.mean([exponent(theory.contact_fractions, window) for window in windows]))
+        statements.append(_statement(value, of_mean, of_each, predicted, evidence))
+        bands = [banded(ratio, 16) for ratio in power]
         series += scattered(bands, bands[0][0], [y for _, y in bands], name=f"H = {value:g}, ", hue=hue)
         series.append(
             trace(f"H = {value:g}, Persson's A(q)/A0", range(1, orders + 1), theory.contact_fractions, hue=hue)
@@ -52,16 +52,16 @@ def compute(evidence: Evidence) -> Topic:
     return Topic(question, statements, (), (figure,))
 
 
-def _statement(value: float, found: Exponent, alone: Exponent, theory: float, evidence: Evidence) -> Statement:
+def _statement(value: float, of_mean: Exponent, of_each: Exponent, theory: float, evidence: Evidence) -> Statement:
     """Judge the exponent: level at short waves for H > 0.5, falling for H < 0.5, each as the theory has it."""
     where = "section 5: full contact at short wavelengths as the theory, computed here, expects for H > 0.5"
-    note = f"over the theory's: {found.value / theory:.2f}; {found.reported()}; fitted to each realisation "
-    note += f"{alone.value:.3f} +- {alone.error:.3f}"
+    note = f"over the theory's: {of_mean.value / theory:.2f}; {of_mean.reported()}; fitted to each realisation "
+    note += f"{of_each.value:.3f} +- {of_each.error:.3f}"
     excluded = -(1 - 0.3) if value >= LEVEL else 0.0  # the fall of H = 0.3; level
     return evidence.statement(
         where,
         f"exponent of C_u / C at short waves, H = {value:g}",
-        (found.value, found.error),
+        (of_mean.value, of_mean.error),
         theory,
         min(0.25, abs(excluded - theory) / 2),
         excluded,
@@ -69,7 +69,9 @@ def _statement(value: float, found: Exponent, alone: Exponent, theory: float, ev
     )
 
 
-def _followed(one: Realisation, orders: int) -> FloatArray:
-    """C_u / C at the last target, (n_orders,)."""
-    last = len(one.result.targets) - 1
-    return np.asarray(one.result.fields[f"C_u_{last}"][:orders] / one.lines.power(one.surface.q0))
+def _followed(realisation: Realisation, orders: int) -> FloatArray:
+    """Return C_u / C at the last target, (n_orders,)."""
+    last = len(realisation.result.targets) - 1
+    return np.asarray(
+        realisation.result.fields[f"C_u_{last}"][:orders] / realisation.lines.power(realisation.surface.q0)
+    )

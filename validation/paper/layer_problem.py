@@ -18,13 +18,13 @@ SPREADING = (1 - POISSON_RATIO) ** 2 / (1 - 2 * POISSON_RATIO)
 
 def compute(evidence: Evidence) -> Topic:
     """Return statement, checks and figures."""
-    question, one = "What is the problem?", evidence.sketch
-    if one is None:
+    question, sketch = "What is the problem?", evidence.sketch
+    if sketch is None:
         return Topic(question, message=f"no solution to draw: {evidence.missing.get('sketch', 'it was not computed')}")
-    state, fields = one.result.targets[0], one.result.fields
+    state, fields = sketch.result.targets[0], sketch.result.fields
     u_m = (state.total_displacement or np.nan) - state.penetration
-    height = mean_over_period(one, 0, fields["displacement_0"] + state.separation) / state.separation
-    crest = (state.separation + state.penetration) / one.surface.max_height
+    height = mean_over_period(sketch, 0, fields["displacement_0"] + state.separation) / state.separation
+    crest = (state.separation + state.penetration) / sketch.surface.max_height
     statement = Statement(
         "section 2: mean displacement of the layer",
         "mean displacement u_m of a layer over d (1 - 2 nu)(1 + nu) sigma_0 / (E (1 - nu))",
@@ -39,4 +39,4 @@ def compute(evidence: Evidence) -> Topic:
         Check("mean height of the face that is drawn over the separation", height, 1.0, 1e-3),  # 3.6e-4
         Check("separation and penetration over the highest crest", crest, 1.0, 1e-15),
     )
-    return Topic(question, (statement,), checks, sketches(one.result, "problem-layer", "problem-heights"))
+    return Topic(question, (statement,), checks, sketches(sketch.result, "problem-layer", "problem-heights"))

@@ -44,7 +44,7 @@ FAINT_AT = (0.005, 0.01, 0.015, 0.02)  # of E*
 
 @dataclass(frozen=True)
 class Size:
-    """How much is computed."""
+    """Numbers of realisations and of harmonics to compute."""
 
     seeds: int  # realisations 0, 1, .. of the loading ensemble
     harmonics: int  # of the loading ensemble and of the shapes
@@ -57,7 +57,7 @@ QUICK = Size(seeds=2, harmonics=64, fewer_harmonics=32, hurst_seeds=2)
 
 
 def loading(size: Size) -> list[Member]:
-    """The ensemble that is loaded to the highest of `LOADS`."""
+    """Return the ensemble that is loaded to the highest of `LOADS`."""
     output, pressures = {"spectra": True, "pressure_distribution": True}, [load * MODULUS for load in LOADS]
     return [
         _member(f"loading-{seed:02d}", seed, HURST, size.harmonics, up_to(pressures, 1e-6), output)
@@ -66,7 +66,7 @@ def loading(size: Size) -> list[Member]:
 
 
 def shapes(size: Size) -> Member:
-    """The first realisation with a crest above `HIGHEST_CREST`, through `SHAPES_AT`."""
+    """Return the first realisation with a crest above `HIGHEST_CREST`, loaded through `SHAPES_AT`."""
     surfaces = (Profile.self_affine(PERIOD, HURST, RMS_HEIGHT, size.harmonics, k) for k in range(1000))
     seed = next(k for k, surface in enumerate(surfaces) if surface.max_height > HIGHEST_CREST)
     loading = {"control": "separation", "targets": list(SHAPES_AT)}
@@ -75,13 +75,13 @@ def shapes(size: Size) -> Member:
 
 
 def high_load(size: Size) -> Member:
-    """A profile pressed to `NEARLY_FLAT`."""
+    """Return a profile pressed to `NEARLY_FLAT`."""
     loading = {"control": "separation", "targets": list(NEARLY_FLAT)}
     return _member("high-load-02", 2, HURST, size.fewer_harmonics, loading, {"spectra": True})
 
 
 def hurst(size: Size) -> dict[float, list[Member]]:
-    """Profiles of the Hurst exponents `HURSTS`, to `HURST_LOAD`."""
+    """Return profiles of the Hurst exponents `HURSTS`, loaded to `HURST_LOAD`."""
     return {
         exponent: [
             _member(
@@ -100,7 +100,7 @@ def hurst(size: Size) -> dict[float, list[Member]]:
 
 
 def faint(size: Size) -> list[list[Member]]:
-    """For every seed its profile with each of `FAINT_WORKS`, to the highest of `FAINT_AT`."""
+    """Return for every seed its profile with each of `FAINT_WORKS`, loaded to the highest of `FAINT_AT`."""
     pressures, harmonics = [load * MODULUS for load in FAINT_AT], min(FAINT_HARMONICS, size.fewer_harmonics)
     return [
         [
@@ -112,12 +112,12 @@ def faint(size: Size) -> list[list[Member]]:
 
 
 def sketch() -> Member:
-    """What the problem is drawn by."""
+    """Return the member from which the sketch of the problem is drawn."""
     return Member("sketch", sketch_scene())
 
 
 def all_members(size: Size) -> list[Member]:
-    """Everything, the long runs first."""
+    """Return all members, the long runs first."""
     groups = hurst(size)
     others = [member for exponent in sorted(groups) for member in groups[exponent]]  # the roughest take longest
     vanishing = [member for group in faint(size) for member in group]

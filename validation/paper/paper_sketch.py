@@ -25,7 +25,7 @@ SEPARATION = 1.6e-4  # m
 
 
 def sketch_scene() -> Table:
-    """The content of its scene file."""
+    """Return the content of the sketch's scene file."""
     return scene(
         "layer on a profile of four waves",
         lines(ORDERS, AMPLITUDES, PHASES),
@@ -38,14 +38,14 @@ def sketch_scene() -> Table:
 
 
 def mean_displacement(mean_pressure: float) -> float:
-    """u_m in m of the layer that is drawn under a mean pressure in Pa: its face cannot spread."""
+    """Return u_m in m of the sketched layer under a mean pressure in Pa: its face cannot spread."""
     stiffness = YOUNGS_MODULUS * (1 - POISSON_RATIO) / ((1 - 2 * POISSON_RATIO) * (1 + POISSON_RATIO))
     return THICKNESS * mean_pressure / stiffness
 
 
-def sketches(found: Result, layer_id: str, heights_id: str) -> tuple[Figure, Figure]:
-    """The layer on its profile, and its heights, from a result of `sketch_scene`."""
-    state, fields = found.targets[0], found.fields
+def sketches(result: Result, layer_id: str, heights_id: str) -> tuple[Figure, Figure]:
+    """Draw the layer on its profile, and its heights, from a result of `sketch_scene`."""
+    state, fields = result.targets[0], result.fields
     around = np.append(np.arange(fields["x_0"].size), 0)  # the first place again at the end of the period
     x = np.append(fields["x_0"], fields["x_0"][0] + PERIOD) / PERIOD
     face = fields["displacement_0"][around] + state.separation
@@ -102,5 +102,5 @@ def _between(label: str, x: FloatArray, lower: FloatArray, upper: FloatArray, hu
 
 
 def _height(label: str, x: float, lower: float, upper: float, hue: int) -> Series:
-    """A vertical dimension."""
+    """Draw a vertical dimension."""
     return bars(label, [x], [lower * 1e3], [upper * 1e3], hue)

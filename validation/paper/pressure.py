@@ -37,15 +37,15 @@ TENSILE_END = (-6.0, -2.0)  # of E*
 COMPRESSIVE_END = (1.0, 3.0)  # of h'_rms / 2
 
 
-def density(one: Realisation, load: float, bounds: FloatArray) -> FloatArray:
-    """Mean of P E* over bins of sigma/E*, (n_bins,), from the exact shares of the solver's own bins."""
-    own = one.field("sigma_bounds", load) / MODULUS
-    shares = np.concatenate([[0.0], np.cumsum(one.field("P", load) * np.diff(own) * MODULUS)])
+def density(realisation: Realisation, load: float, bounds: FloatArray) -> FloatArray:
+    """Return the mean of P E* over bins of sigma/E*, (n_bins,), from the exact shares of the solver's own bins."""
+    own = realisation.field("sigma_bounds", load) / MODULUS
+    shares = np.concatenate([[0.0], np.cumsum(realisation.field("P", load) * np.diff(own) * MODULUS)])
     return np.asarray(np.diff(np.interp(bounds, own, shares)) / np.diff(bounds))
 
 
 def decay_power(sigma: FloatArray, values: FloatArray) -> float:
-    """k of ln P = a - b sigma^k by least squares; bins without weight are left out.
+    """Fit k of ln P = a - b sigma^k by least squares; bins with P = 0 are left out.
 
     Examples
     --------
@@ -53,8 +53,8 @@ def decay_power(sigma: FloatArray, values: FloatArray) -> float:
     >>> round(decay_power(sigma, np.exp(1 - 0.5 * sigma**2)), 4)
     2.0
     """
-    kept = values > 0
-    x, y = sigma[kept] / sigma[kept][-1], np.log(values[kept])
+    weighted = values > 0
+    x, y = sigma[weighted] / sigma[weighted][-1], np.log(values[weighted])
 
     def misfit(power: float) -> float:
         basis = np.column_stack([np.ones_like(x), x**power])
@@ -70,7 +70,7 @@ def compute(evidence: Evidence) -> Topic:
     samples: list[Sample] = []
     spread = evidence.lines.slope_rms / 2
     for load in SPECTRA_AT:
-        values = np.array([density(one, load, BOUNDS) for one in evidence.with_fields_at(load)])
+        values = np.array([density(realisation, load, BOUNDS) for realisation in evidence.with_fields_at(load)])
         theories = {factor: _distribution(evidence, load, factor) for factor in (1.0, FACTOR)}
         sample = Sample(load, CENTRES, values, evidence.with_adhesion[load].detachment_stress / MODULUS, spread)
         samples.append(sample)
@@ -82,21 +82,21 @@ def compute(evidence: Evidence) -> Topic:
 
 
 def _distribution(evidence: Evidence, load: float, factor: float) -> Callable[[FloatArray], FloatArray]:
-    """P E* of the theory at sigma/E*, its sigma_a multiplied by a factor."""
-    found = evidence.with_adhesion[load]
+    """Return the theory's P E* as a function of sigma/E*, with sigma_a multiplied by a factor."""
+    contact = evidence.with_adhesion[load]
     if factor != 1:
-        found = theory_with_adhesion(evidence.loading[0], load, 1 / factor**2)
-    return lambda sigma: np.asarray(found.pressure_distribution(sigma * MODULUS) * MODULUS)
+        contact = theory_with_adhesion(evidence.loading[0], load, 1 / factor**2)
+    return lambda sigma: np.asarray(contact.pressure_distribution(sigma * MODULUS) * MODULUS)
 
 
 def _distance(evidence: Evidence, sample: Sample, factor: float) -> float:
-    """int |P - P of the theory| over the bins, over the contact fraction."""
-    said = _distribution(evidence, sample.load, factor)(CENTRES)
-    return float(np.sum(np.abs(sample.mean - said)) / np.sum(sample.mean))
+    """Return int |P - P of the theory| over the bins, divided by the contact fraction."""
+    predicted = _distribution(evidence, sample.load, factor)(CENTRES)
+    return float(np.sum(np.abs(sample.mean - predicted)) / np.sum(sample.mean))
 
 
 def _factor(evidence: Evidence, samples: Sequence[Sample]) -> Statement:
-    closer = sum(_distance(evidence, one, FACTOR) < _distance(evidence, one, 1.0) for one in samples)
+    closer = sum(_distance(evidence, sample, FACTOR) < _distance(evidence, sample, 1.0) for sample in samples)
     return evidence.statement(
         "section 5: a factor of about 1.4 brings the theory closer",
         f"loads of {len(samples)} at which the theory's P(sigma) comes closer with {FACTOR:g} sigma_a",
@@ -127,10 +127,10 @@ def _tensile(evidence: Evidence, load: float) -> Check:
     centres = -np.sqrt(TAIL_BOUNDS[1:] * TAIL_BOUNDS[:-1])
     inside = (centres >= TENSILE_END[0]) & (centres <= TENSILE_END[1])
     ratios = []
-    for one in evidence.with_fields_at(load):
-        limit = float(one.field("tail_coefficient", load)) / MODULUS**2
+    for realisation in evidence.with_fields_at(load):
+        limit = float(realisation.field("tail_coefficient", load)) / MODULUS**2
         exact = limit * (TAIL_BOUNDS[1:] ** -2 - TAIL_BOUNDS[:-1] ** -2) / 2 / np.diff(TAIL_BOUNDS)
-        ratios.append(float(np.mean((density(one, load, TAIL_BOUNDS) / exact)[inside])))
+        ratios.append(float(np.mean((density(realisation, load, TAIL_BOUNDS) / exact)[inside])))
     name = f"tensile tail P |sigma|^3 over (2 E*/(pi lambda)) sum w_e, -6 to -2 E*, at {load:g} E*"
     return Check(name, float(np.mean(ratios)), 1.0, 0.01)
 

@@ -57,7 +57,7 @@ def replicate(
     say: Callable[[str], None] = print,
     size: Size | None = None,
 ) -> int:
-    """Solve what is missing and write the report; 0, or 1 where a realisation has no result or a check fails."""
+    """Solve missing realisations and write the report; return 1 if one has no result or a check fails, else 0."""
     begun, size = time.monotonic(), size or (QUICK if quick else PAPER)
     with workers(jobs, executor) as pool:
         failed = solve_members(all_members(size), folder / "members", pool, say)
@@ -102,14 +102,14 @@ def gather(size: Size, folder: Path, failed: Mapping[str, str]) -> Evidence:
         return None if result is None else Realisation(member.name, result)
 
     def group(members: list[Member]) -> tuple[Realisation, ...]:
-        return tuple(one for member in members if (one := read(member)) is not None)
+        return tuple(realisation for member in members if (realisation := read(member)) is not None)
 
     ensemble = group(loading(size))
-    whole = [found for members in faint_members(size) if len(found := group(members)) == len(members)]
+    whole = [realisations for members in faint_members(size) if len(realisations := group(members)) == len(members)]
     return Evidence(
         size=size,
-        loading=tuple(one for one in ensemble if one.final_load >= LOADS[-1] * (1 - 1e-9)),
-        short=tuple(one for one in ensemble if one.final_load < LOADS[-1] * (1 - 1e-9)),
+        loading=tuple(member for member in ensemble if member.final_load >= LOADS[-1] * (1 - 1e-9)),
+        short=tuple(member for member in ensemble if member.final_load < LOADS[-1] * (1 - 1e-9)),
         shapes=read(shapes_member(size)),
         high_load=read(high_load(size)),
         hurst={exponent: group(members) for exponent, members in hurst_members(size).items()},
@@ -120,7 +120,7 @@ def gather(size: Size, folder: Path, failed: Mapping[str, str]) -> Evidence:
 
 
 def topics_of(evidence: Evidence) -> list[Topic]:
-    """Return all topics; one that needs a standard error says so where there are fewer than two realisations."""
+    """Return all topics; with fewer than two realisations, topics that need a standard error hold a message instead."""
     topics = [_realisations(evidence)]
     if len(evidence.loading) < 2:
         message = f"{len(evidence.loading)} realisations reached {LOADS[-1]:g} E*; 2 are needed"
@@ -130,28 +130,33 @@ def topics_of(evidence: Evidence) -> list[Topic]:
 
 def _realisations(evidence: Evidence) -> Topic:
     """List every realisation: harmonics, load, audit."""
-    single = [one for one in (evidence.shapes, evidence.high_load) if one is not None]
+    single = [realisation for realisation in (evidence.shapes, evidence.high_load) if realisation is not None]
     groups = [*evidence.hurst.values(), *evidence.faint]
-    everyone = [*evidence.loading, *evidence.short, *single, *(one for group in groups for one in group)]
+    realisations = [
+        *evidence.loading,
+        *evidence.short,
+        *single,
+        *(realisation for group in groups for realisation in group),
+    ]
     lines = []
-    for one in everyone:
-        profile, states = one.result.scene["profile"], one.result.states
+    for realisation in realisations:
+        profile, states = realisation.result.scene["profile"], realisation.result.states
         highest = max(states, key=lambda state: state.mean_pressure)
         lines.append(
             [
-                one.name,
+                realisation.name,
                 profile["seed"],
                 profile["hurst"],
                 profile["harmonics"],
-                one.final_load,
+                realisation.final_load,
                 highest.contact_fraction,
                 len(states),
                 highest.n_patches,
-                one.result.status,
+                realisation.result.status,
                 sum(state.cpu_seconds for state in states),
             ]
         )
-    refused = sum(not state.certificate.ok for one in everyone for state in one.result.states)
+    refused = sum(not state.certificate.ok for realisation in realisations for state in realisation.result.states)
     columns = [
         "name",
         "seed",

@@ -42,15 +42,15 @@ def _said(theory: AdhesiveContact | NonadhesiveContact) -> float:
 
 def compute(evidence: Evidence) -> Topic:
     """Return statements and figure."""
-    found = evidence.against_load(_apart, _said)
+    curves = evidence.against_load(_apart, _said)
     fitted = np.isin(LOADS, FITTED)
     log_load = np.log(np.array(LOADS)[fitted])
 
     def length_of(curve: FloatArray) -> float:
         return float(-1 / np.polyfit(curve[fitted], log_load, 1)[0])
 
-    length, length_error = estimate([length_of(one) for one in found.values])
-    ratios = {load: estimate(found.values[:, k] / found.wet[k]) for k, load in enumerate(LOADS)}
+    length, length_error = estimate([length_of(curve) for curve in curves.values])
+    ratios = {load: estimate(curves.values[:, k] / curves.wet[k]) for k, load in enumerate(LOADS)}
     where = "section 5: separation in very good agreement with the theory, computed here, except at small loads"
     statements = (
         *(
@@ -78,7 +78,7 @@ def compute(evidence: Evidence) -> Topic:
         evidence.statement(
             "section 5: the theory, computed here, predicts the separation very well",
             "length u0 of ln(p/E*) = c - s/u0, over u0 of the theory with adhesion",
-            (length / length_of(found.wet), length_error / length_of(found.wet)),
+            (length / length_of(curves.wet), length_error / length_of(curves.wet)),
             1.0,
             0.1,
             None,
@@ -92,9 +92,9 @@ def compute(evidence: Evidence) -> Topic:
         semilogx(
             "mean pressure $p/E^*$",
             "separation $s/h_{rms}$",
-            *scattered([one.path(_apart) for one in evidence.loading], LOADS, found.values),
-            trace("Persson with adhesion", LOADS, found.wet, hue=1),
-            trace("Persson without adhesion", LOADS, found.dry, "dashed", hue=2),
+            *scattered([realisation.path(_apart) for realisation in evidence.loading], LOADS, curves.values),
+            trace("Persson with adhesion", LOADS, curves.wet, hue=1),
+            trace("Persson without adhesion", LOADS, curves.dry, "dashed", hue=2),
         ),
     )
     return Topic("Does the separation follow the theory?", statements, (), (figure,))

@@ -23,36 +23,36 @@ MOST_POINTS = 2400  # of a curve in a figure
 def compute(evidence: Evidence) -> Topic:
     """Return check, figures and table."""
     question = "What do the deformed shapes look like?"
-    one = evidence.shapes
-    if one is None:
+    realisation = evidence.shapes
+    if realisation is None:
         return Topic(question, message=f"no realisation for the shapes: {'; '.join(evidence.missing.values())}")
-    states = one.result.targets
-    gaps = [mean_over_period(one, k, one.result.fields[f"gap_{k}"]) for k in range(len(SHAPES_AT))]
+    states = realisation.result.targets
+    gaps = [mean_over_period(realisation, k, realisation.result.fields[f"gap_{k}"]) for k in range(len(SHAPES_AT))]
     misses = [gap / s - 1 for gap, s in zip(gaps, SHAPES_AT, strict=True)]
     # 4.3e-4 on the coarse grid of 16 harmonics; 1.2e-5 with 1000
     check = Check("mean gap of the shapes over the separation asked for, less 1", max(misses, key=abs), 0.0, 1e-3)
     table = Table(
-        caption=f"The profile has its highest crest at {one.surface.max_height * 1e6:.1f} um "
-        f"(seed {one.result.scene['profile']['seed']}, {one.surface.max_order} harmonics).",
+        caption=f"The profile has its highest crest at {realisation.surface.max_height * 1e6:.1f} um "
+        f"(seed {realisation.result.scene['profile']['seed']}, {realisation.surface.max_order} harmonics).",
         columns=["s / um", "s / h_rms", "p/E*", "contact fraction", "patches"],
         rows=[
             [s * 1e6, s / RMS_HEIGHT, state.mean_pressure / MODULUS, state.contact_fraction, state.n_patches]
             for s, state in zip(SHAPES_AT, states, strict=True)
         ],
     )
-    return Topic(question, (), (check,), (_together(one),), (table,))
+    return Topic(question, (), (check,), (_together(realisation),), (table,))
 
 
-def _together(one: Realisation) -> Figure:
-    """All shapes over the period, in one frame."""
+def _together(realisation: Realisation) -> Figure:
+    """Draw all shapes over the period, in one frame."""
     series: list[Series] = []
     for k, separation in enumerate(SHAPES_AT):
-        x, solid, profile = _about_highest_crest(one, k)
+        x, solid, profile = _about_highest_crest(realisation, k)
         if not series:
             series.append(trace("rigid profile", x, (profile + separation) * 1e6, "thin"))
-        pressed = one.result.targets[k]
-        said = f"s = {separation * 1e6:g} µm, p = {pressed.mean_pressure / MODULUS:.3g} E*, "
-        series.append(trace(f"{said}A/A0 = {pressed.contact_fraction:.3g}", x, (solid + separation) * 1e6, hue=k))
+        pressed = realisation.result.targets[k]
+        place = f"s = {separation * 1e6:g} µm, p = {pressed.mean_pressure / MODULUS:.3g} E*, "
+        series.append(trace(f"{place}A/A0 = {pressed.contact_fraction:.3g}", x, (solid + separation) * 1e6, hue=k))
     return drawn(
         "shapes",
         "Deformed shapes above one profile at the separations of the paper, in one frame; its caption has 48 µm where "
@@ -61,10 +61,10 @@ def _together(one: Realisation) -> Figure:
     )
 
 
-def _about_highest_crest(one: Realisation, k: int) -> tuple[list[float], FloatArray, FloatArray]:
+def _about_highest_crest(realisation: Realisation, k: int) -> tuple[list[float], FloatArray, FloatArray]:
     """Return places from the highest crest in mm, solid and profile in m, at target k."""
-    fields, period = one.result.fields, one.surface.period
-    crests, heights = one.surface.crests
+    fields, period = realisation.result.fields, realisation.surface.period
+    crests, heights = realisation.surface.crests
     place = (fields[f"x_{k}"] - crests[np.argmax(heights)] + period / 2) % period - period / 2
     order = np.argsort(place)[:: max(1, place.size // MOST_POINTS)]
     solid = fields[f"displacement_{k}"][order]

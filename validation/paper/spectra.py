@@ -50,12 +50,12 @@ class Exponent:
     high: float
 
     def reported(self, added: float = 0.0) -> str:
-        """What the window leaves open, with a number added to the exponents."""
+        """Return the range of the exponent over the windows as text, with a number added to both ends."""
         return f"windows: {self.low + added:.3f} to {self.high + added:.3f}"
 
 
 def exponent(power: FloatArray, window: Window) -> float:
-    """Slope of ln C against ln q over the orders of a window; power belongs to the orders 1, 2, ..
+    """Return the slope of ln C against ln q over the orders of a window; power belongs to the orders 1, 2, ..
 
     Examples
     --------
@@ -68,30 +68,30 @@ def exponent(power: FloatArray, window: Window) -> float:
 
 
 def exponent_of(power: FloatArray, windows: Sequence[Window]) -> Exponent:
-    """Exponent of several realisations, (n_realisations, n_orders), over several windows; nan without a window.
+    """Fit the exponent of realisations, (n_realisations, n_orders), over several windows; NaN without a window.
 
     Examples
     --------
     >>> lines = np.arange(1.0, 200.0) ** -2.0
-    >>> found = exponent_of(np.array([lines, 2 * lines]), [(3, 30), (10, 100)])
-    >>> round(found.value, 12), round(found.error, 12), round(found.high - found.low, 12)
+    >>> fitted = exponent_of(np.array([lines, 2 * lines]), [(3, 30), (10, 100)])
+    >>> round(fitted.value, 12), round(fitted.error, 12), round(fitted.high - fitted.low, 12)
     (-2.0, 0.0, 0.0)
     """
     if not windows:
         return Exponent(np.nan, 0.0, np.nan, np.nan)
-    each = np.array([[exponent(one, window) for window in windows] for one in power])
+    each = np.array([[exponent(row, window) for window in windows] for row in power])
     by_window = each.mean(axis=0)
     return Exponent(*estimate(each.mean(axis=1)), float(by_window.min()), float(by_window.max()))
 
 
 def exponent_of_mean(power: FloatArray, windows: Sequence[Window]) -> Exponent:
-    """Exponent of the mean over realisations, (n_realisations, n_orders), over several windows; jackknife error.
+    """Fit the exponent of the mean of realisations, (n_realisations, n_orders), over windows; jackknife error.
 
     Examples
     --------
     >>> lines = np.arange(1.0, 201.0) ** -2.0
-    >>> found = exponent_of_mean(np.array([lines, 2 * lines]), [(3, 30), (10, 100)])
-    >>> round(found.value, 12), round(found.error, 12)
+    >>> fitted = exponent_of_mean(np.array([lines, 2 * lines]), [(3, 30), (10, 100)])
+    >>> round(fitted.value, 12), round(fitted.error, 12)
     (-2.0, 0.0)
     """
     value, error = jackknife(lambda mean: float(np.mean([exponent(mean, window) for window in windows])), power)
@@ -100,8 +100,8 @@ def exponent_of_mean(power: FloatArray, windows: Sequence[Window]) -> Exponent:
 
 
 def spectra(evidence: Evidence, load: float, name: str = "C_u") -> FloatArray:
-    """C_u at a load in m^3, or C_sigma, (n_realisations, n_orders)."""
-    every = [one.field(name, load) for one in evidence.with_fields_at(load)]
+    """Return C_u at a load in m^3, or C_sigma, (n_realisations, n_orders)."""
+    every = [realisation.field(name, load) for realisation in evidence.with_fields_at(load)]
     return np.array(every)[:, : evidence.size.harmonics]
 
 
@@ -124,24 +124,24 @@ def compute(evidence: Evidence) -> Topic:
 def _middle(load: float, power: FloatArray, theory: FloatArray, evidence: Evidence) -> list[Statement]:
     """Judge the paper's exponents of the middle range: of C_u, of its theory, of C_sigma."""
     windows = [window for window in MIDDLE if window[1] <= power.shape[1]]
-    found = exponent_of(power, windows)
-    said = float(np.mean([exponent(theory, window) for window in windows])) if windows else np.nan
+    fitted = exponent_of(power, windows)
+    predicted = float(np.mean([exponent(theory, window) for window in windows])) if windows else np.nan
     of_mean = exponent_of_mean(power, windows).value if windows else np.nan
     statement = evidence.statement
     return [
         statement(
             "section 5: -2.73, theory -2.7",
             f"exponent of C_u at {load:g} E*, middle range",
-            (found.value, found.error),
+            (fitted.value, fitted.error),
             PAPERS,
             0.15,
             FULL_CONTACT,
-            f"{found.reported()}; fitted to the mean spectrum {of_mean:.3f}",
+            f"{fitted.reported()}; fitted to the mean spectrum {of_mean:.3f}",
         ),
         statement(
             "section 5: theory -2.7",
             f"exponent of C_u in the theory with adhesion at {load:g} E*, middle range",
-            (said, 0.0),
+            (predicted, 0.0),
             -2.7,
             0.1,
             FULL_CONTACT,
@@ -149,17 +149,17 @@ def _middle(load: float, power: FloatArray, theory: FloatArray, evidence: Eviden
         statement(
             "section 5: -H in the middle range",
             f"exponent of C_sigma at {load:g} E*, middle range (that of C_u plus 2)",
-            (found.value + 2, found.error),
+            (fitted.value + 2, fitted.error),
             -HURST,
             0.15,
             FULL_CONTACT + 2,
-            found.reported(2),
+            fitted.reported(2),
         ),
     ]
 
 
 def _shift(load: float, power: FloatArray, theory: FloatArray, evidence: Evidence) -> list[Statement]:
-    """Judge how far C_u lies above that of the theory: mean over the orders of `SHIFTED`."""
+    """Judge how far C_u lies above the theory's C_u: mean over the orders of `SHIFTED`."""
     if power.shape[1] < SHIFTED[1]:
         return []
     inside = slice(int(SHIFTED[0]) - 1, int(SHIFTED[1]))
@@ -181,14 +181,14 @@ def _high(load: float, power: FloatArray, theory: FloatArray, evidence: Evidence
     """Judge the exponent of C_sigma at the high end, and by how much it has risen from the middle."""
     if power.shape[1] < HIGH[1]:
         return []
-    found = exponent_of(power, [HIGH])
-    rise = [exponent(one, HIGH) - np.mean([exponent(one, window) for window in MIDDLE]) for one in power]
+    fitted = exponent_of(power, [HIGH])
+    rise = [exponent(row, HIGH) - np.mean([exponent(row, window) for window in MIDDLE]) for row in power]
     where = "section 5: from -H in the middle range to 1 - 2 H of full contact at high q"
     return [
         evidence.statement(
             where,
             f"exponent of C_sigma at {load:g} E*, orders 250 to 1000",
-            (found.value + 2, found.error),
+            (fitted.value + 2, fitted.error),
             1 - 2 * HURST,
             0.15,
             -HURST,
@@ -204,13 +204,13 @@ def _high(load: float, power: FloatArray, theory: FloatArray, evidence: Evidence
     ]
 
 
-def _high_load(one: Realisation, evidence: Evidence) -> tuple[Statement, Figure]:
-    """C_u / C as contact becomes complete: at the highest load, in bands of orders, and its mean at every load."""
-    profile = one.result.fields["C_h"]
+def _high_load(realisation: Realisation, evidence: Evidence) -> tuple[Statement, Figure]:
+    """Judge and draw C_u / C as contact becomes complete: in bands of orders, and its mean at every load."""
+    profile = realisation.result.fields["C_h"]
     carried = np.flatnonzero(profile > 0)
     series, lines = list[Series](), list[tuple[float, ...]]()
-    for k, state in enumerate(one.result.targets):
-        ratio = one.result.fields[f"C_u_{k}"][carried] / profile[carried]
+    for k, state in enumerate(realisation.result.targets):
+        ratio = realisation.result.fields[f"C_u_{k}"][carried] / profile[carried]
         order, followed = banded(ratio)
         load, fraction = state.mean_pressure / MODULUS, state.contact_fraction
         series.append(trace(f"p = {load:.3g} E*, A/A0 = {fraction:.4f}", order, followed, hue=k))
@@ -234,7 +234,7 @@ def _high_load(one: Realisation, evidence: Evidence) -> tuple[Statement, Figure]
 
 
 def banded(values: FloatArray, bands: int = BANDS) -> tuple[list[float], list[float]]:
-    """Means over bands of orders equal in ln q: central orders and values.
+    """Return means over bands of orders equal in ln q: central orders and values.
 
     Examples
     --------
@@ -245,10 +245,10 @@ def banded(values: FloatArray, bands: int = BANDS) -> tuple[list[float], list[fl
     edges = np.geomspace(1, values.size + 1, bands + 1)
     order = np.arange(1, values.size + 1)
     inside = [(order >= low) & (order < high) for low, high in pairwise(edges)]
-    kept = [mask for mask in inside if mask.any()]
+    filled = [mask for mask in inside if mask.any()]
     return (
-        [float(np.exp(np.mean(np.log(order[mask])))) for mask in kept],
-        [float(np.mean(values[mask])) for mask in kept],
+        [float(np.exp(np.mean(np.log(order[mask])))) for mask in filled],
+        [float(np.mean(values[mask])) for mask in filled],
     )
 
 
@@ -287,7 +287,7 @@ def _figures(evidence: Evidence) -> Iterator[Figure]:
 
 def _curves(power: FloatArray, theory: FloatArray, name: str, hue: int) -> list[Series]:
     """Return single realisations and mean with its error in bands of orders, and the theory."""
-    bands, order = [banded(one) for one in power], range(1, power.shape[1] + 1)
+    bands, order = [banded(row) for row in power], range(1, power.shape[1] + 1)
     return [
         *scattered(bands, bands[0][0], [value for _, value in bands], name=f"{name}, ", hue=hue)[:2],
         trace(f"{name}, Persson with adhesion", order, theory, hue=hue),

@@ -31,7 +31,7 @@ VERDICTS: tuple[Verdict, ...] = ("reproduced", "not reproduced", "not establishe
 
 @dataclass(frozen=True)
 class Statement:
-    """One statement of the paper.
+    """Statement of the paper beside our number.
 
     Attributes
     ----------
@@ -101,7 +101,7 @@ class Check:
 
     @property
     def holds(self) -> bool:
-        """Whether the difference is allowed."""
+        """True if the difference is allowed."""
         return abs(self.value - self.exact) <= self.allowed
 
 

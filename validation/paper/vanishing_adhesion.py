@@ -29,7 +29,7 @@ def compute(evidence: Evidence) -> Topic:
     if len(evidence.faint) < 2:
         return Topic(question, message=f"{len(evidence.faint)} profiles with every work of adhesion; 2 are needed")
     areas = np.array(
-        [[[one.value_at(load, AREA) for load in FAINT_AT] for one in group] for group in evidence.faint]
+        [[[realisation.value_at(load, AREA) for load in FAINT_AT] for realisation in group] for group in evidence.faint]
     )  # (n_seeds, n_works + 1, n_loads)
     gains = np.mean(areas[:, 1:] / areas[:, :1] - 1, axis=2)
     mean = gains.mean(axis=0)
@@ -59,7 +59,7 @@ def compute(evidence: Evidence) -> Topic:
         loglog(
             r"work of adhesion $\gamma$ / J/m$^2$",
             "gain of contact area",
-            *scattered([(WORKS.tolist(), one.tolist()) for one in gains], WORKS.tolist(), gains, "profiles"),
+            *scattered([(WORKS.tolist(), gain.tolist()) for gain in gains], WORKS.tolist(), gains, "profiles"),
             trace(r"$\sqrt{\gamma}$", WORKS, through, "dashed", hue=1),
         ),
     )

@@ -31,7 +31,7 @@ def case_key(item: pytest.Item, file: Path) -> str:
 
 
 def rows_of(item: pytest.Item) -> Rows:
-    """Return the rows of a case, which know what is stored of it."""
+    """Return the rows of a case, with its stored numbers."""
     if ROWS not in item.stash:
         file, option = stored_file(item), item.config.option
         known = (

@@ -12,7 +12,7 @@ SCHEMA = "linecontact-report/2"
 
 
 def content_of(run: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what report.json holds: rows with verdicts, counts, cases, figures, provenance."""
+    """Return the content of report.json: rows with verdicts, counts, cases, figures, provenance."""
     rows = [stated for case in run["cases"] for stated in _rows_of(case)]
     rows += [_bare(case, "not run", "the run ended before") for case in run["not_run"]]
     cases = [{key: value for key, value in case.items() if key != "rows"} for case in run["cases"]]
@@ -52,20 +52,20 @@ def _rows_of(case: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 
 def _stated(case: Mapping[str, Any], row: Row) -> dict[str, Any]:
-    at, there = row.worst, bool(row.values)
+    at, has_values = row.worst, bool(row.values)
     return {
         "case": case["case"],
         "name": row.name,
         "quantity": row.quantity,
         "unit": row.unit,
         "kind": row.kind,
-        "value": row.values[at] if there else None,
-        "value_uncertainty": row.value_uncertainties[at] if there else None,
-        "reference": row.references[at] if there else None,
-        "reference_uncertainty": row.reference_uncertainties[at] if there else None,
+        "value": row.values[at] if has_values else None,
+        "value_uncertainty": row.value_uncertainties[at] if has_values else None,
+        "reference": row.references[at] if has_values else None,
+        "reference_uncertainty": row.reference_uncertainties[at] if has_values else None,
         "routes": [row.of, row.by],
-        "allowed": row.allowed[at] if there else None,
-        "share": row.share if there else None,
+        "allowed": row.allowed[at] if has_values else None,
+        "share": row.share if has_values else None,
         "reason": row.cause or row.message or row.reason,
         "verdict": row.verdict,
         "failed": row.verdict not in PASSING,

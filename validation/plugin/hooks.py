@@ -105,14 +105,14 @@ class Orphans(pytest.Item):
     message = ""
 
     def runtest(self) -> None:
-        """Fail."""
+        """Fail with the message of the item."""
         raise RowFailure(self.message)
 
 
 def orphans_of(config: pytest.Config, items: list[pytest.Item]) -> list[pytest.Item]:
     """Return a failed case if stored.csv has lines of a case that its folder does not have.
 
-    Nothing can be said where files or names were chosen, or while numbers are stored.
+    The list is empty if files or names of cases were chosen, or while numbers are stored.
     """
     option = config.option
     files = any(Path(str(argument).partition("::")[0]).is_file() for argument in config.args)
@@ -139,7 +139,7 @@ def level_of(item: pytest.Item) -> str:
 
 @pytest.fixture
 def rows(request: pytest.FixtureRequest) -> Rows:
-    """Rows of this case; the case fails at its end where a row does, with --pdb at once."""
+    """Return the rows of a case; the case fails at its end if a row fails, with --pdb at once."""
     return rows_of(request.node)
 
 
@@ -220,7 +220,7 @@ def _source(item: pytest.Item) -> str:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """Give the cases of a file, which share its fixtures, to one worker, and spread those with parameters.
+    """Give the cases of a file, which share its fixtures, to one worker, and spread cases with parameters.
 
     `--dist loadgroup` is no help: pytest 9.2 ignores the groups of xdist 3.8 (pytest-xdist issue 1386).
     """

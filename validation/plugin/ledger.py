@@ -83,16 +83,16 @@ class Ledger:
 
     @pytest.hookimpl(optionalhook=True)
     def pytest_configure_node(self, node: Any) -> None:
-        """Tell every worker what is finished, so that all collect alike, also one that replaces a dead one."""
+        """Send every worker, also a replacement of a dead worker, the finished cases, so that all collect alike."""
         node.workerinput["validation_finished"] = list(self.resumed)
 
     def pytest_collection_finish(self, session: pytest.Session) -> None:
-        """Note what is planned in a run without workers."""
+        """Record the planned cases of a run without workers."""
         self.planned = self.planned or [item.nodeid for item in session.items]
 
     @pytest.hookimpl(optionalhook=True)
     def pytest_xdist_node_collection_finished(self, node: Any, ids: list[str]) -> None:
-        """Note what is planned, as a worker collected it."""
+        """Record the planned cases as a worker collected them."""
         self.planned = list(ids)
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
@@ -156,7 +156,7 @@ class Ledger:
             print(f"    not run: {case['message']}", file=sys.stderr, flush=True)
 
     def _seconds_left(self) -> float | None:
-        """Return the stored seconds of what is still to run, at the pace of what ran."""
+        """Return the stored seconds of the cases still to run, scaled by the pace of the finished cases."""
         expected = {case: seconds for case in self.planned if (seconds := self._expected(case)) is not None}
         done = sum(expected.get(case, 0.0) for case in self.cases)
         ahead = sum(seconds for case, seconds in expected.items() if case not in self.cases)
@@ -192,7 +192,7 @@ class Ledger:
                 print(line, file=sys.stderr)
 
     def _run(self, exit_status: int) -> dict[str, Any]:
-        """Return what is known of the run, from which the report is made."""
+        """Return the facts of the run from which the report is made."""
         from validation.harness.provenance import provenance
 
         cases = self.resumed | self.cases
@@ -216,7 +216,7 @@ class Ledger:
 
 
 def summary(cases: Iterable[dict[str, Any]]) -> list[str]:
-    """Return a line for every kind of row: how many, and by verdict."""
+    """Return a line for every kind of row: the number of rows, in total and by verdict."""
     rows, lines = [Row(**row) for case in cases for row in case["rows"]], []
     for kind in KINDS:
         verdicts = [row.verdict for row in rows if row.kind == kind]

@@ -78,7 +78,7 @@ Curve = tuple[ArrayLike, ArrayLike] | tuple[ArrayLike, ArrayLike, Any]  # x, y, 
 
 @dataclass(frozen=True)
 class Row:
-    """One comparison: lists hold one number per value, all in `unit`.
+    """Comparison of numbers: lists hold one number per value, all in `unit`.
 
     `reason` states where `allowed` comes from.  With a `cause`, values are ratios, references the middle of the band,
     and `allowed` is half the band.  `stored` is the stored error, or the stored value of a count; None where there is
@@ -121,19 +121,19 @@ class Row:
 
     @property
     def shares(self) -> NDArray[np.float64]:
-        """Errors over what is allowed; infinite where nothing is allowed and something is missing."""
+        """Errors over the allowed errors; infinite for a nonzero error where zero is allowed."""
         allowed = np.asarray(self.allowed)
         exact = np.where(self.errors == 0, 0.0, np.inf)
         return np.where(allowed > 0, self.errors / np.where(allowed > 0, allowed, 1.0), exact)
 
     @property
     def worst(self) -> int:
-        """Index of the value that decides: NaN before all, then the largest share of what is allowed."""
+        """Index of the value that decides: a NaN first, then the largest share of the allowed error."""
         return int(np.argmax(self.shares)) if self.values else 0
 
     @property
     def share(self) -> float:
-        """Largest share of what is allowed."""
+        """Largest error over the allowed error."""
         return float(np.max(self.shares)) if self.values else math.nan
 
     @property
@@ -148,7 +148,7 @@ class Row:
 
     @property
     def verdict(self) -> Verdict:
-        """Verdict by the one rule."""
+        """Verdict by the rule of the module."""
         if self.message:
             return "not converged"
         numbers = [*self.values, *self.references, *self.allowed]

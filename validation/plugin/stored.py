@@ -68,7 +68,7 @@ def refuse_changes(folder: Path) -> None:
 
 
 def store(file: Path, cases: Iterable[dict[str, Any]], reason: str, keep_worst: bool) -> list[str]:
-    """Rewrite the lines of the cases that ran; return what changed, for people.
+    """Rewrite the lines of the cases that ran, and return the changes as sentences.
 
     Rows that deviate for another reason than the stored number are refused, and nothing is written.
     """

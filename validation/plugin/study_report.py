@@ -18,7 +18,7 @@ BEGUN = time.monotonic()
 
 @dataclass(frozen=True)
 class Part:
-    """One question of a study with its rows; a part that raised has a `message` and fails."""
+    """Question of a study with its rows; a part that raised has a `message` and fails."""
 
     name: str
     question: str

@@ -58,12 +58,12 @@ class Sinusoid:
         return (self.alpha * self.full_contact_pressure) ** 2 * self.wavelength / (2 * self.modulus)
 
     def mean_pressure(self, psi: ArrayLike) -> FloatArray:
-        """Mean pressure in Pa at psi = pi times half the contact fraction."""
+        """Return the mean pressure in Pa at psi = pi times half the contact fraction."""
         angle = np.asarray(psi, dtype=np.float64)
         return np.asarray(self.full_contact_pressure * (np.sin(angle) ** 2 - self.alpha * np.sqrt(np.tan(angle))))
 
     def penetration(self, psi: ArrayLike) -> FloatArray:
-        """Penetration in m."""
+        """Return the penetration in m at psi."""
         angle = np.asarray(psi, dtype=np.float64)
         share = np.sin(angle) ** 2
         adhesive = self.alpha * self.full_contact_pressure * np.sqrt(np.tan(angle)) * np.log(share)
@@ -72,20 +72,20 @@ class Sinusoid:
         )
 
     def angle(self, penetration: float, least: float = 0.3, most: float = 1.4) -> float:
-        """psi at a penetration in m, between two on either side."""
+        """Return psi at a penetration in m, bracketed by the angles `least` and `most`."""
         return float(
             brentq(lambda psi: float(self.penetration(psi)) - penetration, least, most, xtol=1e-16, rtol=1e-15)
         )
 
     def pressure(self, x: FloatArray, psi: float) -> FloatArray:
-        """Pressure in Pa at distances in m from the crest, on the contact."""
+        """Return the pressure in Pa at distances in m from the crest, on the contact."""
         v = np.sin(np.pi * x / self.wavelength)
         root = np.sqrt(np.sin(psi) ** 2 - v**2)
         cosine = np.cos(np.pi * x / self.wavelength)
         return np.asarray(cosine * (2 * self.full_contact_pressure * root - self._tension(psi) / root))
 
     def gap(self, x: ArrayLike, psi: float) -> FloatArray:
-        """Gap in m at distances in m from the crest; zero on the contact."""
+        """Return the gap in m at distances in m from the crest; zero on the contact."""
         share = np.sin(psi) ** 2
         v = np.maximum(np.abs(np.sin(np.pi * np.asarray(x) / self.wavelength)), np.sqrt(share))
         angle = np.arccosh(v / np.sqrt(share))
@@ -93,7 +93,7 @@ class Sinusoid:
         return np.asarray(dry + 2 * self.wavelength * self._tension(psi) / (np.pi * self.modulus) * angle)
 
     def elastic_energy(self, psi: float) -> float:
-        """Elastic energy in J/m^2 of nominal area."""
+        """Return the elastic energy in J/m^2 of nominal area."""
         share, full, length = np.sin(psi) ** 2, self.full_contact_pressure, self.wavelength
         lift = length * self._tension(psi) * np.log(share) / (np.pi * self.modulus)
         energy = full * self.amplitude * (share**2 / 4 - share**2 / 2 * np.log(share)) + full * share * lift
@@ -103,7 +103,7 @@ class Sinusoid:
         return float(self.alpha * self.full_contact_pressure * np.sqrt(np.tan(psi)))
 
     def fold(self) -> float:
-        """psi at which the penetration is least: pull-off under penetration control."""
+        """Return psi at the least penetration: pull-off under penetration control."""
 
         def slope(psi: float) -> float:
             step = 1e-6 * psi
@@ -157,6 +157,6 @@ def uniform_compliance(thickness: float, youngs_modulus: float, poisson_ratio: f
 
 
 def full_contact_amplitudes(orders: ArrayLike, amplitudes: ArrayLike, wavelength: float, modulus: float) -> FloatArray:
-    """Pressure amplitudes in Pa of complete contact with a half-space: E* m q0 h_m / 2."""
+    """Return the pressure amplitudes in Pa of complete contact with a half-space: E* m q0 h_m / 2."""
     m, h = np.asarray(orders, dtype=np.float64), np.asarray(amplitudes, dtype=np.float64)
     return np.asarray(modulus * np.pi * m * h / wavelength)

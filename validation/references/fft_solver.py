@@ -73,12 +73,12 @@ def pressed(
     substrates, systems = import_module("ContactMechanics"), import_module("ContactMechanics.Systems")
     line = import_module("SurfaceTopography").UniformLineScan(height, period, periodic=True)
     half_space = substrates.PeriodicFFTElasticHalfSpace(height.shape, modulus, (period,))
-    found = systems.NonSmoothContactSystem(substrate=half_space, surface=line).minimize_proxy(
+    solution = systems.NonSmoothContactSystem(substrate=half_space, surface=line).minimize_proxy(
         external_force=mean_pressure * period, pentol=LARGEST_OVERLAP, maxiter=ITERATIONS
     )
-    if not found.success:
-        raise NotConvergedError(f"{height.size} points at {mean_pressure:g} Pa: {found.message}")
-    return found.x - height - found.offset, found.jac > 0, int(found.nit)
+    if not solution.success:
+        raise NotConvergedError(f"{height.size} points at {mean_pressure:g} Pa: {solution.message}")
+    return solution.x - height - solution.offset, solution.jac > 0, int(solution.nit)
 
 
 def extrapolated(grids: list[GridContact]) -> Extrapolated:

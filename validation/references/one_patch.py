@@ -1,4 +1,4 @@
-"""One contact patch on a symmetric profile in closed form: mean pressure, penetration, energy, and the gap beside it.
+"""Closed form of a single contact patch on a symmetric profile: mean pressure, penetration, energy, gap beside it.
 
 On h = sum_m h_m cos(m y), y = 2 pi x / period, one patch |y| < a of a half-space carries
 
@@ -55,19 +55,19 @@ class OnePatch:
     work: float  # of adhesion, J/m^2; 0 without adhesion
 
     def mean_pressure(self, angle: ArrayLike) -> FloatArray:
-        """Mean pressure in Pa at a = pi times the contact fraction, in (0, pi), same shape."""
+        """Return the mean pressure in Pa at a = pi times the contact fraction, in (0, pi), same shape."""
         return self._mean_pressure(np.asarray(angle, dtype=np.float64), self.work)
 
     def penetration(self, angle: ArrayLike) -> FloatArray:
-        """Delta in m, same shape."""
+        """Return the penetration Delta in m, in the shape of `angle`."""
         return self._state(np.asarray(angle, dtype=np.float64))[0]
 
     def energy(self, angle: ArrayLike) -> FloatArray:
-        """Elastic energy and adhesion energy in J/m^2 of nominal area, same shape."""
+        """Return the sum of elastic and adhesion energy in J/m^2 of nominal area, in the shape of `angle`."""
         return self._state(np.asarray(angle, dtype=np.float64))[1]
 
     def gap(self, angle: float, pressure: float, y: float) -> float:
-        """Gap in m at y in (a, pi) beside a patch under a mean pressure in Pa, in equilibrium or not."""
+        """Return the gap in m at y in (a, pi) beside a patch under a mean pressure in Pa, in equilibrium or not."""
         c = self._series(np.array([angle]))[:, 0]
         c[0] = pressure - float(c[1:] @ _legendre(np.array([angle]), c.size)[1:, 0])
         node, weight = self._rule(y - angle)
@@ -85,7 +85,7 @@ class OnePatch:
         return np.asarray(np.sum(c * _legendre(angle, len(c)), axis=0))
 
     def _series(self, angle: FloatArray) -> FloatArray:
-        """c_k for k >= 1, (M + 1, ...), with c_0 left at zero."""
+        """Return c_k for k >= 1, (M + 1, ...), with c_0 set to zero."""
         order, q = len(self.harmonics), 2 * np.pi / self.period
         legendre = _legendre(angle, order + 1)
         c = np.zeros((order + 1, *angle.shape))
@@ -95,7 +95,7 @@ class OnePatch:
         return c
 
     def _state(self, angle: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Delta and U; integrated by parts, where dC/da = -period cot(a/2) / (pi E*) stands beside p_0 ~ a^2."""
+        """Return Delta and U, integrated by parts: dC/da = -period cot(a/2) / (pi E*) multiplies p_0 ~ a^2."""
         node, weight = self._rule(float(np.max(angle)))
         within = np.multiply.outer(node, angle)
         free = self._mean_pressure(within, 0.0)
@@ -109,11 +109,11 @@ class OnePatch:
         return np.asarray(depth + compliance * more), np.asarray(energy)
 
     def _rule(self, length: float) -> tuple[FloatArray, FloatArray]:
-        """Nodes and weights on (0, 1) for a stretch of this length in y."""
+        """Return nodes and weights on (0, 1) for a stretch of a given length in y."""
         node, weight = leggauss(LEAST_POINTS + int(POINTS * len(self.harmonics) * length / (2 * np.pi)))
         return (node + 1) / 2, weight / 2
 
 
 def _legendre(angle: FloatArray, count: int) -> FloatArray:
-    """L_0, ..., L_{count-1} at cos a, (count, ...)."""
+    """Return L_0, ..., L_{count-1} at cos a, (count, ...)."""
     return np.asarray(legval(np.cos(angle), np.eye(count)))

@@ -32,7 +32,7 @@ APPROACH = 60  # half widths at which the gap at a crest is looked at while an e
 
 @dataclass(frozen=True)
 class Jump:
-    """From one half width a to another at a mean pressure, Pa: energy released, J/m^2, and crests touched each side."""
+    """Jump between half widths a at a mean pressure, Pa: energy released, J/m^2, and crests touched each side."""
 
     start: float
     end: float
@@ -51,7 +51,7 @@ class RippledWave:
 
     @cached_property
     def patch(self) -> OnePatch:
-        """Its closed form."""
+        """Closed form of a single patch on the rippled wave."""
         return OnePatch(PERIOD, MODULUS, (AMPLITUDE, *[0.0] * (self.order - 2), self.ripple), self.work)
 
     @property
@@ -66,7 +66,10 @@ class RippledWave:
         return [float(y) for y in waves.crests if 1e-9 < y < np.pi]
 
     def loaded(self, *ends: float) -> tuple[list[Jump], list[float]]:
-        """Jumps while the mean pressure grows from first touch to the last of some in Pa, and half widths a at each."""
+        """Return the jumps while the mean pressure grows from first touch to the last of `ends` in Pa.
+
+        The second list holds the half width a at each of `ends`.
+        """
         a, reached = self._next(self._grid, 0.0, 0.0), list[float]()
         jumps = [Jump(0.0, a, 0.0, -float(self.patch.energy(a)), 0)]
         while True:
@@ -83,7 +86,10 @@ class RippledWave:
             jumps.append(self._jump(top, a))
 
     def unloaded(self, start: float, *ends: float) -> tuple[list[Jump], list[float]]:
-        """Jumps while it falls from that at a half width to the last of some in Pa, and the half width at each."""
+        """Return the jumps while the pressure falls from its value at half width `start` to the last of `ends` in Pa.
+
+        The second list holds the half width at each of `ends`.
+        """
         a, jumps, reached = start, list[Jump](), list[float]()
         while True:
             dip = max(t for t in self.turning[-1.0] if t < a)
@@ -96,7 +102,7 @@ class RippledWave:
             jumps.append(self._jump(dip, a))
 
     def spread(self, penetration: float) -> float:
-        """Half width a to which contact has spread at a penetration in m."""
+        """Return the half width a to which contact has spread at a penetration in m."""
         missing = self.patch.penetration(self._grid) - penetration
         up = int(np.flatnonzero((missing[:-1] < 0) & (missing[1:] >= 0))[0])
         return _root(self.patch.penetration, penetration, *self._grid[up : up + 2])
@@ -111,21 +117,21 @@ class RippledWave:
     def turning(self) -> dict[float, list[float]]:
         """Half widths of the maxima (sign 1) and minima (-1) of the mean pressure, ascending."""
         grid, value = self._grid, self.patch.mean_pressure(self._grid)
-        found = {}
+        places = {}
         for sign in (1.0, -1.0):
             rises = sign * np.diff(value)
             tops = np.flatnonzero((rises[:-1] > 0) & (rises[1:] <= 0)) + 1
             lowered = partial(self._lowered, sign)
-            found[sign] = [_least(lowered, grid[i - 1], grid[i + 1], 1e-12)[0] for i in tops]
-        return found
+            places[sign] = [_least(lowered, grid[i - 1], grid[i + 1], 1e-12)[0] for i in tops]
+        return places
 
     def _lowered(self, sign: float, a: float) -> float:
         return -sign * float(self.patch.mean_pressure(a))
 
     def _next(self, grid: FloatArray, pressure: float, start: float) -> float:
-        """The next a on the way of the grid from a start at which a stable branch has this mean pressure.
+        """Return the first a of a stable branch with a given mean pressure, from `start` along the grid.
 
-        ValueError where contact that jumps at it does not come to rest, below `MOST` or before it is gone.
+        ValueError if contact that jumps at the mean pressure does not come to rest below `MOST` or before it vanishes.
         """
         outward = grid[1] > grid[0]
         beyond = grid[grid > start] if outward else grid[grid < start]
@@ -144,25 +150,25 @@ class RippledWave:
         return Jump(start, end, pressure, released, touched)
 
     def _touches(self, start: float, crest: float, pressure: float) -> bool:
-        """Whether the gap at a crest closes while an edge approaches it from a start."""
+        """Return True if the gap at a crest closes while an edge approaches the crest from `start`."""
         approach = start + (crest - start) * np.arange(APPROACH) / APPROACH
         return min(self.patch.gap(float(a), pressure, crest) for a in approach) < 0
 
     def _clearance(self, angle: float, crest: float) -> float:
-        """Least gap in m about a crest beside a patch in equilibrium."""
+        """Return the least gap in m about a crest beside a patch in equilibrium."""
         pressure, reach = float(self.patch.mean_pressure(angle)), 0.5 * np.pi / self.order
         return _least(lambda y: self.patch.gap(angle, pressure, y), max(angle, crest - reach), crest + reach, 1e-10)[1]
 
 
 def _root(quantity: Callable[[float], FloatArray], value: float, low: float, high: float) -> float:
-    """The half width between two at which a quantity has a value."""
+    """Return the half width between `low` and `high` at which a quantity has a value."""
     return float(brentq(lambda a: float(quantity(a)) - value, low, high, xtol=1e-15))
 
 
 def _least(quantity: Callable[[float], float], low: float, high: float, close: float) -> tuple[float, float]:
-    """Where a quantity is least between two places, and its value there."""
-    found = minimize_scalar(quantity, bounds=(low, high), method="bounded", options={"xatol": close})
-    return float(found.x), float(found.fun)
+    """Return the place between `low` and `high` at which a quantity is least, and the least value."""
+    minimum = minimize_scalar(quantity, bounds=(low, high), method="bounded", options={"xatol": close})
+    return float(minimum.x), float(minimum.fun)
 
 
 WAVE = RippledWave(30, 2e-6, 0.062)  # of the scene rippled_wave

@@ -59,7 +59,7 @@ def styled(**settings: Any) -> AbstractContextManager[None]:
 
 
 def canvas_of(figure: Figure, height: float = 3.9) -> Canvas:
-    """The figure drawn; the height in inches is that of one panel alone, without a legend below it."""
+    """Draw a figure; `height` in inches applies to a single panel without a legend below it."""
     from matplotlib.figure import Figure as Canvas
 
     with styled():
@@ -82,10 +82,10 @@ def canvas_of(figure: Figure, height: float = 3.9) -> Canvas:
 
 
 def panels_of(figure: Figure, prefix: str) -> Markup:
-    """The panels of a figure as SVG elements of their own, one after the other, low ones: they stand side by side."""
+    """Return the panels of a figure as separate SVG elements of low height, to be placed side by side."""
     parts = [figure.solution] if figure.error is None else [figure.solution, figure.error]
-    alone = [figure.model_copy(update={"solution": panel, "error": None}) for panel in parts]
-    return Markup("").join(svg_of(one, f"{prefix}-{k}", LOW) for k, one in enumerate(alone))
+    singles = [figure.model_copy(update={"solution": panel, "error": None}) for panel in parts]
+    return Markup("").join(svg_of(single, f"{prefix}-{k}", LOW) for k, single in enumerate(singles))
 
 
 def save(canvas: Canvas, path: Path) -> None:
@@ -95,7 +95,7 @@ def save(canvas: Canvas, path: Path) -> None:
 
 
 def _printed(canvas: Canvas, kind: str) -> bytes:
-    """A figure as SVG or PDF; it is laid out once, whatever it is printed as: that takes as long as to print it."""
+    """Print a figure as SVG or PDF; the layout is computed once for all formats, because it is as slow as printing."""
     stream = io.BytesIO()
     with styled(**{"pdf.fonttype": 42}):
         layout = canvas.get_layout_engine()
@@ -108,7 +108,7 @@ def _printed(canvas: Canvas, kind: str) -> bytes:
 
 
 def _make_drawable(canvas: Canvas) -> None:
-    """Leave in every text what can be drawn: an equation that cannot be set stays as it is written."""
+    """Escape in every text the characters that cannot be drawn; an equation that cannot be set is shown as written."""
     from matplotlib.mathtext import MathTextParser
     from matplotlib.text import Text
 
@@ -123,7 +123,7 @@ def _make_drawable(canvas: Canvas) -> None:
 
 
 def svg_of(figure: Figure, prefix: str, height: float = 3.9) -> Markup:
-    """The figure as an SVG element with a role, a title (its caption) and a description (its axes and curves).
+    """Return a figure as an SVG element with a role, a title (its caption) and a description (its axes and curves).
 
     The prefix makes its ids unique on the page.
     """
@@ -131,7 +131,7 @@ def svg_of(figure: Figure, prefix: str, height: float = 3.9) -> Markup:
 
 
 def inline_svg(canvas: Canvas, prefix: str, title: str, description: str) -> Markup:
-    """A drawn figure as `svg_of` gives it."""
+    """Return a drawn figure as an SVG element with a role, a title and a description, its ids prefixed."""
     root = ElementTree.fromstring(_printed(canvas, "svg"))
     for parent in list(root.iter()):
         for child in list(parent):
@@ -143,20 +143,20 @@ def inline_svg(canvas: Canvas, prefix: str, title: str, description: str) -> Mar
         element.attrib.clear()
         element.attrib.update((name, _renamed(name, value, prefix)) for name, value in given.items())
     root.attrib |= {"role": "img", "aria-labelledby": f"{prefix}-title", "aria-describedby": f"{prefix}-desc"}
-    for place, (tag, said) in enumerate((("title", title), ("desc", description))):
+    for place, (tag, words) in enumerate((("title", title), ("desc", description))):
         element = ElementTree.Element(tag, {"id": f"{prefix}-{tag}"})
-        element.text = printable(said)
+        element.text = printable(words)
         root.insert(place, element)
     return Markup(ElementTree.tostring(root, encoding="unicode"))
 
 
 def _plain(name: str) -> str:
-    """A name without its namespace: on a page none is written."""
+    """Return a name without its namespace, because a page writes no namespaces."""
     return name.rpartition("}")[2]
 
 
 def _renamed(name: str, value: str, prefix: str) -> str:
-    """An attribute of an SVG with the prefix before the ids that it gives or names."""
+    """Return an SVG attribute with the prefix before the ids that it defines or refers to."""
     if name == "id":
         return f"{prefix}-{value}"
     if name == "href":
@@ -165,7 +165,7 @@ def _renamed(name: str, value: str, prefix: str) -> str:
 
 
 def described(figure: Figure) -> str:
-    """What a figure shows, in words.
+    """Describe the axes and curves of a figure in words.
 
     Examples
     --------
@@ -175,8 +175,8 @@ def described(figure: Figure) -> str:
     'load against x: a & b.'
     """
     panels = filter(None, (figure.solution, figure.error))
-    named = ((one, ", ".join(filter(None, (series.label for series in one.series)))) for one in panels)
-    return " ".join(f"{one.ylabel} against {one.xlabel}: {names}." for one, names in named)
+    named = ((panel, ", ".join(filter(None, (series.label for series in panel.series)))) for panel in panels)
+    return " ".join(f"{panel.ylabel} against {panel.xlabel}: {names}." for panel, names in named)
 
 
 def _draw(axes: Axes, panel: Panel, most_inside: int = MOST_INSIDE, small: bool = False) -> None:
@@ -198,7 +198,7 @@ def _draw(axes: Axes, panel: Panel, most_inside: int = MOST_INSIDE, small: bool 
 
 
 def _scale(asked: str, values: list[float | None]) -> str:
-    """The scale asked for, but a linear one where nothing is positive that a logarithmic one could show."""
+    """Return the scale asked for, but linear if no value is positive."""
     positive = any(value is not None and 0 < value < np.inf for value in values)
     return asked if positive or asked != "log" else "linear"
 
@@ -226,7 +226,7 @@ def _draw_series(axes: Axes, series: Series, colour: str, marker: str) -> None:
 
 
 def linked(figure: Figure, folder: str) -> Figure:
-    """The figure with the paths of its files, relative to the report.
+    """Return the figure with the paths of its files, relative to the report.
 
     Examples
     --------
@@ -244,19 +244,19 @@ def write_figure(figure: Figure, folder: Path) -> None:
 
 
 def write_files(canvas: Canvas, path: Path, table: str) -> None:
-    """Write what is drawn as SVG and PDF, and the numbers behind it as CSV, at a path without an ending."""
+    """Write a figure as SVG and PDF, and its numbers as CSV, at a path without an ending."""
     for kind in KINDS[:2]:
         save(canvas, path.with_name(f"{path.name}.{kind}"))
     write_atomically(path.with_name(f"{path.name}.csv"), table)
 
 
 def table_of(figure: Figure) -> str:
-    """The numbers of a figure as CSV."""
+    """Return the numbers of a figure as CSV."""
     return csv_text(["panel", "series", "x", "y", "upper"], _lines(figure))
 
 
 def csv_text(head: Sequence[str], lines: Iterable[Sequence[str | float | None]]) -> str:
-    """Lines under their head as CSV."""
+    """Return lines under their head as CSV."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(head)

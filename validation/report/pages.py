@@ -85,7 +85,7 @@ def printable(text: str) -> str:
 
 
 def subscripts(text: str) -> Markup:
-    """Return a text in which what follows an underscore stands below the line.
+    """Return a text in which the part of a name after an underscore is set as a subscript.
 
     Examples
     --------

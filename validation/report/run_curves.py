@@ -37,7 +37,7 @@ class Strokes:
 
 
 def curves_of(result: Result) -> Iterator[Figure]:
-    """Mean pressure against contact fraction and against separation, of a result of which all states are there."""
+    """Yield mean pressure against contact fraction and against separation, of a result that has all its states."""
     if not result.states:
         return
     if all(state.status == "complete_contact" for state in result.states):
@@ -94,7 +94,7 @@ def strokes_of(result: Result, value: Callable[[State], float], place: Callable[
 
 
 def _panel(result: Result, name: str, theories: list[Theory]) -> Panel:
-    """Branches, jumps, states at targets with error bars, events and pull-off, and the theory beside them."""
+    """Draw branches, jumps, states at targets with error bars, events and pull-off, and the theory beside them."""
     states = [state for state in result.states if not math.isnan(state.mean_pressure)]
     lift, pressure = axis_unit(max((abs(state.mean_pressure) for state in states), default=0.0), "Pa")
     apart = name == "separation"
@@ -112,9 +112,9 @@ def _panel(result: Result, name: str, theories: list[Theory]) -> Panel:
 
     strokes = strokes_of(result, lambda state: float(getattr(state, name)), place if apart else None)
     series = [
-        one
+        curve
         for hue, (branch, points) in enumerate(strokes.branches.items())
-        for one in line(branch, points, "line", hue)
+        for curve in line(branch, points, "line", hue)
     ]
     series += line("jumps", strokes.jumps, "dashed", 3)
     targets = [state for state in states if state.target and (not apart or state.separation > 0)]
@@ -152,7 +152,7 @@ def _pulled_off(result: Result, factor: float, lift: float) -> Iterator[Series]:
 
 
 def finite(error: float | None) -> float:
-    """Return an estimated error; zero where there is no finite one."""
+    """Return an estimated error; zero if it is missing or not finite."""
     return 0.0 if error is None or not math.isfinite(error) else error
 
 
@@ -163,7 +163,7 @@ SPAN = 50.0  # largest load drawn over the smallest
 
 @dataclass(frozen=True)
 class Theory:
-    """A curve: loads in Pa, contact fractions, and separations in m where they are known."""
+    """Curve of a theory: loads in Pa, contact fractions, and separations in m where they are known."""
 
     label: str
     loads: list[float]

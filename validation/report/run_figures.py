@@ -44,16 +44,18 @@ def stored_states(result: Result) -> dict[str, State]:
 
 
 def _errors(result: Result) -> Panel:
-    """Estimated errors over the states: of the contact fraction, and of the pressure over its largest value."""
+    """Draw estimated errors over the states: of the contact fraction, and of the pressure over its largest value."""
     scale = max((abs(state.mean_pressure) for state in result.states if not math.isnan(state.mean_pressure)), default=0)
     estimates = [state.error_estimate for state in result.states]
-    found = {
-        "contact fraction": [finite(one.contact_fraction) for one in estimates],
-        "mean pressure over the largest": [finite(one.mean_pressure) / (scale or 1.0) for one in estimates],
+    by_quantity = {
+        "contact fraction": [finite(estimate.contact_fraction) for estimate in estimates],
+        "mean pressure over the largest": [finite(estimate.mean_pressure) / (scale or 1.0) for estimate in estimates],
     }
     last = len(result.states)
     asked = float(result.scene["accuracy"]["tolerance"])
-    series = [trace(name, range(1, last + 1), [value or None for value in errors]) for name, errors in found.items()]
+    series = [
+        trace(name, range(1, last + 1), [value or None for value in errors]) for name, errors in by_quantity.items()
+    ]
     return semilogy("state", "estimated error", *series, trace("asked for", (1, last), (asked, asked), "dashed"))
 
 

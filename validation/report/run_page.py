@@ -87,7 +87,7 @@ def inputs_of(result: Result, folder: Path) -> dict[int, dict[str, float]]:
 def render_run(result: Result, inputs: Inputs | None = None) -> str:
     """Return the page of a run as text; relative uncertainties of the input are by target and quantity."""
     left_open = max((value for known in (inputs or {}).values() for value in known.values()), default=math.nan)
-    found = replace(result, states=tuple(state for state in result.states if state.found))
+    solved = replace(result, states=tuple(state for state in result.states if state.found))
     columns, rows = answer(result, inputs)
     doubtful = succeeded(result) and left_open > DOUBTFUL
     return filled(
@@ -105,14 +105,14 @@ def render_run(result: Result, inputs: Inputs | None = None) -> str:
         toml=scene_text(result.scene),
         meanings=defaultdict(str, MEANINGS),
         preparation=[_step(step) for step in result.profile_preparation],
-        figures=[(figure, svg_of(figure, f"run-{figure.id}")) for figure in figures_of(found)],
-        shapes_left_out=max(0, len(shape_states(found)) - MOST_SHAPES),
+        figures=[(figure, svg_of(figure, f"run-{figure.id}")) for figure in figures_of(solved)],
+        shapes_left_out=max(0, len(shape_states(solved)) - MOST_SHAPES),
         targets=[_target(state) for state in result.targets[:MOST_ROWS]],
-        events=list(_events(found))[:MOST_ROWS],
+        events=list(_events(solved))[:MOST_ROWS],
         most=MOST_ROWS,
         few=FEW_EVENTS,
         certificate=list(_certificate(result)),
-        found=found.states,
+        found=solved.states,
     )
 
 
@@ -166,15 +166,15 @@ def _certificate(result: Result) -> Iterator[tuple[str, str]]:
 
 
 def _measure(value: float, name: str) -> str:
-    """Return a number with its unit, where it has one."""
+    """Return a number with its unit, if it has a unit."""
     return quantity(value, UNITS[name]) if name in UNITS else number(value)
 
 
 def _step(step: Mapping[str, Any]) -> tuple[str, str]:
     """Return the name of a step of the preparation of a scan, and its facts."""
     facts = {key: value for key, value in step.items() if key != "step"}
-    said = [f"{key.replace('_', ' ')} {_plain(value)}" for key, value in facts.items()]
-    return str(step.get("step", "")), ", ".join(said)
+    words = [f"{key.replace('_', ' ')} {_plain(value)}" for key, value in facts.items()]
+    return str(step.get("step", "")), ", ".join(words)
 
 
 def _plain(value: Any) -> str:

@@ -1,4 +1,4 @@
-"""A scan before and after its preparation: heights as measured and as they are solved, and in words what was done.
+"""A scan before and after its preparation: heights as measured and as solved, and the preparation in words.
 
 The numbers are those that a result stores (`Scan.drawn` in bem/scans/prepared_scan.py): scan_x, scan_h and
 profile_x, profile_h in m.  Both lines are drawn about their own mean.  A second figure is the power spectrum of the
@@ -31,7 +31,7 @@ SAID = {
 
 
 def preparation_figure(fields: Mapping[str, NDArray[np.float64]], steps: Sequence[Mapping[str, Any]]) -> Figure | None:
-    """The figure of a result, from its fields and `profile_preparation`; None where its profile is no scan.
+    """Draw the scan and the profile of a result from its fields and `profile_preparation`; None without a scan.
 
     Examples
     --------
@@ -56,20 +56,20 @@ def preparation_figure(fields: Mapping[str, NDArray[np.float64]], steps: Sequenc
 
 
 def spectrum_figure(fields: Mapping[str, NDArray[np.float64]], steps: Sequence[Mapping[str, Any]]) -> Figure | None:
-    """The power spectrum over wavelengths; None of a result without one, or of equal heights.
+    """Draw the power spectrum over wavelengths; None for a result without a spectrum, or with equal heights.
 
     Examples
     --------
     >>> fields = {"scan_wavelength": np.array([8e-6, 2e-6]), "scan_density": np.array([4e-20, 1e-22])}
-    >>> found = {"step": "spectrum", "noise": "flat tail", "noise_density": 1e-22, "noise_rms": 5e-9}
-    >>> steps = [found, {"step": "filter", "cutoff_short": 5e-6}]
+    >>> spectrum = {"step": "spectrum", "noise": "flat tail", "noise_density": 1e-22, "noise_rms": 5e-9}
+    >>> steps = [spectrum, {"step": "filter", "cutoff_short": 5e-6}]
     >>> [series.label for series in spectrum_figure(fields, steps).solution.series]
     ['power spectrum of the scan', 'noise floor', 'cutoff_short, 5 µm']
     """
-    kept = np.flatnonzero(fields.get("scan_density", np.zeros(0)) > 0)
-    if not kept.size:
+    positive = np.flatnonzero(fields.get("scan_density", np.zeros(0)) > 0)
+    if not positive.size:
         return None
-    wavelength, density = (fields[name][kept] for name in ("scan_wavelength", "scan_density"))
+    wavelength, density = (fields[name][positive] for name in ("scan_wavelength", "scan_density"))
     length, unit = axis_unit(float(wavelength.min()), "m")
     series = [trace("power spectrum of the scan", length * wavelength, density)]
     facts = {key: value for step in steps for key, value in step.items() if step["step"] == "spectrum"}
@@ -87,35 +87,35 @@ def spectrum_figure(fields: Mapping[str, NDArray[np.float64]], steps: Sequence[M
 
 
 def _noise_in_words(facts: Mapping[str, Any]) -> str:
-    """What the spectrum of a scan tells, in a sentence."""
-    said = facts["noise"]
+    """State noise floor and suggested cutoff of the spectrum of a scan in a sentence."""
+    words = facts["noise"]
     if "noise_rms" in facts:
-        said = f"a noise floor of {_rounded(facts['noise_rms'])} rms"
+        words = f"a noise floor of {_rounded(facts['noise_rms'])} rms"
     if "suggested_cutoff" in facts:
         law = f"the profile, as the power {facts['exponent']:.2g} of the wavelength, falls below it"
-        said += f"; {law} at {_rounded(facts['suggested_cutoff'])}"
-    return f"Power spectrum of the scan, one-sided: {said}."
+        words += f"; {law} at {_rounded(facts['suggested_cutoff'])}"
+    return f"Power spectrum of the scan, one-sided: {words}."
 
 
 def _rounded(length: float) -> str:
-    """A length to three digits."""
+    """Return a length to three digits as text."""
     return quantity(float(f"{length:.3g}"), "m")
 
 
 def _cuts(steps: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, float]]:
-    """Names and wavelengths (m) at which a scan is cut, and at which it is suggested to be."""
-    found = {step["step"]: step for step in steps}
-    if "period" in found.get("periodic", {}) and "cut" in found:
-        yield "harmonics end", found["periodic"]["period"] / found["cut"]["harmonics"]
+    """Yield names and wavelengths (m) of the cuts of a scan and of the suggested cut."""
+    by_name = {step["step"]: step for step in steps}
+    if "period" in by_name.get("periodic", {}) and "cut" in by_name:
+        yield "harmonics end", by_name["periodic"]["period"] / by_name["cut"]["harmonics"]
     for key in CUTOFFS:
-        if key in found.get("filter", {}):
-            yield key, found["filter"][key]
-    if "suggested_cutoff" in found.get("spectrum", {}):
-        yield "suggested cut", found["spectrum"]["suggested_cutoff"]
+        if key in by_name.get("filter", {}):
+            yield key, by_name["filter"][key]
+    if "suggested_cutoff" in by_name.get("spectrum", {}):
+        yield "suggested cut", by_name["spectrum"]["suggested_cutoff"]
 
 
 def caption_of(steps: Sequence[Mapping[str, Any]]) -> str:
-    """What was done to a scan, in a sentence."""
+    """Describe the preparation of a scan in a sentence."""
     samples = next(step["samples"] for step in steps if step["step"] == "read")
     done = [
         SAID.get(step["step"], {}).get(step.get("method", ""), "").format_map(step)

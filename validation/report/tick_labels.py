@@ -13,16 +13,16 @@ POWER = re.compile(r"\$\\mathdefault\{(?:(?P<factor>[^{}]+)\\times)?10\^\{(?P<ex
 
 
 class PlainPowers(LogFormatterSciNotation):
-    """Labels the ticks that Matplotlib labels, in plain text; what is no power of ten stays as it is."""
+    """Formatter that writes Matplotlib's powers of ten as plain text and keeps all other labels."""
 
     def __call__(self, x: float, pos: int | None = None) -> str:
-        """The label of a tick."""
+        """Return the label of a tick."""
         label: str = super().__call__(x, pos)
         return plain(label)
 
 
 def plain(label: str) -> str:
-    r"""A power of ten in Matplotlib's mathematical text as plain text.
+    r"""Return a power of ten in Matplotlib's mathematical text as plain text.
 
     Examples
     --------
@@ -37,7 +37,7 @@ def plain(label: str) -> str:
 
 
 def label_plainly(*axes: Axis) -> None:
-    """Plain labels on those of the axes that are logarithmic."""
+    """Set plain labels on the logarithmic axes."""
     for axis in axes:
         if axis.get_scale() == "log":
             axis.set_major_formatter(PlainPowers())

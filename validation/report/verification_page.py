@@ -74,7 +74,7 @@ def _case(case: Mapping[str, Any], anchor: str, rows: Iterable[Mapping[str, Any]
 
 
 def matrix(rows: Iterable[Mapping[str, Any]]) -> dict[str, dict[str, dict[str, Any]]]:
-    """Return comparisons by pair of codes and quantity: how many, and how much of what is allowed they use."""
+    """Return comparisons by pair of codes and quantity: their number, and the share of the allowed error they use."""
     cells: dict[str, dict[str, list[Mapping[str, Any]]]] = {}
     for row in rows:
         if row["kind"] == "accuracy" and row["routes"]:

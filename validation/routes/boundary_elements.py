@@ -1,4 +1,4 @@
-"""The boundary element solver of this project: everything that is asked, at a tolerance."""
+"""The boundary element solver of this project as a route: all answers, at a tolerance."""
 
 from typing import Any
 
@@ -33,7 +33,7 @@ def scene_tables(problem: Problem) -> dict[str, Any]:
 
 
 def tables(problem: Problem, tolerance: float, increment: float = 1.0) -> dict[str, Any]:
-    """The scene of a problem; `increment` multiplies the largest increment of its path."""
+    """Return the scene of a problem; `increment` multiplies the largest increment of its path."""
     scene = scene_tables(problem) | {"accuracy": {"tolerance": tolerance, "max_increment": 0.05 * increment}}
     if "displacement_amplitudes" in problem.asked:
         at = int(problem.asked["displacement_amplitudes"]["target"]) - 1
@@ -42,7 +42,7 @@ def tables(problem: Problem, tolerance: float, increment: float = 1.0) -> dict[s
 
 
 def solve(problem: Problem, tolerance: float, increment: float = 1.0) -> Answer:
-    """All answers, at a tolerance of the solver."""
+    """Solve a problem at a tolerance of the solver, and return all answers."""
     laps = Laps()
     scene = parse_scene(tables(problem, tolerance, increment))
     laps.end("setup")
@@ -56,28 +56,28 @@ def solve(problem: Problem, tolerance: float, increment: float = 1.0) -> Answer:
 
 
 def answers(problem: Problem, result: Result) -> dict[str, list[Any]]:
-    """What is asked, from a result; ArithmeticError where the path did not converge."""
+    """Return the answers to a problem from a result; ArithmeticError if the path did not converge."""
     if result.status != "converged":
         raise ArithmeticError(f"{result.status}: {result.failure}")
-    targets, found = result.targets, dict[str, Any]()
+    targets, values = result.targets, dict[str, Any]()
     for name, asked in problem.asked.items():
         if name == "gap_fraction":
-            found[name] = [1 - state.contact_fraction for state in targets]
+            values[name] = [1 - state.contact_fraction for state in targets]
         elif name == "patches":
-            found[name] = [state.n_patches for state in targets]
+            values[name] = [state.n_patches for state in targets]
         elif hasattr(targets[0], name) and name != "edges":
-            found[name] = [getattr(state, name) for state in targets]
+            values[name] = [getattr(state, name) for state in targets]
         elif name == "displacement_amplitudes":
-            found[name] = _amplitudes(problem, asked["orders"], result)
+            values[name] = _amplitudes(problem, asked["orders"], result)
         elif "target" in asked:
-            found[name] = _at_target(problem, name, asked, targets[int(asked["target"]) - 1])
+            values[name] = _at_target(problem, name, asked, targets[int(asked["target"]) - 1])
         else:
-            found[name] = _of_events(problem, name, result.events)
-    return problem.answered(found)
+            values[name] = _of_events(problem, name, result.events)
+    return problem.answered(values)
 
 
 def _at_target(problem: Problem, name: str, asked: Place, state: State) -> Any:
-    """Edges, or a field of one state."""
+    """Return the edges, or a field of one state."""
     if name == "edges":
         return np.sort(np.array(state.edges), axis=0).ravel()
     contact = contact_of(problem, state.edges, state.penetration) if state.edges else None
@@ -89,7 +89,7 @@ def _at_target(problem: Problem, name: str, asked: Place, state: State) -> Any:
 
 
 def _amplitudes(problem: Problem, orders: Any, result: Result) -> FloatArray:
-    """2 |u_m| = 2 sqrt(q0 C_u(m q0)), m, of the only state with a spectrum."""
+    """Return 2 |u_m| = 2 sqrt(q0 C_u(m q0)), m, of the only state with a spectrum."""
     (power,) = (values for name, values in result.fields.items() if name.startswith("C_u_"))
     lines = np.rint(result.fields["q"] * problem.period / (2 * np.pi)).astype(int)
     place = [int(np.flatnonzero(lines == order)[0]) for order in orders]
@@ -97,7 +97,7 @@ def _amplitudes(problem: Problem, orders: Any, result: Result) -> FloatArray:
 
 
 def _complete_pressure(problem: Problem, state: State, x: FloatArray) -> FloatArray:
-    """In complete contact, where every wave of the profile is one of the pressure, its amplitude over c(q)."""
+    """Return the pressure of complete contact: every wave of the profile with its amplitude over c(q)."""
     orders, amplitudes, phases = problem.harmonics
     q = 2 * np.pi / problem.period * orders
     solid = bem.Solid(problem.youngs_modulus, problem.poisson_ratio)
@@ -108,7 +108,7 @@ def _complete_pressure(problem: Problem, state: State, x: FloatArray) -> FloatAr
 
 
 def _of_events(problem: Problem, name: str, events: tuple[Event, ...]) -> Any:
-    """What the jumps of the path say."""
+    """Return a quantity of the events of the path: dissipated energy, jump pressures or pull-off."""
     if name == "dissipated_energy":
         return sum(event.energy_released or 0.0 for event in events)
     if name == "jump_mean_pressures":

@@ -35,7 +35,7 @@ STEP = 0.1  # of the path, in the span of the separations
 
 
 def missing() -> str:
-    """Why the packages cannot run here; empty when they can."""
+    """Return the reason why the packages cannot run on this machine; empty if they can."""
     return route.missing("peers", *PACKAGES)
 
 
@@ -64,9 +64,12 @@ class CohesiveGrid:
         self.tolerance = TOLERANCE * gamma / rho * self.spacing
 
     def relaxed(self, start: FloatArray, separation: float, iterations: int) -> tuple[FloatArray, int]:
-        """Gaps (n,) of this mean in m, from others, and the iterations taken; ArithmeticError after so many."""
+        """Relax gaps (n,) at a mean separation in m from `start`; return gaps and number of iterations.
+
+        ArithmeticError if `iterations` do not suffice.
+        """
         with redirect_stdout(io.StringIO()):  # it reports every direction of negative curvature
-            found = import_module("NuMPI.Optimization").constrained_conjugate_gradients(
+            minimum = import_module("NuMPI.Optimization").constrained_conjugate_gradients(
                 self.system.primal_objective(0.0, gradient=True),
                 self.system.primal_hessian_product,
                 start,
@@ -74,12 +77,12 @@ class CohesiveGrid:
                 gtol=self.tolerance,
                 maxiter=iterations,
             )
-        if not found.success:
-            raise ArithmeticError(f"{self.height.size} points, separation {separation:.3e} m: {found.message}")
-        return np.asarray(found.x, dtype=np.float64).ravel(), int(found.nit)
+        if not minimum.success:
+            raise ArithmeticError(f"{self.height.size} points, separation {separation:.3e} m: {minimum.message}")
+        return np.asarray(minimum.x, dtype=np.float64).ravel(), int(minimum.nit)
 
     def load(self, gap: FloatArray) -> tuple[float, float]:
-        """Mean pressure in Pa that holds these gaps, and elastic energy in J/m per period."""
+        """Return the mean pressure in Pa that holds given gaps, and the elastic energy in J/m per period."""
         _, force = self.system.primal_evaluate(gap + self.height, gap, pot=True, forces=True)
         uniform = float(np.mean(self.half_space.force))  # the package's spring of the mean displacement, not ours
         pressure = (float(np.mean(np.asarray(force).ravel()[gap > 0])) - uniform) / self.spacing
@@ -87,7 +90,7 @@ class CohesiveGrid:
 
 
 def solve(problem: Problem, points: int, spacings: int = SPACINGS, steps: int | None = None) -> Answer:
-    """The states at the targets, with adhesion in so many steps to each, by default as many as STEP says."""
+    """Solve for the states at the targets; with adhesion in `steps` steps to each, by default from STEP."""
     if problem.thickness is not None:
         raise NotImplementedError("layers under lines")
     if problem.work_of_adhesion is not None and problem.control == "mean_pressure":
@@ -98,9 +101,9 @@ def solve(problem: Problem, points: int, spacings: int = SPACINGS, steps: int | 
     if problem.work_of_adhesion is None:
         height, _ = grid.profile()
         laps.end("setup")
-        found = [pressed(height, grid.period, grid.modulus, load) for load in problem.targets]
+        contacts = [pressed(height, grid.period, grid.modulus, load) for load in problem.targets]
         laps.end("solve")
-        states = [OnGrid(gap, contact, load) for (gap, contact, _), load in zip(found, problem.targets, strict=True)]
+        states = [OnGrid(gap, contact, load) for (gap, contact, _), load in zip(contacts, problem.targets, strict=True)]
         return Answer(values=answers(grid, states), unknowns=grid.points, parts=laps.parts)
     rho = cohesive_range(problem, grid.points, spacings)
     height, slope = grid.profile()
@@ -110,15 +113,15 @@ def solve(problem: Problem, points: int, spacings: int = SPACINGS, steps: int | 
     if problem.control == "penetration":
         targets = Waves(problem.period, *problem.harmonics).highest - targets
     laps.end("setup")
-    gap, mean, iterations, kept = height.max() - height, float(np.mean(height.max() - height)), 0, list[FloatArray]()
+    gap, mean, iterations, gaps = height.max() - height, float(np.mean(height.max() - height)), 0, list[FloatArray]()
     for target in targets:
         some = steps or max(1, int(np.ceil(abs(mean - target) / (STEP * np.ptp([*targets, height.max()])))))
         for separation in np.linspace(mean, target, some + 1)[1:]:
             gap, taken = system.relaxed(np.maximum(gap + separation - mean, 0.0), float(separation), ITERATIONS)
             mean, iterations = float(separation), iterations + taken
-        kept.append(gap)
+        gaps.append(gap)
     laps.end("solve")
-    values = answers(grid, [OnGrid(gap, gap <= 0, system.load(gap)[0]) for gap in kept])
+    values = answers(grid, [OnGrid(gap, gap <= 0, system.load(gap)[0]) for gap in gaps])
     laps.end("post")
     counts, details = {"iterations": iterations}, {"cohesive range / m": rho}
     return Answer(values=values, unknowns=grid.points, counts=counts, parts=laps.parts, details=details)

@@ -45,7 +45,7 @@ def overlap(surface: Waves, penetration: float) -> FloatArray:
 
 
 def solve(problem: Problem, nodes: int) -> Answer:
-    """The contact at the only target, a penetration; NoReferenceError where Newton does not converge."""
+    """Solve for the contact at the only target, a penetration; NoReferenceError if Newton does not converge."""
     if problem.slope_term or problem.work_of_adhesion is None:
         raise NotImplementedError("the slope term, or no adhesion")
     laps = Laps()

@@ -1,4 +1,4 @@
-"""From a scene to the finite element reference: raw E, nu, thickness, harmonics, work of adhesion, and the control.
+"""A scene for the finite element reference: raw E, nu, thickness, harmonics, work of adhesion, and the control.
 
 Nothing that either code derived crosses over: no E*, no slope, no edge, no stress intensity.
 """
@@ -50,7 +50,7 @@ def solve_fem(
     edges: ArrayLike | None = None,
     start: ArrayLike | None = None,
 ) -> Result:
-    """Solve the last target of a scene by finite elements: their own edges, or prescribed ones (n_patches, 2) in m."""
+    """Solve the last target of a scene by finite elements, with free edges or prescribed edges (n_patches, 2) in m."""
     return fem_reference.solve(**fem_arguments(scene), patches=patches, edges=edges, start=start, resolution=resolution)
 
 

@@ -1,4 +1,4 @@
-"""From a scene to Persson's theory: raw E, nu, work of adhesion, and the lines of the profile."""
+"""A scene for Persson's theory: raw E, nu, work of adhesion, and the lines of the profile."""
 
 from typing import Any
 

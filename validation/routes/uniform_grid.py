@@ -1,4 +1,4 @@
-"""What a uniform grid answers: everything that is asked, from gaps, contacts and mean pressures on its points.
+"""Answers of a uniform grid to a problem, from gaps, contacts and mean pressures on its points.
 
 Contacts are counted to whole points, edges lie half a spacing beside the last of them.  The displaced surface is gap
 plus profile; with its amplitudes a_m, pressures are E* q a_m / 2 and the energy per area sum E* q a_m^2 / 8.
@@ -17,7 +17,7 @@ WITHOUT_ADHESION = 8  # times as many points
 
 
 def affordable(problem: Problem, points: int) -> int:
-    """Points of a grid at a setting: eight times as many without adhesion, where a state costs that much less."""
+    """Return the points of a grid: eight times as many without adhesion, where a state costs an eighth."""
     return points if problem.work_of_adhesion is not None else WITHOUT_ADHESION * points
 
 
@@ -53,15 +53,15 @@ class Grid:
         return np.asarray(np.arange(self.points) * (self.period / self.points), dtype=np.float64)
 
     def profile(self) -> tuple[FloatArray, FloatArray]:
-        """Heights and slopes at the points; NotImplementedError where these do not resolve the profile."""
+        """Return heights and slopes at the points; NotImplementedError if the points do not resolve the profile."""
         return on_grid(self.problem, self.points)
 
 
 def answers(grid: Grid, states: list[OnGrid]) -> dict[str, list[Any]]:
-    """What is asked of the states at the targets, None where the states end; what a path tells is left out."""
+    """Return the answers from the states at the targets, None beyond the last state, without answers of a path."""
     fractions = [float(np.mean(state.contact)) for state in states]
     spectra = [_amplitudes(grid, state) for state in states]
-    found: dict[str, Any] = {
+    quantities: dict[str, Any] = {
         "contact_fraction": fractions,
         "gap_fraction": [1 - fraction for fraction in fractions],
         "mean_pressure": [state.mean_pressure for state in states],
@@ -69,21 +69,21 @@ def answers(grid: Grid, states: list[OnGrid]) -> dict[str, list[Any]]:
         "elastic_energy": [float(np.sum(grid.modulus * q * np.abs(modes) ** 2) / 8) for modes, q in spectra],
         "patches": [int(np.sum(state.contact & ~np.roll(state.contact, 1))) for state in states],
     }
-    found = {name: grid.problem.padded(values) for name, values in found.items()}
+    quantities = {name: grid.problem.padded(values) for name, values in quantities.items()}
     for name, what in grid.problem.asked.items():
         if "target" in what and what["target"] <= len(states):
-            found[name] = _field(grid, states[int(what["target"]) - 1], name, what)
-    return grid.problem.answered(found)
+            quantities[name] = _field(grid, states[int(what["target"]) - 1], name, what)
+    return grid.problem.answered(quantities)
 
 
 def _amplitudes(grid: Grid, state: OnGrid) -> tuple[Any, Any]:
-    """Complex amplitudes of the displaced surface, and wavenumbers."""
+    """Return complex amplitudes of the displaced surface, and wavenumbers."""
     modes = np.fft.rfft(state.gap + grid.profile()[0]) * 2 / grid.points
     return modes, 2 * np.pi / grid.period * np.arange(modes.size)
 
 
 def _field(grid: Grid, state: OnGrid, name: str, what: Place) -> Any:
-    """A quantity of one state."""
+    """Return a quantity of one state; None if the grid does not offer it."""
     if name == "edges":
         before, after = np.roll(state.contact, 1), np.roll(state.contact, -1)
         half = grid.period / grid.points / 2

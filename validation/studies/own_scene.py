@@ -59,7 +59,7 @@ STRICT = ConfigDict(strict=True, extra="forbid")
 
 @dataclass(frozen=True)
 class Answer:
-    """One number of a solved scene; the pull-off has no target."""
+    """Number of a solved scene; the pull-off has no target."""
 
     __pydantic_config__ = STRICT
 
@@ -72,7 +72,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class Solved:
-    """Outcome of one setting; `sha256` is that of its resolved scene."""
+    """Outcome of one setting; `sha256` identifies its resolved scene."""
 
     __pydantic_config__ = STRICT
 
@@ -84,7 +84,7 @@ class Solved:
 
     @property
     def good(self) -> bool:
-        """Whether the path ended as asked, or behind a pull-off."""
+        """True if the path ended as asked, or behind a pull-off."""
         return self.status in FINAL_STATUSES
 
 
@@ -101,7 +101,7 @@ class Stored:
 
 
 def run(path: Path, folder: Path, options: Options, say: Callable[[str], None]) -> int:
-    """Run the study of a scene file into a folder; 1 where the scene does not converge as it is.
+    """Run the study of a scene file into a folder; return 1 if the unchanged scene does not converge.
 
     SceneError where the scene is refused, ReportError where the folder holds something else.
     """
@@ -121,8 +121,8 @@ def run(path: Path, folder: Path, options: Options, say: Callable[[str], None]) 
     }
 
     def store(**more: Any) -> None:
-        kept = {name: asdict(one) for name, one in solved.items()}
-        text = json.dumps(_finite(head | {"solved": kept} | more), indent=1, allow_nan=False) + "\n"
+        stored = {name: asdict(outcome) for name, outcome in solved.items()}
+        text = json.dumps(_finite(head | {"solved": stored} | more), indent=1, allow_nan=False) + "\n"
         folder.mkdir(parents=True, exist_ok=True)
         write_atomically(folder / FILE, text)
         if more:
@@ -167,13 +167,13 @@ def read_solved(folder: Path, sha256: str, overwrite: bool) -> dict[str, Solved]
 def solve_settings(
     settings: Sequence[Setting], stored: Mapping[str, Solved], base: Path, options: Options
 ) -> Iterator[tuple[str, Solved]]:
-    """Solve what is not stored yet, the scene as it is first, and yield every outcome with its title."""
+    """Solve the settings that are not stored, the unchanged scene first, and yield every outcome with its title."""
     first, *others = settings
     known = _known(first, stored, base) or solve_setting(first.tables, str(base), math.inf)
     yield first.title, known
     if not known.good:
         return
-    waiting = [one for one in others if one.tables and _known(one, stored, base) is None]
+    waiting = [setting for setting in others if setting.tables and _known(setting, stored, base) is None]
     limit = max(SLACK * known.cpu_seconds, LEAST_LIMIT)
     solve = partial(solve_setting, base=str(base), limit=limit)
     spent, room = known.cpu_seconds, max(options.jobs, 1)
@@ -182,20 +182,20 @@ def solve_settings(
             batch = waiting[begin : begin + room]
             if spent + known.cpu_seconds * len(batch) > options.budget:
                 reason = f"beyond the budget of {options.budget:g} s"
-                yield from ((one.title, Solved("", "left out", reason)) for one in waiting[begin:])
+                yield from ((setting.title, Solved("", "left out", reason)) for setting in waiting[begin:])
                 return
-            tables = [one.tables for one in batch]
+            tables = [setting.tables for setting in batch]
             outcomes = map(solve, tables) if room == 1 else pool.map(solve, tables)
-            for one, outcome in zip(batch, outcomes, strict=True):
+            for setting, outcome in zip(batch, outcomes, strict=True):
                 spent += outcome.cpu_seconds
-                yield one.title, outcome
+                yield setting.title, outcome
 
 
 def _known(setting: Setting, stored: Mapping[str, Solved], base: Path) -> Solved | None:
     """Return the stored outcome of a setting whose scene is unchanged."""
-    found = stored.get(setting.title)
-    same = found is not None and found.sha256 == digest(parse_scene(setting.tables, base).resolved())
-    return found if same else None
+    outcome = stored.get(setting.title)
+    same = outcome is not None and outcome.sha256 == digest(parse_scene(setting.tables, base).resolved())
+    return outcome if same else None
 
 
 class _TooLongError(RuntimeError):
@@ -249,10 +249,11 @@ def moves_of(
     """Return a row for each answer, with its move by each source and its +-, and a row for each tolerance."""
     base = solved[BASE]
     largest = {
-        name: max((abs(one.value) for one in base.answers if one.quantity == name), default=0.0) for name in UNITS
+        name: max((abs(answer.value) for answer in base.answers if answer.quantity == name), default=0.0)
+        for name in UNITS
     }
     outcomes = [(setting, solved[setting.title]) for setting in settings if setting.title in solved]
-    changes = [(s.source, s.name, _values(one)) for s, one in outcomes if one.good and s.source != BASE]
+    changes = [(s.source, s.name, _values(outcome)) for s, outcome in outcomes if outcome.good and s.source != BASE]
     rows, scales = [], {}
     for answer in base.answers:
         key = answer.target, answer.branch, answer.quantity
@@ -270,16 +271,16 @@ def moves_of(
         rows.append({**asdict(answer), "unit": UNITS[answer.quantity], "moved": moved, "uncertainty": total * scale})
     tightest = next((values for source, _, values in reversed(changes) if source == TOLERANCE), {})
     tolerances = []
-    for setting, one in outcomes:
+    for setting, outcome in outcomes:
         if setting.source == TOLERANCE:
-            numbers, most = _values(one), dict[str, float]()
+            numbers, most = _values(outcome), dict[str, float]()
             for key in tightest.keys() & numbers.keys() & scales.keys():
                 most[key[2]] = max(most.get(key[2], 0.0), abs(numbers[key] - tightest[key]) / scales[key])
             tolerances.append(
                 {
                     "tolerance": setting.name,
-                    "status": one.status,
-                    "cpu_seconds": one.cpu_seconds,
+                    "status": outcome.status,
+                    "cpu_seconds": outcome.cpu_seconds,
                     "moved": dict(sorted(most.items())),
                 }
             )
@@ -287,7 +288,7 @@ def moves_of(
 
 
 def _values(solved: Solved) -> dict[tuple[int | None, str, str], float]:
-    return {(one.target, one.branch, one.quantity): one.value for one in solved.answers}
+    return {(answer.target, answer.branch, answer.quantity): answer.value for answer in solved.answers}
 
 
 def _listed(setting: Setting, solved: Solved | None) -> dict[str, Any]:

@@ -39,13 +39,13 @@ LARGEST_JUMP = 5.0  # rms steps between the ends of a scan that is continued as 
 
 @dataclass(frozen=True)
 class Setting:
-    """One way to solve a scene.
+    """Way to solve a scene.
 
     Attributes
     ----------
-    source : what is varied.
-    name : how it is varied.
-    tables : content of the scene file; empty where there is a reason.
+    source : kind of choice that is varied.
+    name : value of the varied choice.
+    tables : content of the scene file; empty if there is a reason.
     reason : why the setting is not solved.
     """
 
@@ -129,8 +129,8 @@ class Change:
             low = [k for k, order in enumerate(profile.orders) if order <= max(profile.orders) / 2]
             name = f"orders up to {max(profile.orders) / 2:g}"
             lists = {"orders": profile.orders, "amplitudes": profile.amplitudes, "phases": profile.phases}
-            kept = {key: [values[k] for k in low] for key, values in lists.items()}
-            yield self.to("cut", name, {"profile": kept}) if low else Setting("cut", name, reason="no order is left")
+            lower = {key: [values[k] for k in low] for key, values in lists.items()}
+            yield self.to("cut", name, {"profile": lower}) if low else Setting("cut", name, reason="no order is left")
         else:
             most = np.inf if self.scene.scan is None else self.scene.scan.max_harmonics
             for harmonics in (self._harmonics // 2, int(min(2 * self._harmonics, most))):

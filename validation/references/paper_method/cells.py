@@ -40,7 +40,7 @@ class Cells:
 
 
 def graded(edges: FloatArray, counts: IntArray) -> Cells:
-    """Cells of the given numbers on the given patches."""
+    """Return graded cells on the patches, `counts` per patch."""
     radius, middle = np.diff(edges, axis=1)[:, 0] / 2, edges.mean(axis=1)
     faces = [-np.cos(np.pi * np.arange(n + 1) / n) for n in counts]
     places = [(f[1:] + f[:-1]) / 2 for f in faces]
@@ -55,7 +55,7 @@ def graded(edges: FloatArray, counts: IntArray) -> Cells:
 
 
 def compliance(surface: Surface, cells: Cells) -> FloatArray:
-    """A, (n, n)."""
+    """Return the compliance matrix A, (n, n)."""
     half = np.subtract.outer(cells.centre, cells.centre) / 2
     np.fill_diagonal(half, 1.0)
     matrix = np.log(np.abs(2 * np.sin(half)))
@@ -72,7 +72,7 @@ def compliance(surface: Surface, cells: Cells) -> FloatArray:
 
 
 def attraction(surface: Surface, cells: Cells, charges: FloatArray) -> FloatArray:
-    """sum_{k != j} y_k d/dx log|2 sin((x_j - x_k)/2)| with what a layer adds, at every cell, (n,)."""
+    """Return sum_{k != j} y_k d/dx log|2 sin((x_j - x_k)/2)| plus the part of a layer, at every cell, (n,)."""
     half = np.subtract.outer(cells.centre, cells.centre) / 2
     np.fill_diagonal(half, np.pi / 2)
     field = 0.5 / np.tan(half) @ charges
@@ -92,7 +92,7 @@ def _blocks(cells: Cells) -> list[tuple[slice, int, float]]:
 
 @cache
 def _mean_logarithm(n: int) -> FloatArray:
-    """C: mean of log|t - t'| over t in cell j and t' in cell k of [-1, 1], (n, n).
+    """Return C, the mean of log|t - t'| over t in cell j and t' in cell k of [-1, 1], (n, n).
 
     Near cells by the second integral of the logarithm, F(x) = x^2 (log|x| - 3/2) / 2, far ones by Taylor's series.
     """
@@ -114,7 +114,7 @@ def _mean_logarithm(n: int) -> FloatArray:
 
 
 def _integral(x: FloatArray) -> FloatArray:
-    """F(x), zero at zero."""
+    """Return F(x) = x^2 (log|x| - 3/2) / 2, zero at zero."""
     size = np.abs(x)
     safe = np.where(size > 0, size, 1.0)
     return np.asarray(x**2 * (np.log(safe) - 1.5) / 2)

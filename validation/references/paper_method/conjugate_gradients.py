@@ -43,7 +43,7 @@ End = Literal["closed", "vanished", "not_converged"]
 
 @dataclass(frozen=True, eq=False)
 class Descent:
-    """Where a descent ended, why, and what it cost."""
+    """State at the end of a descent, the reason of the end, and the cost."""
 
     end: End
     state: Energy
@@ -54,7 +54,7 @@ class Descent:
 
 
 def edge_scale_of(edges: FloatArray) -> FloatArray:
-    """Lesser of patch width and adjacent gap of each edge, (L, 2)."""
+    """Return the lesser of patch width and adjacent gap of each edge, (L, 2)."""
     width = np.diff(edges, axis=1)[:, 0]
     behind = np.append(edges[1:, 0], edges[0, 0] + 2 * np.pi) - edges[:, 1]
     return np.stack([np.minimum(width, np.roll(behind, 1)), np.minimum(width, behind)], axis=1)
@@ -63,7 +63,7 @@ def edge_scale_of(edges: FloatArray) -> FloatArray:
 def descend(
     surface: Surface, edges: FloatArray, counts: IntArray, penetration: float, allowed_residual: float
 ) -> Descent:
-    """Minimise the energy over the edges from the given ones, (L, 2), with fixed numbers of cells, (L,)."""
+    """Minimise the energy over the edges, starting from `edges` (L, 2), with fixed numbers of cells, (L,)."""
     edge_scale = edge_scale_of(edges)
     unit = np.sqrt(edge_scale)
     pressures = _Pressures(surface, counts, penetration, PRECISION * allowed_residual)
@@ -101,14 +101,14 @@ class _Pressures:
         self.evaluations, self.sweeps = 0, 0
 
     def at(self, edges: FloatArray, near: Energy | None) -> Energy:
-        """Energy at edges, Gauss-Seidel starting from the charges of a state near by."""
+        """Return the energy at edges; Gauss-Seidel starts from the charges of a state near by."""
         start = None if near is None else near.charges
-        found = energy(self.surface, graded(edges, self.counts), self.penetration, self.precision, start)
-        self.evaluations, self.sweeps = self.evaluations + 1, self.sweeps + found.sweeps
-        return found
+        state = energy(self.surface, graded(edges, self.counts), self.penetration, self.precision, start)
+        self.evaluations, self.sweeps = self.evaluations + 1, self.sweeps + state.sweeps
+        return state
 
     def opened(self, state: Energy) -> Energy:
-        """The state after edges that close (K < 0) moved outward until none does."""
+        """Move edges that close (K < 0) outward until none closes, and return the state."""
         for _ in range(OPENINGS):
             if not np.any(state.closing):
                 break
@@ -120,43 +120,43 @@ class _Pressures:
 def _along(
     pressures: _Pressures, state: Energy, motion: FloatArray, slope: float, guess: float
 ) -> tuple[float, Energy]:
-    """Step and state where the slope along a motion of the edges (L, 2, outward) has all but vanished.
+    """Find step and state at which the slope along a motion of the edges (L, 2, outward) has nearly vanished.
 
-    A state with a closing edge comes back only when every trial had one.
+    A state with a closing edge is returned only if every trial has a closing edge.
     """
     edges = state.cells.edges
     longest = FARTHEST / float(np.max(np.abs(motion) / edge_scale_of(edges)))
     low, at_low, high, at_high = 0.0, slope, np.nan, np.nan
-    step, here = min(guess, longest), state
+    step, trial = min(guess, longest), state
     best: tuple[float, Energy] | None = None
     for _ in range(TRIALS):
-        here = pressures.at(edges + step * motion * OUT, here)
-        found = float(np.sum(here.outward * motion))
-        if np.any(here.closing):
+        trial = pressures.at(edges + step * motion * OUT, trial)
+        trial_slope = float(np.sum(trial.outward * motion))
+        if np.any(trial.closing):
             if best is None and step < NEAREST * guess:
-                return step, here
+                return step, trial
             high, at_high = step, np.nan
             step = _between(low, at_low, high, at_high)
             continue
-        best = step, here
-        if abs(found) <= LEVEL * abs(slope) or (found < 0 and step >= longest):
+        best = step, trial
+        if abs(trial_slope) <= LEVEL * abs(slope) or (trial_slope < 0 and step >= longest):
             break
-        if found < 0:
-            secant = step + (step - low) * found / (at_low - found) if at_low < found else 2 * step
-            low, at_low = step, found
+        if trial_slope < 0:
+            secant = step + (step - low) * trial_slope / (at_low - trial_slope) if at_low < trial_slope else 2 * step
+            low, at_low = step, trial_slope
             step = min(secant, 4 * step, longest) if np.isnan(high) else _between(low, at_low, high, at_high)
         else:
-            high, at_high = step, found
+            high, at_high = step, trial_slope
             step = _between(low, at_low, high, at_high)
-    return (step, here) if best is None else best
+    return (step, trial) if best is None else best
 
 
 def _between(low: float, at_low: float, high: float, at_high: float) -> float:
-    """Secant between two points, not too near either; their middle when nothing is known of the farther one."""
+    """Return the secant step between two points, not too near either; their middle if `at_high` is NaN."""
     share = 0.5 if np.isnan(at_high) else float(np.clip(at_low / (at_low - at_high), 0.05, 0.95))
     return low + (high - low) * share
 
 
 def _residual(surface: Surface, state: Energy) -> float:
-    """max |G/w - 1| over the edges."""
+    """Return max |G/w - 1| over the edges."""
     return float(np.max(np.abs(state.outward) / (surface.work * surface.adhesive_length(state.cells.edges))))

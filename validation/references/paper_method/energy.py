@@ -86,7 +86,10 @@ def gauss_seidel(matrix: FloatArray, target: FloatArray, start: FloatArray, tole
 def energy(
     surface: Surface, cells: Cells, penetration: float, tolerance: float, start: FloatArray | None = None
 ) -> Energy:
-    """Energy and its derivatives at dimensionless penetration; tolerance and start, charges (n,), of Gauss-Seidel."""
+    """Compute energy and derivatives at a dimensionless penetration.
+
+    Gauss-Seidel iterates from the charges `start` (n,) to `tolerance`.
+    """
     target = surface.height(cells.centre) - surface.highest + penetration
     first = np.zeros(target.size) if start is None else start
     charges, sweeps = gauss_seidel(compliance(surface, cells), target, first, tolerance)
@@ -102,7 +105,7 @@ def energy(
 
 
 def adhesive_area(surface: Surface, edges: FloatArray) -> float:
-    """sum int sqrt(1 + h'^2) dx over the patches, by Gauss's rule on eighths of the shortest wavelength."""
+    """Return sum int sqrt(1 + h'^2) dx over the patches, by Gauss's rule on eighths of the shortest wavelength."""
     if not surface.slope_term:
         return float(np.sum(np.diff(edges, axis=1)))
     nodes, weights = GAUSS

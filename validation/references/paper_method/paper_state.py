@@ -1,4 +1,4 @@
-"""A state of adhesive contact by the paper's method: descent, then what changes the number of patches, and again.
+"""State of adhesive contact by the paper's method: descents, with changes of the number of patches in between.
 
 After each descent: a patch that vanished detaches, a gap that vanished closes, and where the profile enters the solid
 between patches a new contact is made; then the descent starts anew.  A state is the minimum reached
@@ -47,7 +47,7 @@ class PaperState:
     found: Energy | None = None
 
     def gap(self, x: ArrayLike) -> FloatArray:
-        """Gap in m at positions x in m (n,) off the contact; nan when nothing was found."""
+        """Return the gap in m at positions x in m (n,) off the contact; NaN if the state has no energy."""
         at = np.asarray(x, dtype=np.float64) / self.surface.unit_length
         if self.found is None:
             return np.full(at.shape, np.nan)
@@ -113,20 +113,20 @@ def solve(
     for _ in range(CHANGES):
         counts = cells_for(surface, pairs, cells)
         try:
-            found = descend(surface, pairs, counts, depth, allowed_residual)
+            descent = descend(surface, pairs, counts, depth, allowed_residual)
         except SweepsError as error:
             return failed(str(error))
-        evaluations, sweeps = evaluations + found.evaluations, sweeps + found.sweeps
-        pairs = found.state.cells.edges
-        if found.end == "not_converged":
-            return failed(f"|G/w - 1| is {found.residual:.1e}")
-        changed = _without_vanished(found)
+        evaluations, sweeps = evaluations + descent.evaluations, sweeps + descent.sweeps
+        pairs = descent.state.cells.edges
+        if descent.end == "not_converged":
+            return failed(f"|G/w - 1| is {descent.residual:.1e}")
+        changed = _without_vanished(descent)
         if changed is None and np.any(cells_for(surface, pairs, cells) != counts):
             continue  # the cells are those of the edges found, whatever the start
         if changed is None:
-            gaps, where = gap_between(surface, found.state, depth)
+            gaps, where = gap_between(surface, descent.state, depth)
             if gaps.min() >= -allowed:
-                return _state(surface, penetration, found, float(gaps.min()), evaluations, sweeps)
+                return _state(surface, penetration, descent, float(gaps.min()), evaluations, sweeps)
             changed = _with_contact(surface, pairs, float(where[np.argmin(gaps)]))
         if changed.size == 0:
             return PaperState(
@@ -150,7 +150,9 @@ def solve(
 def follow(
     surface: Surface, penetrations: ArrayLike, cells: int, allowed_residual: float = 1e-6, allowed: float = 1e-4
 ) -> list[PaperState]:
-    """States at increasing penetrations (n,) in m, each from the edges of the one before, first the highest crest.
+    """Solve for states at increasing penetrations (n,) in m.
+
+    The first state starts from the highest crest, every other state from the edges of its predecessor.
 
     The list ends with the first state that is not an equilibrium.
     """
@@ -167,13 +169,13 @@ def follow(
 
 
 def cells_for(surface: Surface, edges: FloatArray, cells: int) -> IntArray:
-    """Numbers of cells, (L,): `cells`, and as many more for every half wavelength of the highest harmonic."""
+    """Return numbers of cells, (L,): `cells`, and as many more for every half wavelength of the highest harmonic."""
     waves = np.diff(edges, axis=1)[:, 0] * surface.order.max() / np.pi
     return np.asarray(np.ceil(cells * (1 + waves)), dtype=np.int64)
 
 
 def gap_between(surface: Surface, state: Energy, penetration: float) -> tuple[FloatArray, FloatArray]:
-    """Gaps in rms heights, and their positions, at points between the patches that crowd at the edges."""
+    """Return gaps in rms heights and their positions, at points between the patches that crowd at the edges."""
     edges = state.cells.edges
     ends = np.append(edges[1:, 0], edges[0, 0] + 2 * np.pi)
     points = []
@@ -185,28 +187,28 @@ def gap_between(surface: Surface, state: Energy, penetration: float) -> tuple[Fl
 
 
 def displacement(surface: Surface, state: Energy, x: FloatArray) -> FloatArray:
-    """u - u_m in rms heights at points x (n,) off the contact."""
+    """Return u - u_m in rms heights at points x (n,) off the contact."""
     cells, charges = state.cells, state.charges
     kernel = np.log(np.abs(2 * np.sin(np.subtract.outer(x, cells.centre) / 2)))
     field = -kernel @ charges / np.pi
     modes = surface.layer_modes
     if modes.size:
         order = np.arange(1, modes.size + 1)
-        angle, here = np.outer(cells.centre, order), np.outer(x, order)
-        field += (np.cos(here) * modes) @ (np.cos(angle).T @ charges) / np.pi
-        field += (np.sin(here) * modes) @ (np.sin(angle).T @ charges) / np.pi
+        angle, phase = np.outer(cells.centre, order), np.outer(x, order)
+        field += (np.cos(phase) * modes) @ (np.cos(angle).T @ charges) / np.pi
+        field += (np.sin(phase) * modes) @ (np.sin(angle).T @ charges) / np.pi
     return np.asarray(field)
 
 
-def _without_vanished(found: Descent) -> FloatArray | None:
-    """The edges without patches and gaps that vanished; None when there are none."""
-    edges = found.state.cells.edges
+def _without_vanished(descent: Descent) -> FloatArray | None:
+    """Return the edges without vanished patches, or with the first vanished gap closed; None if nothing vanished."""
+    edges = descent.state.cells.edges
     width = np.diff(edges, axis=1)[:, 0]
-    gone = width < VANISHED * found.edge_scale.max(axis=1)
+    gone = width < VANISHED * descent.edge_scale.max(axis=1)
     if np.any(gone):
         return np.asarray(edges[~gone])
     behind = np.append(edges[1:, 0], edges[0, 0] + 2 * np.pi) - edges[:, 1]
-    closing = np.flatnonzero(behind < VANISHED * found.edge_scale[:, 1])
+    closing = np.flatnonzero(behind < VANISHED * descent.edge_scale[:, 1])
     if closing.size == 0:
         return None
     at = int(closing[0])
@@ -217,7 +219,7 @@ def _without_vanished(found: Descent) -> FloatArray | None:
 
 
 def _with_contact(surface: Surface, edges: FloatArray, position: float) -> FloatArray:
-    """The edges with a new small contact about a position."""
+    """Return the edges with a new small contact about a position."""
     behind = np.append(edges[1:, 0], edges[0, 0] + 2 * np.pi)
     after = int(np.flatnonzero((edges[:, 1] < position) & (position < behind))[0])
     free = min(position - edges[after, 1], behind[after] - position)
@@ -226,9 +228,9 @@ def _with_contact(surface: Surface, edges: FloatArray, position: float) -> Float
 
 
 def _state(
-    surface: Surface, penetration: float, found: Descent, smallest: float, evaluations: int, sweeps: int
+    surface: Surface, penetration: float, descent: Descent, smallest: float, evaluations: int, sweeps: int
 ) -> PaperState:
-    state, cells = found.state, found.state.cells
+    state, cells = descent.state, descent.state.cells
     tension = not np.any(state.closing)
     return PaperState(
         status="converged" if tension else "not_converged",
@@ -239,7 +241,7 @@ def _state(
         elastic_energy=state.elastic * surface.unit_energy,
         tension=tension,
         smallest_gap=smallest * surface.unit_height,
-        residual=found.residual,
+        residual=descent.residual,
         unknowns=int(cells.counts.sum()),
         evaluations=evaluations,
         sweeps=sweeps,

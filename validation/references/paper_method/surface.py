@@ -1,4 +1,4 @@
-"""What is pressed on what: raw SI data of the contact, and their dimensionless form.
+"""Solid and profile of a contact: raw SI data, and their dimensionless form.
 
 With q0 = 2 pi / period and a = rms height: positions in 1/q0, heights in a, stress in E* q0 a / 2, energy in
 E* a^2 / 2 (per period and unit length in the third direction), so that a half-space moves by
@@ -113,11 +113,11 @@ class Surface:
         return self.unit_height / self.unit_length
 
     def height(self, x: ArrayLike) -> FloatArray:
-        """h at dimensionless positions of any shape."""
+        """Return h at dimensionless positions of any shape."""
         return self._sum(x, 0)
 
     def slope(self, x: ArrayLike) -> FloatArray:
-        """h' at dimensionless positions of any shape."""
+        """Return h' at dimensionless positions of any shape."""
         return self._sum(x, 1)
 
     @cached_property
@@ -135,7 +135,7 @@ class Surface:
             )
             for x in candidates
         ]
-        highest = min(best, key=lambda found: float(found.fun))
+        highest = min(best, key=lambda minimum: float(minimum.fun))
         return float(highest.x) % (2 * np.pi), -float(highest.fun)
 
     @property
@@ -144,7 +144,7 @@ class Surface:
         return self.crest[1]
 
     def adhesive_length(self, x: ArrayLike) -> FloatArray:
-        """sqrt(1 + h'^2) where the slope term is on, else 1, at positions of any shape."""
+        """Return sqrt(1 + h'^2) where the slope term is on, else 1, at positions of any shape."""
         position = np.asarray(x, dtype=np.float64)
         if not self.slope_term:
             return np.ones(position.shape)

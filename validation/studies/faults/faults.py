@@ -1,4 +1,4 @@
-"""Would the cases notice?  Each fault of the tables is put into a copy of the packages, and its case runs there.
+"""Test of the cases by faults: each fault of the tables is put into a copy of the packages, and its case runs on it.
 
     python -m validation.studies.faults.faults --out FOLDER [--only TEXT] [--jobs N]
 
@@ -33,7 +33,7 @@ LIMIT = 600.0  # s of a run: a fault may make a path endless
 
 @dataclass(frozen=True)
 class Fault:
-    """One wrong piece of code."""
+    """Wrong piece of code to be detected by a case."""
 
     name: str
     file: str  # below the folder of the packages
@@ -43,7 +43,7 @@ class Fault:
     case: str
 
     def put_into(self, root: Path) -> None:
-        """Change the file below a root; ValueError where the right text does not stand there exactly once."""
+        """Change the file below a root; ValueError unless the file holds the text `before` exactly once."""
         path = root / self.file
         text = path.read_text("utf-8") if path.exists() else ""
         if text.count(self.before) != 1:
@@ -64,7 +64,7 @@ def faults() -> list[Fault]:
 
 
 def outcome(case: str, fault: Fault | None, root: Path, scratch: Path) -> dict[str, Any]:
-    """Run a case in a copy of the packages with a fault, or without; return what its report says."""
+    """Run a case in a copy of the packages with or without a fault; return exit code and failing verdicts."""
     with TemporaryDirectory(dir=scratch) as name:
         tree = Path(name)
         for package in PACKAGES:

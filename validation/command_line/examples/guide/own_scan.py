@@ -9,7 +9,7 @@ CUTS = [5, 20, 100]  # harmonics: waves in the length of the scan
 
 
 def solved(harmonics: int) -> bem.Result:
-    """The scan under 100 kPa with a cut."""
+    """Solve the scan under 100 kPa with a cut after so many harmonics."""
     return bem.solve(
         {
             "solid": {"youngs_modulus": 50e6, "poisson_ratio": 0.49},
@@ -20,7 +20,7 @@ def solved(harmonics: int) -> bem.Result:
 
 
 def main() -> dict[int, bem.Result]:
-    """Solve with each cut, and print what it changes; the results."""
+    """Solve with each cut, print the changes, and return the results."""
     results = {cut: solved(cut) for cut in CUTS}
     for step in results[CUTS[-1]].profile_preparation:
         if step["step"] != "read" and "rms_height" in step:

@@ -18,7 +18,7 @@ SCENE = {
 
 
 def main() -> bem.Result:
-    """Solve, and print where it comes apart, and all events; the result."""
+    """Solve, print the pull-off and all events, and return the result."""
     result = bem.solve(SCENE)
     last = result.events[-1]
     error = last.error_estimate.mean_pressure

@@ -11,7 +11,7 @@ PRESSURES = [0.1e6, 0.2e6, 0.4e6]  # Pa
 
 
 def main() -> bem.Result:
-    """Solve, and print what a designer asks for; the result."""
+    """Solve, print contact, strips and gaps at every pressure, and return the result."""
     loading = {"control": "mean_pressure", "targets": PRESSURES}
     result = bem.solve(solid=RUBBER, profile=FACE, loading=loading, output={"shapes": PRESSURES})
     print(
