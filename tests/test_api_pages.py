@@ -40,7 +40,9 @@ def docstrings(text):
 
 
 def test_they_are_made_without_complaint(pages):
-    assert pages[1].strip() == ""
+    complaints = pages[1].strip().splitlines()
+    # pydantic annotates __init__ of its dataclasses by a name that stands in the stubs of type checkers alone
+    assert [line for line in complaints if "PydanticDataclass" not in line] == []
 
 
 @pytest.mark.parametrize("name", sorted(OFFERED))
