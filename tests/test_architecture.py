@@ -133,6 +133,12 @@ def test_packages_that_are_compared_share_nothing(package):
     assert [str(path) for path in SOURCES if path.parts[0] == package and imported_by(path) & others] == []
 
 
+def test_tests_of_the_solver_import_nothing_of_the_comparison():
+    tests = [path.relative_to(ROOT) for path in (ROOT / "tests" / "bem").rglob("*.py")]
+    assert len(tests) > 50
+    assert [str(path) for path in tests if any(name.split(".")[0] == "validation" for name in named(path))] == []
+
+
 def test_references_share_nothing_with_the_codes_that_they_judge():
     references = [path for path in SOURCES if path.is_relative_to("validation/references")]
     assert [str(path) for path in references if imported_by(path) & set(PACKAGES[:-1])] == []

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from dense_states import evaluate_dense
+from judges import evaluate_dense
 from rough_surfaces import rough_scene
 
 from bem.adhesive.interior_tension import largest_tension, opening_tension

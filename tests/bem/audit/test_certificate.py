@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from dense_states import SmoothKernel, dense_nodes, evaluate_dense
+from judges import SmoothKernel, dense_nodes, evaluate_dense
 from rough_surfaces import cut_edges
 from scene_tables import tables, waves
 

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dense_states import SmoothKernel, evaluate_dense
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from judges import SmoothKernel, evaluate_dense
 from rough_surfaces import cut, short_waved
 
 from bem.elastic import collocation

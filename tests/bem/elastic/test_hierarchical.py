@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dense_states import evaluate_dense
+from judges import evaluate_dense
 from rough_surfaces import cut, short_waved
 
 from bem.elastic import hierarchical

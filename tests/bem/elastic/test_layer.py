@@ -4,7 +4,7 @@ from decimal import Decimal, localcontext
 
 import numpy as np
 import pytest
-from dense_states import SmoothKernel, dense_nodes, evaluate_dense
+from judges import SmoothKernel, dense_nodes, evaluate_dense
 
 from bem.elastic.collocation import Elastic, evaluate
 from bem.elastic.compliance import Compliance

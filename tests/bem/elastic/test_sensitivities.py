@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dense_states import evaluate_dense
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from judges import evaluate_dense
 from rough_surfaces import cut
 
 from bem.elastic.collocation import Elastic, evaluate

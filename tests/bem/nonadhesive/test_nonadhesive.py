@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from dense_states import evaluate_dense
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from judges import evaluate_dense
 from scipy.optimize import brentq
 
 from bem.elastic.collocation import Elastic

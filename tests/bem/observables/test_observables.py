@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from dense_states import dense_nodes, evaluate_dense
+from judges import dense_nodes, evaluate_dense
 
 import bem
 from bem.elastic.layer import Layer

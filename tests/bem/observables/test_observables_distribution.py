@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from dense_states import dense_nodes, evaluate_dense
+from judges import dense_nodes, evaluate_dense
 
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from dense_states import SmoothKernel, dense_nodes, evaluate_dense
+from judges import SmoothKernel, dense_nodes, evaluate_dense
 from scipy.integrate import quad
 from scipy.special import jv
 

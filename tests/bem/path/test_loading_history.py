@@ -4,13 +4,13 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from judges import Sinusoid
 from rough_surfaces import rough_scene
 from scene_tables import tables, waves
 
 from bem.scene.result_file import write_result
 from bem.scene.scene import parse_scene
 from bem.solver import solve
-from validation.references.closed_forms import Sinusoid
 
 WAVE = Sinusoid(1e-4, 0.01, 1e6, 0.5, 0.3)
 

@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from judges import Sinusoid
 from rough_surfaces import rough_scene
 from scene_tables import tables, waves
 
@@ -14,7 +15,6 @@ from bem.path_for import path_for
 from bem.problem import pose
 from bem.scene.scene import parse_scene
 from bem.solver import solve
-from validation.references.closed_forms import Sinusoid
 
 
 def start(adhesion, harmonics=20):

@@ -1,13 +1,14 @@
-"""States of given patches by the dense reference, whose pressure is a record of bem, for the tests of bem."""
+"""References of the comparison that judge the tests of bem: closed forms of a wave, and states by dense algebra."""
 
 from dataclasses import replace
 from typing import Any
 
 from bem.geometry.patches import PatchPressure
 from validation.references import dense
+from validation.references.closed_forms import Sinusoid
 from validation.references.dense import SmoothKernel, dense_nodes
 
-__all__ = ["SmoothKernel", "dense_nodes", "evaluate_dense"]
+__all__ = ["Sinusoid", "SmoothKernel", "dense_nodes", "evaluate_dense"]
 
 
 def evaluate_dense(*given: Any, **named: Any) -> dense.DenseState:
