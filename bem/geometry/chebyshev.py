@@ -167,16 +167,17 @@ def packed_bases(sizes: IntArray) -> tuple[FloatArray, IntArray]:
 
     A table is nodes, edge values, edge slopes, values and logarithmic moments, one behind the other, (5 n + 2 n^2,).
     """
-    return _packed(sizes, True)
+    return _packed(sizes.tobytes(), True)
 
 
 def packed_nodes(sizes: IntArray) -> tuple[FloatArray, IntArray]:
     """Return nodes and matrices of `coefficients` for all sizes in one array, and the start of each patch."""
-    return _packed(sizes, False)
+    return _packed(sizes.tobytes(), False)
 
 
-def _packed(sizes: IntArray, whole: bool) -> tuple[FloatArray, IntArray]:
-    every = sizes.tolist()
+@lru_cache(maxsize=64)  # of one state these tables are asked for three times
+def _packed(sizes: bytes, whole: bool) -> tuple[FloatArray, IntArray]:
+    every = np.frombuffer(sizes, np.int64).tolist()
     tables, places = _joined(tuple(sorted(set(every))), whole)
     return tables, np.array([places[size] for size in every])
 
