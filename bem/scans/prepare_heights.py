@@ -42,7 +42,7 @@ def refuse_few(raw: RawScan, h: FloatArray) -> None:
 
 
 def without_dropouts(raw: RawScan, line: Line, method: str) -> tuple[Line, Step]:
-    """Return the line with dropouts marked as missing, and a record of the dropouts."""
+    """Return the line and a record of its dropouts, which are marked as missing unless `method` is "keep"."""
     x, h = line
     known = np.flatnonzero(np.isfinite(h))
     starts = np.flatnonzero(np.diff(h[known], prepend=np.nan) != 0)  # of runs of one value
@@ -76,7 +76,7 @@ def _median_step(h: FloatArray) -> float:
 
 
 def without_outliers(raw: RawScan, line: Line, method: str) -> tuple[Line, Step]:
-    """Return the line with samples far from the running median replaced, and a record of these samples."""
+    """Return the line and a record of samples far from the running median, replaced unless `method` is "keep"."""
     x, h = line
     known = np.flatnonzero(np.isfinite(h))
     threshold = OUTLIER * _median_step(h[known])

@@ -44,8 +44,8 @@ def prepare(raw: RawScan, values: Mapping[str, Any]) -> Scan:
 
     `values` are those of [profile]: dropouts, missing, outliers, detrend, periodic, unequal_spacing, cutoff_short,
     cutoff_long, as far as they are given.
-    ScanFileError for positions that do not increase or are unequal, missing samples, fewer than three, cut-offs that
-    the line does not hold.
+    ScanFileError for positions that do not increase or are unequal, missing samples, fewer than three samples or
+    more than half of them missing, cut-offs that the line does not hold.
     """
     asked = DEFAULTS | {key: values[key] for key in DEFAULTS if key in values}
     refuse_disorder(raw)

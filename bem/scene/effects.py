@@ -58,7 +58,7 @@ def _elastic_reasons(scene: Scene) -> Iterator[tuple[str, tuple[bool, str]]]:
         change = effects[name].relative_effect
         text = f"{words.format_map(vars(getattr(scene, name)))} changes the compliance by at most {change:.2g}"
         if change < limit:
-            absent = text = f"{text}, below a tenth of the tolerance, {limit:g}: left out"
+            absent = text = f"{text}, below {limit:g}, a tenth of the tolerance: left out"
         else:
             changing.append(f"[{name}]")
         yield name, (change >= limit, text)

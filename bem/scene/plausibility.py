@@ -89,7 +89,10 @@ def _lengths(scene: Scene, groups: Mapping[str, float]) -> Warnings:
     near = scene.loading.control == "separation" and 0 < largest < HEIGHTS[0]
     if least > HEIGHTS[1] or near:
         told = f"all targets are {'below' if near else 'above'} {HEIGHTS[not near]:g} rms heights"
-        yield "loading.targets", f"{told}: in another unit than m, or are the heights{_unit(scene, 'unit_h')}"
+        yield (
+            "loading.targets",
+            f"{told}; are the targets in another unit than m, or the heights{_unit(scene, 'unit_h')}",
+        )
 
 
 def _pressures(scene: Scene, groups: Mapping[str, float]) -> Warnings:

@@ -89,14 +89,14 @@ def scan_mistakes(values: Mapping[str, Any], scan: Scan) -> Iterator[Mistake]:
     if period is not None and abs(period - scan.period) > 0.5 * scan.spacing:
         yield Mistake(
             "profile.period",
-            f"= {period:g} does not fit {scan.x.size} samples at distance {scan.spacing:g}",
+            f"= {period:g} does not fit {scan.x.size} prepared samples at distance {scan.spacing:g}",
             f"{scan.period:g} m within half a sample distance (the end point of the period is excluded)",
         )
     if isinstance(harmonics, int) and harmonics > scan.max_harmonics:
         yield Mistake(
             "profile.harmonics",
             f"= {harmonics}",
-            f"an integer from 1 to {scan.max_harmonics} for {scan.x.size} samples",
+            f"an integer from 1 to {scan.max_harmonics} for the {scan.x.size} prepared samples of a period",
         )
 
 
