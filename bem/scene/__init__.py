@@ -11,8 +11,8 @@ A scene file becomes a problem for the solver in this order.
 5. Another `SceneError` lists what only the whole scene shows: outputs without a target, numbers out of proportion.
 6. bem/solver.py poses the dimensionless problem (bem/problem.py, elastic_tables.py) and follows the path.
 
-Beside this way, effects.py lists the active effects, plausibility.py the warnings and memory_estimate.py the memory, for
-`check` and for the result.
+Beside this way, effects.py lists the active effects, plausibility.py the warnings and memory_estimate.py the memory,
+for `check` and for the result.
 
 A `Result` (result.py) is written and read by result_file.py, with stored_arrays.py for its arrays and atomic_file.py
 for files that are never half written; result_views.py and plots.py show it.
