@@ -20,6 +20,7 @@ import hashlib
 import json
 import os
 import platform
+import stat
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
@@ -142,7 +143,7 @@ def read_result(folder: Path | str) -> Result:
         return Journal(folder).read()
     path = folder / RESULT_FILE
     try:
-        content = _verified(path.read_bytes(), str(path))
+        content = _verified(_bytes_of(path), str(path))
     except FileNotFoundError as error:
         raise FileNotFoundError(f"{path}: no result of a run there") from error
     result, sha256 = _result(content, str(path))
@@ -151,10 +152,17 @@ def read_result(folder: Path | str) -> Result:
     path = folder / FIELDS_FILE
     if not path.exists():
         raise CorruptResultError(f"{path}: missing, but result.json was written with it")
-    raw = path.read_bytes()
+    raw = _bytes_of(path)
     if hashlib.sha256(raw).hexdigest() != sha256:
         raise CorruptResultError(f"{path}: corrupt, or not the file written with result.json")
     return _with_arrays(result, _arrays(raw, str(path)), str(path))
+
+
+def _bytes_of(path: Path) -> bytes:
+    """Read a file; CorruptResultError if the path is a pipe or a device, at which reading would wait for ever."""
+    if not stat.S_ISREG(path.stat().st_mode):
+        raise CorruptResultError(f"{path}: is no file")
+    return path.read_bytes()
 
 
 @dataclass(frozen=True)
@@ -189,7 +197,7 @@ class Journal:
 
     def read(self) -> Result:
         """Return the entries of the journal as an interrupted result; CorruptResultError names a damaged line."""
-        *lines, _ = self.path.read_bytes().split(b"\n")
+        *lines, _ = _bytes_of(self.path).split(b"\n")
         try:
             if not lines:
                 raise CorruptResultError("line 1: missing")

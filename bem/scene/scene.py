@@ -13,6 +13,7 @@ A separation of exactly 0 asks for complete contact.
 
 from __future__ import annotations
 
+import re
 import stat
 import tomllib
 from collections.abc import Iterator, Mapping
@@ -175,14 +176,17 @@ def read_tables(path: Path | str) -> dict[str, Any]:
     try:
         if not stat.S_ISREG(path.stat().st_mode):
             raise SceneError([Mistake(str(path), "is no file", "a TOML file")])
-        return tomllib.loads(path.read_text("utf-8-sig"))
+        text = path.read_text("utf-8-sig")
+        return tomllib.loads(text)
     except OSError as error:
         raise SceneError([Mistake(str(path), f"cannot be read ({error.strerror})", "a TOML file")]) from error
     except SceneError:
         raise
     except (ValueError, RecursionError) as error:
         escaped = str(error).startswith(("Invalid hex value", "Unescaped '\\'"))  # a name of a file under Windows
+        sign = None if isinstance(error, UnicodeDecodeError) else re.search("[\u2010-\u2015\u2212]\\s*[0-9.]", text)
         allowed = f"names with {BACKSLASHES}" if escaped else "a TOML file in UTF-8"
+        allowed = allowed if sign is None else f"- before numbers, not {sign[0][0]}"
         raise SceneError([Mistake(str(path), f"is not TOML ({error})", allowed)]) from error
 
 

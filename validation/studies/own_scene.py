@@ -149,6 +149,8 @@ def read_solved(folder: Path, sha256: str, overwrite: bool) -> dict[str, Solved]
     path = folder / FILE
     if not path.exists():
         return {}
+    if not path.is_file():
+        raise ReportError(f"{path}: is no file")
     try:
         stored = TypeAdapter(Stored).validate_json(path.read_bytes())
     except ValidationError as error:

@@ -393,3 +393,9 @@ def test_a_damaged_line_of_a_journal_is_named(tmp_path):
     journal.path.write_bytes(b"\n".join([*raw[:2], raw[2].replace(b"0.1", b"0.2"), *raw[3:]]))
     with pytest.raises(CorruptResultError, match=r"line 3.*checksum"):
         read_result(tmp_path)
+
+
+def test_a_pipe_in_place_of_a_result_is_refused_at_once(tmp_path):
+    os.mkfifo(tmp_path / "result.json")
+    with pytest.raises(CorruptResultError, match=r"result\.json: is no file"):
+        read_result(tmp_path)

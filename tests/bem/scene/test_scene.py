@@ -429,3 +429,10 @@ def test_the_thinnest_layer_that_is_said_to_be_allowed_is(share):
     (mistake,) = mistakes_of(data)
     assert mistake.found == f"= {thickness!r}"
     assert mistake.allowed.startswith("a number from 6e-07 to ")
+
+
+@pytest.mark.parametrize("sign", "−–‐")
+def test_a_minus_sign_of_unicode_is_named(tmp_path, sign):
+    (tmp_path / "scene.toml").write_text(f"[profile]\nharmonics = {sign}12\n", "utf-8")
+    with pytest.raises(SceneError, match=f"- before numbers, not {sign}"):
+        load_scene(tmp_path / "scene.toml")
