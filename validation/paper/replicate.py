@@ -67,6 +67,7 @@ def report(ensemble: Ensemble) -> tuple[dict[str, Any], list[Figure]]:
     measured = {name: number for topic in TOPICS if enough for name, number in topic.measured(ensemble).items()}
     rows = judge(measured, ensemble.shortfall)
     figures = [figure for topic in TOPICS if enough for figure in topic.figures(ensemble)]
+    tables = [_conventions(ensemble), _realisations(ensemble)] if enough else [_realisations(ensemble)]
     content = {
         "headline": headline(rows),
         "statements": rows,
@@ -76,7 +77,7 @@ def report(ensemble: Ensemble) -> tuple[dict[str, Any], list[Figure]]:
             for member in ensemble.everything
             if not all(state.certificate.ok for state in member.result.states)
         ],
-        "tables": [_conventions(ensemble).model_dump()] * enough + [_realisations(ensemble).model_dump()],
+        "tables": [table.model_dump() for table in tables],
         "figures": [f"figures/{figure.id}.svg" for figure in figures],
     }
     return content, figures
