@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from bem.scene.result import Result
+from bem.scene.result import Result, State
 from bem.scene.result_views import UNITS
 
 PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
@@ -186,21 +186,42 @@ def _uncertainty(row: Mapping[str, float], name: str, inputs: Mapping[str, float
 
 
 def pull_off_words(result: Result) -> str:
-    """Return a sentence on the largest tension of the way out, or on its absence; nothing without adhesion."""
+    """Return words on the largest tension of the way out, or on its absence; nothing without tension."""
     if stays_complete(result):
         return NO_FLAW
-    tension = result.largest_tension
+    tension, held, where = result.largest_tension, rising_tension(result), ""
+    if tension is not None:
+        error = share(tension.error_estimate.mean_pressure / -tension.mean_pressure)
+        where = f"{readable(-tension.mean_pressure, 'Pa', MOST)} (± {error} numerical), at a separation of "
+        where += readable(tension.separation, "m", MOST)
+    if held is not None:
+        words = "Pull-off: not reached. The way out ends in tension, "
+        words += (
+            f"{readable(-held.mean_pressure, 'Pa', MOST)} at a separation of {readable(held.separation, 'm', MOST)}"
+        )
+        return f"{words}, and larger tensions may lie beyond" + (
+            f"; before that it turns at {where}." if where else "."
+        )
     if tension is None:
         return ""
-    error = share(tension.error_estimate.mean_pressure / -tension.mean_pressure)
-    where = (
-        f"Pull-off: the largest tension on the way out is {readable(-tension.mean_pressure, 'Pa', MOST)} (± {error} "
-    )
-    where += f"numerical), at a separation of {readable(tension.separation, 'm', MOST)}"
+    where = f"Pull-off: the largest tension on the way out is {where}"
     apart = result.came_apart()
     if apart is None:
         return f"{where}; the surfaces have not come apart on this path."
     return f"{where}; the surfaces come apart at {readable(apart, 'm', MOST)}."
+
+
+def rising_tension(result: Result) -> State | None:
+    """Return the state of largest tension on the way out, if no turn, fold or jump of the load has a larger one.
+
+    There the way out ends or turns back before the tension has reached its maximum.
+    """
+    on_way_out = [state for state in result.states if state.found and state.branch == "unloading"]
+    held = min((state for state in on_way_out if state.mean_pressure < 0), key=lambda s: s.mean_pressure, default=None)
+    tension = result.largest_tension
+    if held is None or tension is None:
+        return held
+    return held if held.mean_pressure < tension.mean_pressure - tension.error_estimate.mean_pressure else None
 
 
 def stays_complete(result: Result) -> bool:
