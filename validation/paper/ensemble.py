@@ -28,7 +28,7 @@ import persson
 from bem.geometry.profile import Profile
 from bem.scene.result import Result, State
 from bem.scene.result_file import CorruptResultError, digest, read_result, write_result
-from bem.scene.scene_rules import surface_of
+from bem.scene.surface import surface_of
 from persson import AdhesiveContact, DiscreteSpectrum, NonadhesiveContact
 from validation.harness.arrays import FloatArray
 from validation.paper.members import LOADS, PAPER, Member, Size, members_of
