@@ -3,7 +3,7 @@
 import ast
 import json
 
-from validation.studies.mutants import ROOT, mutants_of, report, sample, tests_of
+from validation.studies.mutants import ROOT, mutants_of, report, sample, suite_of
 
 
 def test_every_mutant_of_a_sample_is_code_and_differs_in_one_place():
@@ -22,10 +22,10 @@ def test_operators_comparisons_conditions_and_numbers_are_changed():
     assert {("+", "-"), ("*", "/"), ("<", ">="), ("and", "or"), ("-", ""), ("0", "1")} <= changes
 
 
-def test_tests_of_a_file_are_those_of_its_folder():
-    assert tests_of("bem/path/fold.py") == ["tests/bem/path"]
-    assert tests_of("validation/references/paper_method/cells.py") == ["tests/validation"]
-    assert tests_of("bem/solver.py")[0] == "tests/bem" and "--ignore=tests/bem/path" in tests_of("bem/solver.py")
+def test_suite_of_a_file_is_that_of_its_folder():
+    assert suite_of("bem/path/fold.py") == ["tests/bem/path"]
+    assert suite_of("validation/references/paper_method/cells.py") == ["tests/validation"]
+    assert suite_of("bem/solver.py")[0] == "tests/bem" and "--ignore=tests/bem/path" in suite_of("bem/solver.py")
 
 
 def test_equivalent_mutants_are_counted_apart(tmp_path):

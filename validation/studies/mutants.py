@@ -137,7 +137,7 @@ def sample(count: int, seed: str) -> list[Mutant]:
     return random.Random(seed).sample(every, min(count, len(every)))
 
 
-def tests_of(file: str) -> list[str]:
+def suite_of(file: str) -> list[str]:
     """Return the tests that a file's folder has, as arguments of pytest: the nearest folder of that name in tests."""
     folder = Path("tests") / Path(file).parent
     while not (ROOT / folder).is_dir():
@@ -185,7 +185,7 @@ def main() -> int:
     left = [mutant for mutant in chosen if mutant.name not in known]
     with TemporaryDirectory() as scratch, ThreadPoolExecutor(options.jobs) as pool:
         suites = (
-            {" ".join(words): words for words in (*(tests_of(mutant.file) for mutant in left), QUICK)} if left else {}
+            {" ".join(words): words for words in (*(suite_of(mutant.file) for mutant in left), QUICK)} if left else {}
         )
         controls = dict(
             zip(suites, pool.map(lambda words: judged(None, words, scratch, None), suites.values()), strict=True)
@@ -197,7 +197,7 @@ def main() -> int:
 
         def answer(mutant: Mutant) -> dict[str, Any]:
             line: dict[str, Any] = {"name": mutant.name, **asdict(mutant)}
-            for key, words in (("tests", tests_of(mutant.file)), ("quick", QUICK)):
+            for key, words in (("tests", suite_of(mutant.file)), ("quick", QUICK)):
                 passed, line[f"{key}_seconds"] = judged(mutant, words, scratch, PATIENCE * controls[" ".join(words)][1])
                 line[key] = "survived" if passed else "killed"
             return line
