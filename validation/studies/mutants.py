@@ -130,11 +130,10 @@ def mutants_of(file: str) -> Iterator[Mutant]:
     yield from walk(ast.parse(text))
 
 
-def sample(count: int, seed: str) -> list[Mutant]:
-    """Draw mutants of all judged files, each place as likely as another."""
+def all_mutants() -> list[Mutant]:
+    """Return every mutant of every judged file."""
     files = [path for folder in JUDGED for path in sorted((ROOT / folder).rglob("*.py"))]
-    every = [mutant for path in files for mutant in mutants_of(path.relative_to(ROOT).as_posix())]
-    return random.Random(seed).sample(every, min(count, len(every)))
+    return [mutant for path in files for mutant in mutants_of(path.relative_to(ROOT).as_posix())]
 
 
 def suite_of(file: str) -> list[str]:
@@ -181,7 +180,9 @@ def main() -> int:
     known = (
         {line["name"]: line for line in map(json.loads, path.read_text("utf-8").splitlines())} if path.exists() else {}
     )
-    chosen = [mutant for mutant in sample(options.count, seed) if options.only in mutant.file]
+    chosen = [
+        mutant for mutant in random.Random(seed).sample(all_mutants(), options.count) if options.only in mutant.file
+    ]
     left = [mutant for mutant in chosen if mutant.name not in known]
     with TemporaryDirectory() as scratch, ThreadPoolExecutor(options.jobs) as pool:
         suites = (
