@@ -182,7 +182,7 @@ class Branch:
         scales = self.scales(place[:-1].reshape(-1, 2))
         if np.any(scales[:-1] <= 0.0):
             return None
-        here, step, before = place.copy(), np.zeros(0), np.zeros(0)
+        here, step, before, by_value = place.copy(), np.zeros(0), np.zeros(0), np.zeros(0)
         kept = KeptFactors()
         for _ in range(ITERATIONS):
             try:
@@ -240,7 +240,10 @@ class Branch:
 
 
 def gap_minima(evaluation: Evaluation) -> list[tuple[float, float]]:
-    """Return the local minima of the gap between the faces off the contact: positions, periods, and values."""
+    """Return the local minima of the gap between the faces off the contact: positions, periods, and values.
+
+    A negative gap that reaches an edge belongs to an edge that closes, and is left out.
+    """
     states, problem = evaluation.states, evaluation.states.problem
     plate = float(states.displacement_of_plate[0] + evaluation.load * states.displacement_of_plate[1])
     minima = []
@@ -252,6 +255,8 @@ def gap_minima(evaluation: Evaluation) -> list[tuple[float, float]]:
         local = (x - states.mesh.seam) % 1.0
         gap = face_displacement(evaluation, local) - (problem.height(x) - problem.highest + plate)
         for k in np.flatnonzero((gap[1:-1] < gap[:-2]) & (gap[1:-1] <= gap[2:])) + 1:
+            if min(gap[:k].max(), gap[k + 1 :].max()) <= 0.0:
+                continue
             left, middle, right = gap[k - 1 : k + 2]
             bend = left - 2.0 * middle + right
             offset = 0.5 * (left - right) / bend if bend > 0.0 else 0.0

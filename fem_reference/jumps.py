@@ -74,8 +74,13 @@ def _numbers(branch: Branch, jump: Jump) -> dict[str, float]:
     if jump.before is not None:
         touch = jump.cause == "touch"
         places, states = _about(branch, jump.before) if touch else _across(branch, jump.before)
-        line = Polynomial.fit(places, [_gap_near(state.evaluation, jump.changes[0].position) for state in states]
-                              if touch else [state.value for state in states], len(places) - 1)
+        line = Polynomial.fit(
+            places,
+            [_gap_near(state.evaluation, jump.changes[0].position) for state in states]
+            if touch
+            else [state.value for state in states],
+            len(places) - 1,
+        )
         roots = (line if touch else line.deriv()).roots()
         real = [float(root.real) for root in roots if abs(root.imag) < 1e-9]
         if not real:
@@ -112,7 +117,7 @@ def _about(branch: Branch, point: Point) -> tuple[FloatArray, list[Solution]]:
 
 
 def _row(branch: Branch, point: Point, steps: FloatArray, border: FloatArray) -> list[Solution]:
-    """Solve at steps (n, 2 n_patches + 1) from a coarse point on, on one mesh, each with the derivatives of the last."""
+    """Solve at steps (n, 2 n_patches + 1) from a coarse point on, each with the derivatives of the last one."""
     problem, states = branch.problem, list[Solution]()
     mesh = layer_mesh(problem.depth, point.edges, branch.resolution, problem.highest_order)
     slope = point.by_edges

@@ -6,14 +6,15 @@ equilibria is followed by continuation (`continuation`) until
 - the gap between the faces vanishes off the contact (touch): a patch is put in there;
 - the control turns (fold) or the least eigenvalue of the Hessian vanishes (bifurcation): the state is no minimum of the
   energy any more, and the edges are pushed along the softest mode;
-- without adhesion, a gap is narrower than NARROW, its square extrapolated to zero: its patches are merged.
+- a gap is narrower than NARROW, without adhesion or under a penetration near h_max: its patches are merged.
 
 Behind each the energy descends at a fixed control (`descent`), and the next branch begins. What patches and gaps do
-there are the changes of a jump. Without adhesion a state is the minimum of a convex problem and has no history: its
-targets are met in increasing order, and the jumps are those of loading.
+there are the changes of a jump; a jump that keeps them all is called a bifurcation, at the edge that moves most.
+Without adhesion a state is the minimum of a convex problem and has no history: its targets are met in increasing
+order, and the jumps are those of loading.
 
-A jump is located to about 1e-3 rms heights on the coarse mesh TRACKING, and a target is met with its edges to about
-1e-3 periods: starts for finer meshes (`solve`, `jumps`).
+On the coarse mesh TRACKING jumps are located to about 1e-3 rms heights, and widths of patches to about 1 %: starts for
+finer meshes (`solve`, `jumps`). A penetration above h_max, and a load that nothing carries, are unreachable.
 
 Units: as in `problem` (dimensionless).
 """
@@ -27,9 +28,10 @@ import numpy as np
 from fem_reference.closure import ControlKind, intervals, start_edges
 from fem_reference.continuation import Branch, Point, gap_minima
 from fem_reference.crests import chosen_crests
-from fem_reference.descent import NARROW, SEED, Change, Rest, descend, with_patch, without_narrow
+from fem_reference.descent import NARROW, SEED, Change, NoRestError, descend, with_patch, without_narrow
+from fem_reference.factors import SingularSystemError
 from fem_reference.mesh import Resolution
-from fem_reference.problem import FloatArray, Problem
+from fem_reference.problem import FloatArray, InvalidProblemError, Problem
 
 TRACKING = Resolution(2, 4, 4)
 FIRST, LONGEST, SHORTEST = 0.1, 0.35, 1e-5  # lengths of a step, in units of the scales
@@ -43,7 +45,7 @@ PUSH = 0.1  # of the patch or gap beside an edge: how far the softest mode is fo
 SECANTS = 8
 
 Cause = Literal["touch", "fold", "bifurcation", "merging"]
-Status = Literal["converged", "separated", "complete_contact"]
+Status = Literal["converged", "separated", "complete_contact", "unreachable", "not_converged"]
 
 
 @dataclass(frozen=True)
@@ -72,11 +74,15 @@ class Target:
 
 @dataclass(frozen=True)
 class Path:
-    """Targets in their order, jumps in the order met, and the points of all branches with their values."""
+    """Targets in their order, jumps in the order met, the points of all branches, and why the path ended early.
+
+    Targets behind the end of a path (`failure`) are not converged.
+    """
 
     targets: tuple[Target, ...]
     jumps: tuple[Jump, ...]
     points: tuple[Point, ...]
+    failure: str = ""
 
 
 class PathError(RuntimeError):
@@ -86,15 +92,14 @@ class PathError(RuntimeError):
 def follow(problem: Problem, kind: ControlKind, targets: list[float], resolution: Resolution = TRACKING) -> Path:
     """Follow the contact from first touch through targets of a control, in their order.
 
-    Raises
-    ------
-    PathError
-        Where a branch cannot be followed any further.
-    descent.NoRestError
-        Where the edges find no rest behind a jump.
+    Examples
+    --------
+    >>> wave = Problem(1.0, 0.3, 1.0, 1.0, [1], [0.01], [0.0], 1e-5)
+    >>> path = follow(wave, "penetration", [0.5, -1.0])
+    >>> [target.status for target in path.targets], [jump.changes[-1].kind for jump in path.jumps]
+    (['converged', 'separated'], ['first_touch', 'pull_off'])
     """
-    unit = max(map(abs, targets)) / LOADS if kind == "mean_pressure" else HEIGHT
-    branch = Branch(problem, kind, resolution, unit or 1.0)
+    branch = Branch(problem, kind, resolution, step_unit(kind, targets))
     if problem.work_of_adhesion > 0.0:
         return _followed(branch, targets)
     rising = sorted(set(targets))
@@ -102,40 +107,56 @@ def follow(problem: Problem, kind: ControlKind, targets: list[float], resolution
     return replace(path, targets=tuple(path.targets[rising.index(target)] for target in targets))
 
 
+def step_unit(kind: ControlKind, targets: list[float]) -> float:
+    """Return the unit of a control in steps along a branch: a height, or a share of the largest load."""
+    return (max(map(abs, targets)) / LOADS or 1.0) if kind == "mean_pressure" else HEIGHT
+
+
 def _followed(branch: Branch, targets: list[float]) -> Path:
     """Follow a path whose history counts."""
     met: list[Target] = []
     jumps: list[Jump] = []
     points: list[Point] = []
-    point, complete, value = None, False, min(0.0, targets[0])
-    adhesive = branch.problem.work_of_adhesion > 0.0
+    point, complete = None, False
+    adhesive, none = branch.problem.work_of_adhesion > 0.0, np.zeros((0, 2))
     for target in targets:
-        direction = float(np.sign(target - value)) or 1.0
-        if point is None and not complete and (target >= 0.0 if adhesive else target > 0.0):
-            jumps.append(_first_touch(branch, target))
-            point, direction = jumps[-1].after, 1.0
-        length = FIRST
-        while point is not None:
-            if point.value == target:
-                break
-            direction = float(np.sign(target - point.value))
-            forwards = point if point.tangent[-1] * direction > 0.0 else replace(point, tangent=-point.tangent)
-            end, length = _step(branch, forwards, target, length)
-            jump = _jump(branch, forwards, end, target, direction)
-            if jump is None:
-                point = end
-                points.append(point)
-            else:
-                jumps.append(jump)
-                point, length = jump.after, FIRST
-                complete = point is None and jump.changes[-1].kind == "complete_contact"
-        value = target
-        none = np.zeros((0, 2))
+        if branch.kind == "penetration" and target > branch.problem.highest:
+            met.append(Target(target, "unreachable", none))
+            continue
+        try:
+            if point is None and not complete and (target >= 0.0 if adhesive else target > 0.0):
+                jumps.append(_first_touch(branch, target))
+                point, complete = jumps[-1].after, jumps[-1].changes[-1].kind == "complete_contact"
+            length = FIRST
+            while point is not None and point.value != target:
+                direction = float(np.sign(target - point.value))
+                forwards = point if point.tangent[-1] * direction > 0.0 else replace(point, tangent=-point.tangent)
+                end, length = _step(branch, forwards, target, length)
+                jump = _jump(branch, forwards, end, target, direction)
+                if jump is None:
+                    point = end
+                    points.append(point)
+                else:
+                    jumps.append(jump)
+                    point, length = jump.after, FIRST
+                    complete = point is None and jump.changes[-1].kind == "complete_contact"
+        except (PathError, NoRestError, InvalidProblemError, SingularSystemError) as reason:
+            met += [Target(value, "not_converged", none) for value in targets[len(met) :]]
+            return Path(tuple(met), tuple(jumps), tuple(points), str(reason))
         if point is None:
-            met.append(Target(target, "complete_contact" if complete else "separated", none))
+            met.append(Target(target, _without_edges(branch, complete, target), none))
         else:
             met.append(Target(target, "converged", point.edges))
     return Path(tuple(met), tuple(jumps), tuple(points))
+
+
+def _without_edges(branch: Branch, complete: bool, target: float) -> Status:
+    """Return the status of a target where contact is complete or lost."""
+    if complete and branch.kind == "penetration" and target < branch.problem.highest:
+        return "unreachable"  # complete contact has penetration h_max
+    if not complete and branch.kind == "mean_pressure" and target < 0.0:
+        return "unreachable"  # nothing carries tension
+    return "complete_contact" if complete else "separated"
 
 
 def _first_touch(branch: Branch, target: float) -> Jump:
@@ -172,31 +193,41 @@ def _step(branch: Branch, point: Point, target: float, length: float) -> tuple[P
 
 def _jump(branch: Branch, start: Point, end: Point, target: float, direction: float) -> Jump | None:
     """Return the first jump between two points of a branch, or None."""
+    if intervals(end.edges)[1::2].min() < NARROW:
+        return _merging(branch, start, end, target, direction)
     turned = end.tangent[-1] * direction < 0.0
     cause: Cause = "fold" if turned else "bifurcation"
     place = end
     if turned or not end.stable:
-        place = _zero(branch, start, end, lambda p: p.tangent[-1] * direction if turned else p.lowest,
-                      TURNED * branch.unit if turned else 1e-3 * start.lowest)
+        place = _zero(
+            branch,
+            start,
+            end,
+            lambda p: p.tangent[-1] * direction if turned else p.lowest,
+            TURNED * branch.unit if turned else 1e-3 * start.lowest,
+        )
     entered = [x for x, gap in gap_minima(place.evaluation) if gap < -TOUCHED]
     if entered:
         cause = "touch"
         place = _zero(branch, start, place, lambda p: _lowest(p, entered), TOUCHED)
-    elif branch.problem.work_of_adhesion == 0.0 and intervals(end.edges)[1::2].min() < NARROW:
-        return _merging(branch, start, end, target, direction)
     elif not (turned or not end.stable):
         return None
     beyond = BEYOND_TOUCH if cause == "touch" and branch.problem.work_of_adhesion == 0.0 else BEYOND
     value = place.value + direction * min(beyond * branch.unit, abs(target - place.value))
+    begun: tuple[Change, ...] = ()
     if cause == "touch":
         x = min(entered, key=lambda x: _lowest(place, [x]))
         edges, begun = with_patch(place.edges, x), (Change("new_contact", x % 1.0),)
     else:
         lengths = branch.scales(place.edges)[:-1]
         push = place.softest / np.max(np.abs(place.softest) / lengths)
-        edges, begun = place.edges + PUSH * push.reshape(-1, 2), ()
+        edges = place.edges + PUSH * push.reshape(-1, 2)
     rest = descend(branch, edges, value, direction)
-    return Jump(cause, place.value, begun + rest.changes, place, rest.point)
+    changes = begun + rest.changes
+    if not changes:
+        edge = int(np.argmax(np.abs(place.softest)))
+        changes = (Change("bifurcation", float(place.edges.flat[edge] % 1.0)),)
+    return Jump(cause, place.value, changes, place, rest.point)
 
 
 def _lowest(point: Point, near: list[float]) -> float:
@@ -238,7 +269,7 @@ def _length(branch: Branch, start: Point, end: Point) -> float:
 
 
 def _merging(branch: Branch, start: Point, end: Point, target: float, direction: float) -> Jump:
-    """Return the merging of two patches without adhesion: the square of the gap is linear in the control."""
+    """Return the merging at a narrow gap, whose square is linear in the control; the last gap closes at h_max."""
     gaps = [intervals(point.edges)[1::2] for point in (start, end)]
     k = int(np.argmin(gaps[1]))
     before, after = (float(gap[k]) ** 2 for gap in gaps)
@@ -246,7 +277,8 @@ def _merging(branch: Branch, start: Point, end: Point, target: float, direction:
     closing = np.zeros(end.edges.shape, dtype=bool)
     edges, changes = without_narrow(end.edges, closing)
     if edges.size == 0:
-        return Jump("merging", value, tuple(changes), end, None)
+        closed = branch.problem.highest if branch.kind == "penetration" else value
+        return Jump("merging", closed, tuple(changes), end, None)
     reached = value + direction * min(BEYOND * branch.unit, abs(target - value))
     rest = descend(branch, edges, reached, direction)
     return Jump("merging", value, (*changes, *rest.changes), end, rest.point)
