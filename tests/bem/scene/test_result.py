@@ -320,7 +320,9 @@ OTHER_ARRAYS = {
     "x_0 is empty": lambda fields: {name: values[:0] for name, values in fields.items()},
     "gap_0 has 4 values, x_0 has 5": lambda fields: fields | {"gap_0": np.ones(4)},
     "holds profile_q without profile_amplitude": lambda fields: fields | {"profile_q": np.ones(3)},
-    "holds no array of the stored state 0": lambda _: {"profile_q": np.ones(3), "profile_amplitude": np.ones(3)},
+    "holds no array of the stored state 0": lambda _: dict.fromkeys(
+        ("profile_q", "profile_amplitude", "profile_phase"), np.ones(3)
+    ),
 }
 
 
@@ -374,7 +376,7 @@ def test_fields_are_looked_at_before_they_are_unpacked(kind, tmp_path):
 
 def test_a_journal_is_the_result_of_its_folder_but_for_a_line_cut_off(tmp_path):
     journal = Journal(tmp_path)
-    shared = {"profile_q": np.arange(2.0), "profile_amplitude": np.arange(2.0)}
+    shared = dict.fromkeys(("profile_q", "profile_amplitude", "profile_phase"), np.arange(2.0))
     journal.begin(replace(RESULT, fields=shared), [Entry((), replace(STATE, events=0), RESULT.fields)])
     tension = replace(RESULT.largest_tension, mean_pressure=-0.2)
     journal.add(Entry(RESULT.events, replace(STATE, events=2, stored=None), tension=tension))
