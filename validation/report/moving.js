@@ -45,19 +45,22 @@ const moving = () => {
 
   function surface(i, w, h) {
     const s = S[i], [low, high] = D.range, room = high - low, f = frame(w, h, [0, P], [low - 0.12 * room, high + 0.08 * room], "", `height / ${U.height}`, [46, 8, 34, 16]);
-    const { gained, lost } = changed(i), on = touching(i), id = `clip${drawings++}`, all = span(0, P), ground = (x) => [f.x(x), f.y(lerp(H, 0, x))];
-    const above = (k) => all.map((x) => [f.x(x), Math.max(f.y(Math.max(S[k].separation + lerp(DISPLACEMENT, k * N, x), lerp(H, 0, x))), f.top - 50)]);
-    const corner = (y) => [[f.right, y], [f.left, y]], far = f.y(s.separation) < f.top, bar = f.bottom + 3, mean = f.y(s.separation);
-    let out = `<defs><clipPath id="${id}">${rect(f.left, f.top, f.right - f.left, f.bottom - f.top, "")}</clipPath></defs><g id="${id}g" clip-path="url(#${id})">`;
-    out += rect(f.left, f.top, f.right - f.left, f.bottom - f.top, 'fill="var(--gap)"') + path([...above(i), ...corner(f.top - 60)], 'fill="var(--body)"');
-    if (jumped(i)) { // the surface just before the jump, and the area that it swept
-      const now = above(i), old = above(i - 1);
-      out += path([...now, ...old.slice().reverse()], `fill="${NEW}" fill-opacity="0.3"`) + path(old, `fill="none" stroke="${NEW}" stroke-width="1.2" stroke-dasharray="5 3"`);
+    const { gained, lost } = changed(i), on = touching(i), id = `clip${drawings++}`, all = span(0, P), bar = f.bottom + 3, far = f.y(s.separation) < f.top;
+    const box = (name, x, y, W, T, drawn) => `<clipPath id="${name}">${rect(x, y, W, T, "")}</clipPath><g clip-path="url(#${name})">${drawn}</g>`;
+    function bodies(X, Y) { // both bodies, with contact and jump, in given scales
+      const ground = (x) => [X(x), Y(lerp(H, 0, x))], above = (k) => all.map((x) => [X(x), Math.max(Y(Math.max(S[k].separation + lerp(DISPLACEMENT, k * N, x), lerp(H, 0, x))), -2000)]);
+      const now = above(i), corner = (y) => [[X(P), y], [X(0), y]], across = (v, more) => path([[X(0), Y(v)], [X(P), Y(v)]], more);
+      let out = path([...corner(-3000), ...corner(3000).reverse()], 'fill="var(--gap)"') + path([...now, ...corner(-3000)], 'fill="var(--body)"');
+      if (jumped(i)) { // the surface just before the jump, and the area that it swept
+        const old = above(i - 1);
+        out += path([...now, ...old.slice().reverse()], `fill="${NEW}" fill-opacity="0.3"`) + path(old, `fill="none" stroke="${NEW}" stroke-width="1.2" stroke-dasharray="5 3"`);
+      }
+      out += path(now, `fill="none" stroke="${INK}" stroke-width="1.4"`) + path([...all.map(ground), ...corner(3000)], `fill="var(--rigid)" stroke="${INK}"`);
+      for (const [a, b] of on) out += path(span(a, b).map(ground), `fill="none" stroke="${TOUCH}" stroke-width="4.5"`);
+      for (const [a, b] of gained) out += path(span(a, b).map(ground), `fill="none" stroke="${NEW}" stroke-width="5"`);
+      return out + across(s.separation, `stroke="${SOFT}" stroke-dasharray="1 4"`) + across(0, 'stroke="#fff" stroke-dasharray="1 4"');
     }
-    out += path(above(i), `fill="none" stroke="${INK}" stroke-width="1.4"`) + path([...all.map(ground), ...corner(f.bottom)], `fill="var(--rigid)" stroke="${INK}"`);
-    for (const [a, b] of on) out += path(span(a, b).map(ground), `fill="none" stroke="${TOUCH}" stroke-width="4.5"`);
-    for (const [a, b] of gained) out += path(span(a, b).map(ground), `fill="none" stroke="${NEW}" stroke-width="5"`);
-    out += path([[f.left, mean], [f.right, mean]], `stroke="${SOFT}" stroke-dasharray="1 4"`) + path([[f.left, f.y(0)], [f.right, f.y(0)]], 'stroke="#fff" stroke-dasharray="1 4"') + "</g>";
+    let out = box(id, f.left, f.top, f.right - f.left, f.bottom - f.top, bodies(f.x, f.y));
     for (const [a, b] of on) out += rect(f.x(a), bar, Math.max(f.x(b) - f.x(a), 1.5), 8, `fill="${TOUCH}"`);
     for (const [a, b] of gained) out += rect(f.x(a), bar, Math.max(f.x(b) - f.x(a), 2.5), 8, `fill="${NEW}"`);
     for (const [a, b] of lost) out += rect(f.x(a), bar, Math.max(f.x(b) - f.x(a), 2.5), 8, `fill="#fff" stroke="${NEW}" stroke-width="1.5"`);
@@ -74,7 +77,7 @@ const moving = () => {
       const W = w > 500 ? 240 : 118, T = w > 500 ? 120 : 74, zoom = w > 500 ? 3 : 2.5, place = ((first.x % P) + P) % P;
       const x = place > P / 2 ? f.left + 3 : f.right - W - 3, y = f.bottom - T - 3, cx = f.x(place), cy = f.y(lerp(H, 0, place)) - T / zoom / 8;
       out += rect(cx - W / zoom / 2, cy - T / zoom / 2, W / zoom, T / zoom, `fill="none" stroke="${INK}" stroke-dasharray="3 2"`);
-      out += `<clipPath id="${id}l">${rect(x, y, W, T, "")}</clipPath><g clip-path="url(#${id}l)"><use href="#${id}g" transform="translate(${fixed(x + W / 2 - zoom * cx)} ${fixed(y + T / 2 - zoom * cy)}) scale(${zoom})"/></g>`;
+      out += box(`${id}lens`, x, y, W, T, bodies((v) => x + W / 2 + zoom * (f.x(v) - cx), (v) => y + T / 2 + zoom * (f.y(v) - cy)));
       out += rect(x, y, W, T, `fill="none" stroke="${INK}" stroke-width="1.5"`) + text(x + 5, y + T - 6, `magnified ${zoom} ×`, 'class="halo strong"');
     }
     return { svg: out, times: ((f.y(0) - f.y(1)) / (f.x(1) - f.x(0))) * D.stretch };
@@ -90,7 +93,7 @@ const moving = () => {
     });
   }
   function pressure(i, w, h) {
-    const [low, high] = D.pressures, f = frame(w, h, [0, P], D.pressures, `x / ${U.x}`, `pressure / ${U.pressure}`, [46, 8, 18, 30]), zero = f.y(0), id = `clip${drawings++}`, whole = S[i].status === "complete_contact";
+    const whole = S[i].status === "complete_contact", range = D.pressures[whole ? "complete" : "partial"], [low] = range, f = frame(w, h, [0, P], range, `x / ${U.x}`, `pressure / ${U.pressure}`, [46, 8, 18, 30]), zero = f.y(0), id = `clip${drawings++}`;
     const shapes = (k) => patches(k).flatMap((values, place) => {
       const edge = low < 0 ? low : 0, [a, b] = S[k].status === "complete_contact" ? [0, P] : S[k].edges[place];
       const points = S[k].status === "complete_contact" ? values : [[a, edge], ...values, [b, edge]]; // adhesive edges: tension without bound
@@ -134,17 +137,18 @@ const moving = () => {
   const CURVES = $("load") ? [["fraction", "contact fraction"], ["open", `mean open gap / ${U.height}`], ["load", `mean pressure / ${U.load}`]] : [];
   const put = (id, h, svg, label) => { const e = $(id); e.setAttribute("height", h); e.style.height = h + "px"; e.innerHTML = svg; if (label) e.setAttribute("aria-label", label); };
 
-  function marks() { // events over the slider: a tick each, and its name where there is room
-    const w = $("marks").clientWidth, row = 15, levels = S.some((s) => s.events.length) ? 3 : 0, h = levels * row + 30, ends = Array(levels).fill(-9);
+  function marks() { // events over the slider: a tick each, and its name where there is room, first of all the current one
+    const w = $("marks").clientWidth, some = S.some((s) => s.events.length), h = some ? 46 : 30, placed = [];
     const at = (k) => 10 + ((w - 20) * k) / Math.max(S.length - 1, 1), turn = S.findIndex((s) => s.branch === "unloading");
     let out = "", names = "";
-    S.forEach((s, k) => {
-      if (!s.events.length) return;
-      const name = [...new Set(s.events.map((e) => e.short))].slice(0, 2).join(" + "), half = name.length * 3.1 + 2, x = at(k), middle = Math.min(Math.max(x, half), w - half);
-      const level = ends.findIndex((end) => middle - half > end), color = k === now ? NEW : INK, y = level < 0 ? h - 14 : h - 14 - row * level - 4;
-      if (level >= 0) { ends[level] = middle + half + 4; names += text(middle, y - 2, name, `text-anchor="middle" class="halo ${k === now ? "strong" : ""}" style="fill:${color}" data-state="${k}"`); }
-      out += path([[x, level < 0 ? h - 12 : y], [x, h]], `stroke="${color}" stroke-width="${k === now ? 3 : 1.3}"`);
-    });
+    const events = S.flatMap((s, k) => (s.events.length ? [k] : []));
+    for (const k of [...events.filter((k) => k === now), ...events.filter((k) => k !== now)]) {
+      const name = [...new Set(S[k].events.map((e) => e.short))].slice(0, 2).join(" + "), half = name.length * 3.2 + 5, x = at(k), middle = Math.min(Math.max(x, half), w - half), color = k === now ? NEW : INK;
+      out += path([[x, h - 13], [x, h]], `stroke="${color}" stroke-width="${k === now ? 3 : 1.3}"`);
+      if (placed.some(([a, b]) => middle + half > a && middle - half < b)) continue;
+      placed.push([middle - half, middle + half]);
+      names += text(middle, h - 17, name, `text-anchor="middle" class="${k === now ? "strong" : ""}" style="fill:${color}" data-state="${k}"`);
+    }
     if (turn > 0) out += text(10, 11, "loading →", `style="fill:${TOUCH}"`) + text(w - 10, 11, "→ unloading", `text-anchor="end" style="fill:${SOFT}"`) + rect(10, h - 3, at(turn - 0.5) - 10, 3, `fill="${TOUCH}"`) + rect(at(turn - 0.5), h - 3, w - 10 - at(turn - 0.5), 3, 'fill="#9aa5b0"');
     put("marks", h, out + names);
   }

@@ -15,10 +15,10 @@ from typing import Any
 
 import numpy as np
 from markupsafe import Markup
-from numpy.typing import NDArray
 
 from bem.command_line.answer_table import UNKNOWN, axis_unit, digits, fixed, readable
 from bem.scene.result import Event, Result, State
+from validation.harness.arrays import FloatArray
 from validation.report.path_states import (
     Fields,
     PathState,
@@ -44,12 +44,10 @@ NAMES = {  # short name for the slider, name, and 1 where contact is gained, -1 
 }
 TOUCH = "touch"  # short name of a first touch that releases nothing
 STATUS = {"separated": "apart", "complete_contact": "complete contact"}
-SPELT = 3  # events of a row that are spelt out
+SPELT = 2  # events of a row that are spelt out
 CUT = 0.6  # of the largest pressure: tension drawn at adhesive edges, where it has no bound
 ROOM = 1.05  # largest pressure drawn, over the largest pressure
 MISSING = 65535  # code of a number that does not exist
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -72,30 +70,37 @@ def moving_path(result: Result, theories: Sequence[Theory]) -> dict[str, Any] | 
     points = list(with_events(path, shown))
     fields = [fields_of(result, profile, point.state) for point in points]
     height = profile.height(positions(profile))
-    least, peak = _pressure_range(fields, result.scene["adhesion"] is not None)
+    adhesive = result.scene["adhesion"] is not None
+    complete = [point.state.status == "complete_contact" for point in points]
+    gapped = [field for field, whole in zip(fields, complete, strict=True) if not whole]
+    closed = [field for field, whole in zip(fields, complete, strict=True) if whole]
+    ranges = {"partial": _pressure_range(gapped, adhesive), "complete": _pressure_range(closed, False)}
     heights = float(np.ptp(height)) or max(point.state.separation for point in path)
     units = Units(
         axis_unit(profile.period, "m"),
         axis_unit(heights, "m"),
         axis_unit(max((abs(p.state.mean_pressure) for p in path if _known(p.state)), default=0.0), "Pa"),
-        axis_unit(max(peak, -least), "Pa"),
+        axis_unit(max(abs(end) for end in ranges["partial" if gapped else "complete"]), "Pa"),
     )
     tension = result.largest_tension
-    pressures = _joined(pressure for field in fields for pressure in field.pressure)
+    cut = min(end for ends in ranges.values() for end in ends)
+    pressures = np.maximum(_joined(pressure for field in fields for pressure in field.pressure), cut)
     rows = [_row(point, profile.period, units) for point in points]
     data = {
         "period": profile.period * units.x[0],
         "points": height.size,
         "stretch": units.height[0] / units.x[0],
         "range": [value * units.height[0] for value in _heights(points, fields, height)],
-        "pressures": [least * units.pressure[0], peak * units.pressure[0]],
+        "pressures": {name: [end * units.pressure[0] for end in ends] for name, ends in ranges.items()},
         "units": {name: unit for name, (_, unit) in vars(units).items()},
         "states": [
             _drawn(point, index, field, units) for point, index, field in zip(points, shown, fields, strict=True)
         ],
         "height": _packed(height * units.height[0]),
         "displacement": _packed(np.concatenate([field.displacement for field in fields]) * units.height[0]),
-        "pressure": _packed(np.clip(pressures, least, peak) * units.pressure[0]),
+        "pressure": _packed(
+            np.clip(pressures, min(ranges["partial"][0], ranges["complete"][0]), None) * units.pressure[0]
+        ),
         "path": _curves(path, units),
         "theory": _theory(theories, units),
         "tension": tension and [tension.separation * units.height[0], tension.mean_pressure * units.load[0]],
@@ -106,7 +111,8 @@ def moving_path(result: Result, theories: Sequence[Theory]) -> dict[str, Any] | 
         "control": result.scene["loading"]["control"].replace("_", " "),
         "left_out": len(path) - len(points),
         "curves": any(point.state.status == "converged" for point in path) or len(path) > len(rows),
-        "adhesive": result.scene["adhesion"] is not None,
+        "complete": bool(gapped and closed),
+        "adhesive": adhesive,
         "theory": bool(data["theory"]),
         "tension": tension is not None,
         "data": Markup(json.dumps(data, separators=(",", ":"), ensure_ascii=True).replace("<", "\\u003c")),
@@ -117,7 +123,7 @@ def _known(state: State) -> bool:
     return math.isfinite(state.mean_pressure)
 
 
-def _joined(arrays: Iterable[Array]) -> Array:
+def _joined(arrays: Iterable[FloatArray]) -> FloatArray:
     return np.concatenate([*arrays, np.empty(0)])
 
 
@@ -135,7 +141,7 @@ def _pressure_range(fields: Sequence[Fields], adhesive: bool) -> tuple[float, fl
     return (least, peak) if least < peak else (0.0, 1.0)
 
 
-def _heights(points: Sequence[PathState], fields: Sequence[Fields], height: Array) -> list[float]:
+def _heights(points: Sequence[PathState], fields: Sequence[Fields], height: FloatArray) -> list[float]:
     """Return the least and the largest height drawn, m: surfaces that are apart may leave the figure."""
     low, top = float(np.min(height)), float(np.max(height))
     for point, field in zip(points, fields, strict=True):
@@ -253,7 +259,7 @@ def _theory(theories: Sequence[Theory], units: Units) -> list[dict[str, list[flo
     ]
 
 
-def _packed(values: Array) -> dict[str, Any]:
+def _packed(values: FloatArray) -> dict[str, Any]:
     """Return numbers as base64 of 16 bits each, with the least value and the step that undo it; nan as `MISSING`."""
     known = values[np.isfinite(values)]
     low, span = (float(np.min(known)), float(np.ptp(known))) if known.size else (0.0, 0.0)

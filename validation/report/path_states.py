@@ -16,13 +16,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import NDArray
 
 import bem
 from bem.geometry.scaling import Scales
 from bem.loading.complete_contact import complete_contact
 from bem.scene.result import ErrorEstimate, Event, JumpEnd, Result, State
 from bem.scene.scene_rules import surface_of
+from validation.harness.arrays import FloatArray
 
 MOST, FEWEST = 60, 12  # states on a page, and at least so many of a large contact
 UNKNOWNS = 60_000  # of all states on a page: about 20 s
@@ -32,8 +32,6 @@ ON_PATCHES, LEAST, LARGEST = 1200, 6, 48  # points on all patches, and the least
 
 SAME = 1e-4  # of the contact fraction and the penetration: an end of a jump and the stored state behind it
 ALIKE = 0.1  # difference of contact fractions of states that a line joins
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -68,8 +66,8 @@ class Fields:
     The positions on a patch from a to b are a + (b - a) (1 - cos theta) / 2, theta = (k + 1/2) pi / n.
     """
 
-    displacement: Array
-    pressure: tuple[Array, ...]
+    displacement: FloatArray
+    pressure: tuple[FloatArray, ...]
 
 
 def profile_of(result: Result) -> bem.Profile:
@@ -78,7 +76,7 @@ def profile_of(result: Result) -> bem.Profile:
     if profile["kind"] != "samples":
         return surface_of(profile, None)
     period = profile["period"]
-    orders = np.rint(fields["profile_q"] * period / (2 * np.pi))
+    orders = np.rint(fields["profile_q"] * period / (2 * np.pi)).astype(np.int64)
     return bem.Profile.from_harmonics(period, orders, fields["profile_amplitude"], fields["profile_phase"])
 
 
@@ -137,15 +135,16 @@ def _end(end: JumpEnd, event: Event, near: State, period: float) -> State:
 def joins_of(path: list[PathState]) -> str:
     """Return a letter for each state: l or u if joined to the state before by loading or unloading, j by a jump.
 
-    States between which nothing is known are not joined, n: complete contact and another state, or contact fractions
-    that differ by more than `ALIKE`.
+    States between which nothing is known are not joined, n: complete contact and another state, contact fractions
+    that differ by more than `ALIKE`, and surfaces that a held tension parts, which move apart without end.
     """
     letters = "n"
     for before, point in itertools.pairwise(path):
         former, state = before.state, point.state
         complete = (former.status == "complete_contact") != (state.status == "complete_contact")
         unlike = abs(former.contact_fraction - state.contact_fraction) > ALIKE
-        letters += "j" if point.jumped else "n" if complete or unlike else state.branch[0]
+        lost = any(event.kind == "pull_off" and event.energy_released is None for event in point.events)
+        letters += "n" if lost else "j" if point.jumped else "n" if complete or unlike else state.branch[0]
     return letters
 
 
@@ -189,7 +188,7 @@ def with_events(path: list[PathState], shown: list[int]) -> Iterator[PathState]:
         last = k
 
 
-def positions(profile: bem.Profile) -> Array:
+def positions(profile: bem.Profile) -> FloatArray:
     """Return equidistant positions along the period, m."""
     count = min(max(ALONG, PER_WAVE * profile.max_order), FINEST)
     return np.asarray(np.arange(count) * (profile.period / count))
@@ -213,7 +212,7 @@ def _layer(result: Result) -> bem.Layer | None:
     return None if layer is None else bem.Layer(**layer)
 
 
-def _complete_pressure(result: Result, profile: bem.Profile, state: State, count: int) -> Array:
+def _complete_pressure(result: Result, profile: bem.Profile, state: State, count: int) -> FloatArray:
     """Return the pressure of complete contact on the period, taken as one patch."""
     mean = 0.0 if math.isnan(state.mean_pressure) else state.mean_pressure
     if profile.is_flat:
@@ -228,7 +227,7 @@ def _complete_pressure(result: Result, profile: bem.Profile, state: State, count
     return np.asarray(mean + stress * wave.height(2 * np.pi * _shares(count)))
 
 
-def _on_patches(contact: bem.ContactState) -> Iterator[Array]:
+def _on_patches(contact: bem.ContactState) -> Iterator[FloatArray]:
     """Yield the pressure on each patch at the positions of `Fields`, Pa."""
     carried = contact.evaluation.pressure()
     widths = (carried.right - carried.left) / 2
@@ -240,6 +239,6 @@ def _on_patches(contact: bem.ContactState) -> Iterator[Array]:
         yield np.asarray(density * contact.scales.stress)
 
 
-def _shares(count: int) -> Array:
+def _shares(count: int) -> FloatArray:
     """Return (1 - cos theta) / 2 at theta = (k + 1/2) pi / n, (n,)."""
     return np.asarray(np.sin((np.arange(count) + 0.5) * (np.pi / (2 * count))) ** 2)
