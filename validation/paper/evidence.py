@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from bem.geometry.profile import Profile
 from bem.scene.result import Result, State
-from bem.scene.scene_rules import surface_of
+from bem.scene.surface import surface_of
 from persson import AdhesiveContact, DiscreteSpectrum, NonadhesiveContact, solve, solve_nonadhesive
 from validation.harness.arrays import FloatArray
 from validation.harness.figure_data import marks, shaded, trace

@@ -21,7 +21,7 @@ import bem
 from bem.geometry.scaling import Scales
 from bem.loading.complete_contact import complete_contact
 from bem.scene.result import ErrorEstimate, Event, JumpEnd, Result, State
-from bem.scene.scene_rules import surface_of
+from bem.scene.surface import surface_of
 from validation.harness.arrays import FloatArray
 
 MOST, FEWEST = 60, 12  # states on a page, and at least so many of a large contact
