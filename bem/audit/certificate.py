@@ -18,12 +18,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, fields
+from functools import partial
 
 import numpy as np
 
 from bem.audit.displacement import ComplianceRatio, DisplacementField, regular_part
 from bem.audit.gap_depths import gap_depths
 from bem.geometry.arrays import FloatArray, IntArray
+from bem.geometry.minima import BESIDE, refined
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 
@@ -34,8 +36,6 @@ POSITION_ROUNDING = 4e-15  # of positions up to 2 pi; half a last digit of them 
 LOAD_ROUNDING = 1.5e-14  # of displacements over the load, sums over all patches; measured 6.1e-15 at 3028 patches
 ROUNDING = 5e-13  # of a contact residual (over the variation of h), times the largest charge where that exceeds 1
 AT_EDGE = "at an edge of patch"
-ZOOM_POINTS = np.linspace(-1.0, 1.0, 9)  # derived: each zoom on a minimum of the pressure is a quarter of the last
-ZOOMS = 8  # derived: 4^-8 = 1.5e-5 of the distance of points is left, and of the depth between them its square, 2e-10
 
 
 @dataclass(frozen=True)
@@ -304,24 +304,25 @@ def _least_charges(pressure: PatchPressure) -> FloatArray:
 def _tension(pressure: PatchPressure) -> FloatArray:
     """Largest tension of each patch (its regular part q) over the mean of q, (L,).
 
-    Half a wave of the last coefficient takes two points; where q may be tensile between them its minimum is followed.
+    Half a wave of the last coefficient takes two points; where q may be tensile between them its minimum is refined.
     """
     tension = np.empty(pressure.left.size)
     for who, rows in _by_size(pressure.charges):
-        points, order = 2 * rows.shape[1], np.arange(rows.shape[1])
+        points = 2 * rows.shape[1]
         q = regular_part(rows, points)
         lowest = np.min(q, axis=1)
         before, here, after = q[:, :-2], q[:, 1:-1], q[:, 2:]
         sag = before + after - 2 * here  # more than what a minimum between the points may lie lower
-        for row, k in zip(*np.nonzero((here <= before) & (here < after) & (here < sag)), strict=True):
-            angle, reach = (k + 1) * np.pi / points, np.pi / points
-            for _ in range(ZOOMS):
-                around = angle + reach * ZOOM_POINTS
-                values = np.cos(np.multiply.outer(around, order)) @ rows[row]
-                angle, reach = around[np.argmin(values)], reach / 4
-                lowest[row] = min(lowest[row], float(values.min()))
+        row, k = np.nonzero((here <= before) & (here < after) & (here < sag))
+        dips = refined(partial(_cosines, rows[row]), (k + 1 + BESIDE) * (np.pi / points))
+        np.minimum.at(lowest, row, dips.value)
         tension[who] = -lowest / np.maximum(np.abs(rows[:, 0]), SMALLEST_CHARGE * rows.shape[1])
     return tension
+
+
+def _cosines(series: FloatArray, angle: FloatArray) -> FloatArray:
+    """Return sum Q_k cos(k theta) of n series, (n, terms), each at its column of angles, (3, n)."""
+    return np.asarray(np.einsum("ijk,jk->ij", np.cos(np.multiply.outer(angle, np.arange(series.shape[1]))), series))
 
 
 def _truncation(pressure: PatchPressure) -> FloatArray:

@@ -20,9 +20,9 @@ from typing import Literal
 
 import numpy as np
 
-from bem.elastic.gap import REFINEMENTS
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray
+from bem.geometry.minima import REFINEMENTS
 from bem.geometry.patches import TWO_PI
 from bem.loading.assessment import Assessment, Quantities
 from bem.loading.control import Control

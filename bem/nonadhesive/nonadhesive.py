@@ -26,7 +26,7 @@ from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI, Patches, PatchPressure, ordered
 from bem.loading.control import Control
 from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
-from bem.nonadhesive.tension import dips, minimum, nodes, under_tension
+from bem.nonadhesive.tension import dips, nodes, under_tension
 
 # The contact is unique: what only shapes the way to it is a matter of cost, measured by halving and doubling.
 INWARD, OUTWARD, INTO_GAP = 0.3, 1.0, 0.35  # speed: largest steps of an edge, in patch widths and gaps; work +0.8 %
@@ -282,9 +282,10 @@ def _gaps_under_tension(elastic: Elastic, pressure: PatchPressure, tolerance: fl
     """
     opened: list[tuple[float, float]] = []
     doubtful = False
-    for i, between in dips(pressure).items():
+    for i, low in dips(pressure).items():
         first, last, charge = pressure.left[i], pressure.right[i], pressure.charges[i]
-        for at, value, bend in sorted((minimum(charge, *span) for span in between), key=lambda dip: dip[1]):
+        for k in np.argsort(low.value).tolist():
+            at, value, bend = low.position[k], low.value[k], low.curvature[k]
             if not (value < DOUBTFUL * abs(float(charge[0])) and bend > 0):
                 break
             middle = (first + last) / 2 + (last - first) / 2 * at

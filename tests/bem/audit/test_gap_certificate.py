@@ -159,5 +159,6 @@ def test_the_certificate_shares_no_code_with_the_solver():
     own = {"bem.audit.certificate", "bem.audit.displacement", "bem.audit.gap_depths"}
     assert {name for name in imported if name.startswith("bem")} <= own | {
         "bem.geometry.arrays",
+        "bem.geometry.minima",
         "bem.geometry.profile",
     }
