@@ -19,6 +19,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, fields
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -29,12 +30,14 @@ from bem.geometry.minima import BESIDE, refined
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 
-SMALLEST_VARIATION = 1e-5  # rms heights; rounding of u (5e-14, measured with 155 patches) over 1e-8, margin 2
-SMALLEST_CHARGE = 3e-6  # per coefficient of a patch: rounding of charges of order 1 (1e-14) over 1e-8, margin 3
+DISPLACEMENT_ROUNDING = 5e-14  # of u on a patch, rms heights; measured with 155 patches
+CHARGE_ROUNDING = 1e-14  # of charges of order 1, per coefficient; measured
+SMALLEST_VARIATION = 2 * DISPLACEMENT_ROUNDING / 1e-8  # rms heights, of which rounding is half of what is demanded
+SMALLEST_CHARGE = 3 * CHARGE_ROUNDING / 1e-8  # per coefficient of a patch, of which rounding is a third of that
 RESOLVED = 1e-12  # derived: rms heights; last Chebyshev coefficients of the displacement in a gap, charges of order 1
 POSITION_ROUNDING = 4e-15  # of positions up to 2 pi; half a last digit of them is 4.4e-16
 LOAD_ROUNDING = 1.5e-14  # of displacements over the load, sums over all patches; measured 6.1e-15 at 3028 patches
-ROUNDING = 5e-13  # of a contact residual (over the variation of h), times the largest charge where that exceeds 1
+ROUNDING = 10 * DISPLACEMENT_ROUNDING  # of a contact residual, times the largest charge where that exceeds 1
 AT_EDGE = "at an edge of patch"
 
 
@@ -103,6 +106,10 @@ class Verdict:
             at = f" {place} {worst % self.patches}" if place else ""
             self.reasons.append(f"{name} {array[worst]:.2e} exceeds {limits[worst]:.0e}{at}")
         return float(array[worst])
+
+    def certificate(self, **figures: Any) -> DimensionlessCertificate:
+        """Return the certificate with these figures, ok if no reason was noted."""
+        return DimensionlessCertificate(**figures, ok=not self.reasons, reasons=tuple(self.reasons))
 
 
 @dataclass(frozen=True)
@@ -207,7 +214,7 @@ def certify(
     verdict.reasons.extend(f"displacement not resolved in the gap behind patch {i}" for i in unresolved)
     error = abs(float(np.sum(gap_integrals)) / (2 * np.pi) - (profile.max_height - penetration))
     mean_gap_error = verdict.judge("mean gap less separation", error, demands.mean_gap_error, "")
-    return DimensionlessCertificate(
+    return verdict.certificate(
         closure=closure,
         min_gap=min_gap,
         min_eigenvalue=eigenvalue,
@@ -215,8 +222,6 @@ def certify(
         hessian_asymmetry=asymmetry,
         contact_residual=residual,
         mean_gap_error=mean_gap_error,
-        ok=not verdict.reasons,
-        reasons=tuple(verdict.reasons),
         largest_gap=float(np.max(highest)),
     )
 

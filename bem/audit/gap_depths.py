@@ -15,9 +15,8 @@ import numpy as np
 from bem.audit.displacement import DisplacementField, GapPoints, half_steps, series_and_twice_the_mean
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.minima import BESIDE, refined
-from bem.geometry.profile import Profile
+from bem.geometry.profile import POINTS_PER_WAVELENGTH, Profile
 
-POINTS_PER_WAVELENGTH = 16
 MAX_GAP_SAMPLES = 8192  # limit: of u in a gap; more is a reason against the state
 WAVE_TERMS = 30  # derived: of half a wave of the cosine: below 1e-20
 
