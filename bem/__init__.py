@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from bem.scene.result_file import read_result as read_result
     from bem.scene.scene import load_scene as load_scene
     from bem.scene.scene import parse_scene as parse_scene
-    from bem.scene.scene_rules import SceneError as SceneError
+    from bem.scene.scene_error import SceneError as SceneError
     from bem.solver import solve as solve
 
 _HOME = {
@@ -29,7 +29,7 @@ _HOME = {
     "Profile": "bem.geometry.profile",
     "Solid": "bem.geometry.scaling",
     "Result": "bem.scene.result",
-    "SceneError": "bem.scene.scene_rules",
+    "SceneError": "bem.scene.scene_error",
     "load_scene": "bem.scene.scene",
     "parse_scene": "bem.scene.scene",
     "read_result": "bem.scene.result_file",

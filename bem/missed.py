@@ -12,8 +12,8 @@ import numpy as np
 
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.scene.result import UNPHYSICAL, State, Status
+from bem.scene.result_views import UNITS
 
-UNITS = {"separation": "m", "penetration": "m", "total_displacement": "m", "mean_pressure": "Pa"}
 FAILURES = {  # of a point of a path
     "not_converged": "no equilibrium was found",
     "ill_conditioned": "the gaps are too narrow, or the layer too thin, to resolve",

@@ -37,6 +37,7 @@ from bem.command_line.console import (
 )
 from bem.command_line.folder_lock import locked
 from bem.command_line.perform import BAD_INPUT, DONE, FAILED, INTERRUPTED, perform
+from bem.geometry.ranges import Mistake
 from bem.path_for import check_path
 from bem.scene.effects import effects_of
 from bem.scene.memory_estimate import memory_estimate, refuse_beyond_memory
@@ -44,7 +45,6 @@ from bem.scene.plausibility import cautions_of, groups_of
 from bem.scene.result import FINAL_STATUSES, Caution, Result
 from bem.scene.result_file import installed_version
 from bem.scene.scene import Scene, SceneError, StoredStart, load_scene
-from bem.scene.scene_rules import Mistake
 from bem.scene.scene_tables import TABLES
 from bem.solver import solve
 

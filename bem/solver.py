@@ -35,6 +35,7 @@ from bem.missed import FAILURES, NUMERICAL_FAILURES, MissedTargetError
 from bem.path_for import path_for
 from bem.problem import Problem, pose
 from bem.record import Record, Recorder, entries_of
+from bem.scene.memory_estimate import refuse_beyond_memory
 from bem.scene.result import Branch, Progress, Result, State, Status, asked_for
 from bem.scene.scene import Scene, Table, Tables, scene_of
 
@@ -72,7 +73,7 @@ def solve(
     Parameters
     ----------
     scene : Scene, path or mapping, optional
-        Checked, as a file, or as its tables; SceneError lists its mistakes.
+        Checked, as a file, or as its tables; SceneError lists its mistakes, or says how much memory is missing.
     progress : callable, optional
         Called after every accepted increment.
     on_state : callable, optional
@@ -102,6 +103,7 @@ def solve(
     ('converged', 0.5)
     """
     scene = scene_of(scene, tables)
+    refuse_beyond_memory(scene)
     surface = scene.surface()
     if surface.is_flat:
         return solve_flat(scene)

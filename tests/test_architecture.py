@@ -60,7 +60,6 @@ ORDER = (
     "validation/harness",
     "validation/report",
     "validation/plugin",
-    "validation/references/paper_method",
     "validation/references",
     "validation/routes",
     "validation/corpus",

@@ -115,16 +115,11 @@ def _replicate(options: argparse.Namespace) -> int:
     """Replicate the paper's results section; its realisations and figures lie beside the report."""
     replicate = import_module("validation.paper.replicate").replicate
     with locked(options.out):
-        return int(replicate(options.out, quick=options.quick, jobs=options.jobs, executor=options.executor, say=say))
+        return int(replicate(options.out, quick=options.quick, jobs=options.jobs, say=say))
 
 
 def _study(options: argparse.Namespace) -> int:
-    """Study a scene; refuse studies of earlier releases and name the command that replaces each."""
-    if options.name != "scene":
-        instead = INSTEAD.get(options.name, "linecontact study scene SCENE --out DIR")
-        raise UsageError(f"study {options.name}: no such study; use {instead}")
-    if options.scene is None:
-        raise UsageError("study scene: a scene file is needed: study scene SCENE --out DIR")
+    """Study a scene."""
     module = import_module("validation.studies.own_scene")
     given = {key: value for key in ("seeds", "budget") if (value := getattr(options, key)) is not None}
     plan = module.Options(jobs=options.jobs, quick=options.quick, overwrite=options.overwrite, **given)
@@ -155,7 +150,7 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     paper = commands.add_parser("replicate", help="the results of the paper from an ensemble, as a report")
     paper.add_argument("--out", type=Path, required=True, help="folder of the report; realisations there stay")
     paper.add_argument("--jobs", type=positive, default=cores, help=f"worker processes (default: {cores})")
-    paper.add_argument("--executor", default="local", help="local (default) or dask://host:port")
+    paper.add_argument("--executor", type=_no_executor, help=argparse.SUPPRESS)
     paper.add_argument("--quick", action="store_true", help="few realisations with few harmonics: shows that it runs")
     paper.set_defaults(command=_replicate, perform=perform)
 
@@ -164,8 +159,8 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     study = commands.add_parser(
         "study", help="study scene SCENE: its cost of accuracy, and what its question leaves open"
     )
-    study.add_argument("name", metavar="scene")
-    study.add_argument("scene", type=Path, nargs="?", metavar="SCENE", help="scene file (TOML)")
+    study.add_argument("name", type=_study_name, metavar="scene")
+    study.add_argument("scene", type=Path, metavar="SCENE", help="scene file (TOML)")
     study.add_argument("--seeds", type=_natural, metavar="N", help=f"realisations besides its own (default: {SEEDS})")
     study.add_argument("--budget", type=positive, metavar="SECONDS", help=f"CPU seconds (default: {BUDGET:g})")
     study.add_argument("--overwrite", action="store_true", help="replace the study of another scene")
@@ -177,6 +172,18 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     gone = commands.add_parser("baseline")
     gone.add_argument("words", nargs=argparse.REMAINDER)
     gone.set_defaults(command=_gone, perform=perform)
+
+
+def _no_executor(text: str) -> None:
+    raise argparse.ArgumentTypeError(f"{text}: no executors; --jobs N solves in N processes of this machine")
+
+
+def _study_name(name: str) -> str:
+    """Return the only study, "scene"; refuse others, of earlier releases with the command that replaces each."""
+    if name != "scene":
+        instead = INSTEAD.get(name, "linecontact study scene SCENE --out DIR")
+        raise argparse.ArgumentTypeError(f"study {name}: no such study; use {instead}")
+    return name
 
 
 def _natural(text: str) -> int:

@@ -11,27 +11,26 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from bem.scene.result import Result
+from bem.scene.result import Result, State
 from bem.scene.result_views import UNITS
 
 PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 FEWEST, MOST = 2, 4  # format: digits
 UNKNOWN = "–"
-CONTROLS = {"mean_pressure": "Pa", "separation": "m", "penetration": "m", "total_displacement": "m"}
-QUANTITIES = {  # name of a column of `to_table("targets")`: heading and unit
-    "mean_pressure": ("mean pressure", "Pa"),
-    "contact_fraction": ("contact fraction", ""),
-    "separation": ("separation", "m"),
-    "contact_pressure": ("contact pressure: mean", "Pa"),
-    "peak_pressure": ("contact pressure: peak", "Pa"),
-    "n_patches": ("contacts", ""),
-    "width_median": ("widths: least, median, largest", "m"),
-    "open_share": ("open share of the period", ""),
-    "open_gap_mean": ("open gap: mean", "m"),
-    "open_gap_largest": ("open gap: largest", "m"),
-    "open_gap_p50": ("open gap: 10, 50, 90 % of the open length below", "m"),
-    "mean_cubic_root": ("gap for flow along the ridges, <g³>^(1/3)", "m"),
-    "widest_channel": ("widest open channel", "m"),
+QUANTITIES = {  # name of a column of `to_table("targets")`: heading
+    "mean_pressure": "mean pressure",
+    "contact_fraction": "contact fraction",
+    "separation": "separation",
+    "contact_pressure": "contact pressure: mean",
+    "peak_pressure": "contact pressure: peak",
+    "n_patches": "contacts",
+    "width_median": "widths: least, median, largest",
+    "open_share": "open share of the period",
+    "open_gap_mean": "open gap: mean",
+    "open_gap_largest": "open gap: largest",
+    "open_gap_p50": "open gap: 10, 50, 90 % of the open length below",
+    "mean_cubic_root": "gap for flow along the ridges, <g³>^(1/3)",
+    "widest_channel": "widest open channel",
 }
 TRIPLES = {  # columns shown in one cell, which is sorted by the second
     "width_median": ("width_least", "width_median", "width_largest"),
@@ -133,11 +132,11 @@ def answer(result: Result, inputs: Inputs | None = None) -> tuple[list[str], lis
     rows = [{name: values[k] for name, values in columns.items()} for k in range(len(result.targets))]
     known = [(inputs or {}).get(k, {}) for k in range(len(rows))]
     heads, cells = [f"{control.replace('_', ' ')} (held)"], [[_held(row, control) for row in rows]]
-    for name, (head, unit) in QUANTITIES.items():
+    for name, head in QUANTITIES.items():
         if name == control:
             continue
         heads.append(head)
-        cells.append([_cell(row, name, unit, outer) for row, outer in zip(rows, known, strict=True)])
+        cells.append([_cell(row, name, outer) for row, outer in zip(rows, known, strict=True)])
         uncertain = [_uncertainty(row, name, outer) for row, outer in zip(rows, known, strict=True)]
         if any(text != UNKNOWN for text, _ in uncertain):
             heads.append(f"± {head}")
@@ -148,12 +147,12 @@ def answer(result: Result, inputs: Inputs | None = None) -> tuple[list[str], lis
 def _held(row: Mapping[str, float], control: str) -> Cell:
     """Return the target: the value of the quantity under control."""
     target = row["target"]
-    return (UNKNOWN, "") if math.isnan(target) else (quantity(target, CONTROLS[control]), target)
+    return (UNKNOWN, "") if math.isnan(target) else (quantity(target, UNITS[control]), target)
 
 
-def _cell(row: Mapping[str, float], name: str, unit: str, inputs: Mapping[str, float]) -> Cell:
+def _cell(row: Mapping[str, float], name: str, inputs: Mapping[str, float]) -> Cell:
     """Return a number with the digits that its uncertainty, or else the uncertainty of the contact fraction, allows."""
-    value = row[name]
+    value, unit = row[name], UNITS.get(name, "")
     if math.isnan(value):
         return UNKNOWN, ""
     if name == "n_patches":
@@ -186,21 +185,42 @@ def _uncertainty(row: Mapping[str, float], name: str, inputs: Mapping[str, float
 
 
 def pull_off_words(result: Result) -> str:
-    """Return a sentence on the largest tension of the way out, or on its absence; nothing without adhesion."""
+    """Return words on the largest tension of the way out, or on its absence; nothing without tension."""
     if stays_complete(result):
         return NO_FLAW
-    tension = result.largest_tension
+    tension, held, where = result.largest_tension, rising_tension(result), ""
+    if tension is not None:
+        error = share(tension.error_estimate.mean_pressure / -tension.mean_pressure)
+        where = f"{readable(-tension.mean_pressure, 'Pa', MOST)} (± {error} numerical), at a separation of "
+        where += readable(tension.separation, "m", MOST)
+    if held is not None:
+        words = "Pull-off: not reached. The way out ends in tension, "
+        words += (
+            f"{readable(-held.mean_pressure, 'Pa', MOST)} at a separation of {readable(held.separation, 'm', MOST)}"
+        )
+        return f"{words}, and larger tensions may lie beyond" + (
+            f"; before that it turns at {where}." if where else "."
+        )
     if tension is None:
         return ""
-    error = share(tension.error_estimate.mean_pressure / -tension.mean_pressure)
-    where = (
-        f"Pull-off: the largest tension on the way out is {readable(-tension.mean_pressure, 'Pa', MOST)} (± {error} "
-    )
-    where += f"numerical), at a separation of {readable(tension.separation, 'm', MOST)}"
+    where = f"Pull-off: the largest tension on the way out is {where}"
     apart = result.came_apart()
     if apart is None:
         return f"{where}; the surfaces have not come apart on this path."
     return f"{where}; the surfaces come apart at {readable(apart, 'm', MOST)}."
+
+
+def rising_tension(result: Result) -> State | None:
+    """Return the state of largest tension on the way out, if no turn, fold or jump of the load has a larger one.
+
+    There the way out ends or turns back before the tension has reached its maximum.
+    """
+    on_way_out = [state for state in result.states if state.found and state.branch == "unloading"]
+    held = min((state for state in on_way_out if state.mean_pressure < 0), key=lambda s: s.mean_pressure, default=None)
+    tension = result.largest_tension
+    if held is None or tension is None:
+        return held
+    return held if held.mean_pressure < tension.mean_pressure - tension.error_estimate.mean_pressure else None
 
 
 def stays_complete(result: Result) -> bool:

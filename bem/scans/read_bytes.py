@@ -10,7 +10,6 @@ import codecs
 import stat
 from pathlib import Path
 
-from bem.scans.scan_keys import BACKSLASHES
 from bem.scans.scan_refusal import refused
 
 MARKS = (
@@ -20,6 +19,7 @@ MARKS = (
     (codecs.BOM_UTF16_LE, "utf-16-le"),
     (codecs.BOM_UTF16_BE, "utf-16-be"),
 )
+BACKSLASHES = "backslashes in single quotes, 'C:\\Users\\me\\scan.csv', or with / instead"  # in names of files
 TEXT_OR_INSTRUMENT = "a text file, or a file of an instrument"
 
 

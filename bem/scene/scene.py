@@ -29,17 +29,17 @@ from bem.geometry.profile import Profile
 from bem.geometry.ranges import MOST_HARMONICS, Mistake, shown, unknown_key
 from bem.geometry.scaling import Solid
 from bem.geometry.table import TableError, plain
-from bem.scans.scan_keys import BACKSLASHES, CUTOFFS, DEFAULTS, SCAN_KEYS
+from bem.scans.read_bytes import BACKSLASHES
+from bem.scans.scan_keys import CUTOFFS, DEFAULTS, SCAN_KEYS
 from bem.scene.result import State
+from bem.scene.scene_error import SceneError
 from bem.scene.scene_rules import (
     QUESTIONS,
     SAMPLED_HARMONICS,
-    SceneError,
     loading_mistakes,
     magnitude_mistakes,
     profile_mistakes,
     scan_mistakes,
-    surface_of,
 )
 from bem.scene.scene_tables import (
     OUTPUTS,
@@ -55,6 +55,7 @@ from bem.scene.scene_tables import (
     required_keys,
 )
 from bem.scene.stored_start import StoredState, other_problem, stored_start
+from bem.scene.surface import surface_of
 from bem.scene.targets import equal_target, expanded, origin
 
 if TYPE_CHECKING:

@@ -162,7 +162,8 @@ def test_progress_is_on_stderr_and_one_line_on_stdout(verify):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (("--only", ""), "--only: empty"),
+        (("--only", ""), "--only '': no letter"),
+        (("--only", ","), "--only ',': no letter"),
         (("--only", "nothing_like_it"), "--only nothing_like_it: no case matches"),
         (("--jobs", "0"), "--jobs 0: at least 1"),
         (("--store",), "--store: needs --reason TEXT"),

@@ -1,6 +1,7 @@
 """The command line: exit codes, reports rendered again, and what is said of commands that are gone."""
 
 import json
+import sys
 
 import pytest
 
@@ -61,10 +62,11 @@ def test_a_tampered_report_is_one_sentence(report, capsys, change):
     [
         (("study", "stability", "--out", "x"), "use linecontact verify --only hard"),
         (("study", "faults", "--out", "x"), "use python -m validation.studies.faults"),
-        (("study", "scene", "--out", "x"), "a scene file is needed"),
+        (("study", "scene", "--out", "x"), "required: SCENE"),
         (("baseline", "check"), "use linecontact verify --only CASE --store --reason TEXT"),
     ],
 )
 def test_commands_that_are_gone_say_what_to_write_instead(capsys, words, message):
-    assert main(list(words)) == 2
-    assert message in capsys.readouterr().err
+    with pytest.raises(SystemExit) as ended:
+        sys.exit(main(list(words)))
+    assert (ended.value.code, message in capsys.readouterr().err) == (2, True)

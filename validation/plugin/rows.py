@@ -38,7 +38,6 @@ class Code(StrEnum):
     FEM = "fem"
     THEORY = "theory"
     DENSE = "dense algebra"
-    PAPER = "paper's method"
     GRID = "grid method"
     PUBLISHED = "published"
     EXACT = "closed form"

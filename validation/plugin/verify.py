@@ -40,8 +40,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the cases, write the report, and print one line; return the exit code."""
-    if options.only is not None and not options.only.strip():
-        return _refused("--only: empty; write a part of a case's name, such as --only johnson")
+    if options.only is not None and not any(map(str.isalnum, options.only)):
+        return _refused(f"--only {options.only!r}: no letter; write a part of a case's name, such as --only johnson")
     if options.jobs < 1:
         return _refused(f"--jobs {options.jobs}: at least 1")
     if options.cases is not None and not options.cases.is_dir():

@@ -18,7 +18,7 @@ import numpy as np
 import persson
 from bem.command_line.answer_table import axis_unit
 from bem.scene.result import Event, Result, State
-from bem.scene.scene_rules import surface_of
+from bem.scene.surface import surface_of
 from persson import DiscreteSpectrum
 from validation.harness.figure_data import axes, bars, drawn, marks, semilogx, trace
 from validation.harness.schema import Figure, Panel, Series

@@ -26,6 +26,7 @@ import numpy as np
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 import bem
+from bem.command_line.answer_table import rising_tension
 from bem.scene.atomic_file import write_atomically
 from bem.scene.result import FINAL_STATUSES, Progress, Result
 from bem.scene.result_file import digest
@@ -239,7 +240,7 @@ def answers_of(result: Result) -> Iterator[Answer]:
             if value is not None and math.isfinite(value):
                 yield Answer(state.index, state.branch, quantity, float(value), _number(error))
     tension = result.largest_tension
-    if tension is not None:
+    if tension is not None and rising_tension(result) is None:
         yield Answer(
             None, "unloading", "pull-off", -tension.mean_pressure, _number(tension.error_estimate.mean_pressure)
         )
