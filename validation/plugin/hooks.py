@@ -24,8 +24,8 @@ from validation.plugin.case_rows import RowFailure, case_key, rows_of, stored_fi
 from validation.plugin.ledger import Ledger
 from validation.plugin.own_cases import SceneFile
 from validation.plugin.rows import Rows
+from validation.plugin.verify import LEVELS, OPTIONS
 
-LEVELS = ("quick", "standard", "full")
 FINISHED = pytest.StashKey[set[str]]()
 LIMIT = 900.0  # s for a case without a mark `timeout`
 
@@ -33,26 +33,10 @@ LIMIT = 900.0  # s for a case without a mark `timeout`
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add the options of a run."""
     group = parser.getgroup("validation")
-    group.addoption("--level", choices=LEVELS, default="quick", help="run the cases of this level and those below it")
-    group.addoption("--only", metavar="TEXT", help="run the cases, of any level, whose file or name contains this text")
+    for name, keywords in OPTIONS.items():
+        group.addoption(name, **keywords)
     group.addoption("--report", type=Path, metavar="DIR", help="write report.html, report.json and rows.jsonl")
-    group.addoption("--resume", action="store_true", help="keep what passed in --report DIR with these sources")
-    group.addoption(
-        "--store",
-        choices=("anew", "worst"),
-        nargs="?",
-        const="anew",
-        help="rewrite the stored errors of the cases that run; with 'worst', keep the larger of old and new",
-    )
-    group.addoption("--reason", metavar="TEXT", default="", help="of --store: why the numbers change")
     group.addoption("--unstored", action="store_true", help="judge without stored errors, while a case is written")
-    group.addoption(
-        "--grace",
-        type=float,
-        default=15.0,
-        metavar="SECONDS",
-        help="after its time limit, until a case that does not return to Python loses its worker",
-    )
     group.addoption("--command", metavar="TEXT", default="", help="shown in the report")
 
 

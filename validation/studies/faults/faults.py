@@ -71,17 +71,7 @@ def outcome(case: str, fault: Fault | None, root: Path, scratch: Path) -> dict[s
             shutil.copytree(root / package, tree / package, ignore=shutil.ignore_patterns("__pycache__"))
         if fault is not None:
             fault.put_into(tree)
-        words = [
-            sys.executable,
-            "-m",
-            "validation.plugin.verify",
-            "--only",
-            case,
-            "--jobs",
-            "1",
-            "--out",
-            str(tree / "out"),
-        ]
+        words = [sys.executable, "-m", "validation", "run", "--only", case, "--jobs", "1", "--out", str(tree / "out")]
         environment = os.environ | {"PYTHONPATH": str(tree)}
         try:
             run = subprocess.run(words, cwd=tree, env=environment, capture_output=True, text=True, timeout=LIMIT)
