@@ -123,11 +123,14 @@ def _judged(
     if not isinstance(state, Evaluation):
         from bem.audit import gap_certificate  # only the last gaps
 
-        gaps = state.gaps
         return gap_certificate.certify_gaps(
             problem.profile,
-            gap_certificate.OpenGaps(gaps.anchor, gaps.shift, gaps.half_width, state.opening),
-            gap_certificate.Levels(state.deficit, state.mean_pressure, state.separation, state.penetration),
+            state.gaps,
+            state.opening,
+            deficit=state.deficit,
+            mean_pressure=state.mean_pressure,
+            separation=state.separation,
+            penetration=state.penetration,
             compliance_ratio=problem.compliance_ratio,
         )
     adhesion: certificate.AdhesiveEdges | None = None
