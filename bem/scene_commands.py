@@ -144,7 +144,7 @@ def _run(options: argparse.Namespace) -> int:
     """Solve a scene into a folder."""
     tables = read_tables(options.scene)
     if asks_for_rows(tables):
-        return int(import_module("bem.command_line.row_commands").run_rows(tables, options))
+        return int(import_module("bem.row_commands").run_rows(tables, options))
     scene = parse_scene(tables, options.scene.parent)
     _keep_start(scene, options)
     refuse_beyond_memory(scene)
