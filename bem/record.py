@@ -21,6 +21,7 @@ from bem.certified_states import (
     complete_state,
     equilibrium_state,
     event_of,
+    jump_end,
     missed_state,
     not_below_rounding,
     separated_state,
@@ -41,6 +42,7 @@ from bem.scene.result import (
     EnergyGainedError,
     Entry,
     Event,
+    JumpEnd,
     LargestTension,
     Result,
     State,
@@ -62,6 +64,7 @@ if TYPE_CHECKING:
     AnyPoint = Point | ConvexPoint
 
 TENSION, BETWEEN = "interior_tension", "states"  # subjects of warnings
+MOST_AT_ENDS = 100  # format: patches at an end of a jump that is stored; of more, its neighbours on the path are stored
 
 
 @dataclass
@@ -167,11 +170,12 @@ def entries_of(result: Result, begun: Result) -> Iterator[Entry]:
 
 
 def _lines(scene: Scene) -> dict[str, NDArray[Any]]:
-    """Return wavenumbers and amplitudes of the prepared profile of a scan, which its file alone does not give."""
+    """Return the harmonics of the prepared profile of a scan, which its file alone does not give."""
     surface = scene.surface()
     ascending = np.argsort(surface.orders)
     wavenumbers = 2 * np.pi / surface.period * surface.orders[ascending]
-    return {"profile_q": wavenumbers, "profile_amplitude": np.abs(surface.amplitudes[ascending])}
+    waves = (surface.amplitudes * np.exp(1j * surface.phases))[ascending]
+    return {"profile_q": wavenumbers, "profile_amplitude": np.abs(waves), "profile_phase": np.angle(waves)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,20 +199,42 @@ class Recorder:
     record: Record
     on_state: Callable[[Record], None] | None
 
-    def note(self, events: tuple[PathEvent, ...]) -> None:
-        """Add events to the next state.
+    def note(
+        self, events: tuple[PathEvent, ...], before: AnyPoint | None = None, after: AnyPoint | None = None
+    ) -> None:
+        """Add events between two points to the next state; the first one has the ends of the jump, if it is one.
 
         Raises
         ------
         EnergyGainedError
             An event gains energy, beyond its error.
         """
-        for event in [event_of(self.problem, event) for event in events]:
+        converted = [event_of(self.problem, event) for event in events]
+        if events and before is not None and after is not None:
+            start, arrival = self._ends(events[0], before, after)
+            converted[0] = replace(converted[0], before=start, after=arrival)
+        for event in converted:
             released, error = event.energy_released, event.error_estimate.energy_released
             if released is not None and error is not None and released < -error:
                 at = f"{event.kind} at a penetration of {event.penetration:.9g} m"
                 raise EnergyGainedError(f"{at} releases {released:.3g} +- {error:.1g} J/m^2")
             self.record.ahead.append(event)
+
+    def _ends(self, event: PathEvent, before: Any, after: Any) -> tuple[JumpEnd | None, JumpEnd | None]:
+        """Return the points before and after a jump; None where nothing jumps, or for too many patches."""
+        problem, jumps = self.problem, self.path.has_history and (before.last or before.state is None)
+        patches = [None if point.state is None else point.patches for point in (before, after)] if jumps else []
+        if not jumps or any(each is not None and each.count > MOST_AT_ENDS for each in patches):
+            return None, None
+        deepest = problem.profile.max_height
+        if after.status == "complete_contact":
+            penetration, load = deepest, problem.control.load(deepest, after.value)
+        elif after.state is None:
+            penetration, load = self._penetration_of(after), 0.0
+        else:
+            penetration, load = after.state.penetration, after.load
+        start = jump_end(problem, before.status, patches[0], event.at.penetration, event.at.load)
+        return start, jump_end(problem, after.status, patches[1], penetration, load)
 
     def keep(self, point: AnyPoint, branch: Branch, index: int | None = None) -> State:
         """Add a refined point as a state, assessed and certified if it has edges; `index` is that of its target."""

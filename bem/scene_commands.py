@@ -137,10 +137,10 @@ def _run(options: argparse.Namespace) -> int:
     refuse_beyond_memory(scene)
     usable(options.out)
     with locked(options.out) as new:
-        return _run_alone(scene, options, new)
+        return run_alone(scene, options, new)
 
 
-def _run_alone(scene: Scene, options: argparse.Namespace, new: bool) -> int:
+def run_alone(scene: Scene, options: argparse.Namespace, new: bool) -> int:
     """Solve a scene into a locked folder; `new` says whether the folder was made for this run."""
     cautions = cautions_of(scene, groups_of(scene))
     if not options.quiet:

@@ -310,7 +310,7 @@ class _Run:
             try:
                 meeting = self._checked(meeting)
                 behind = tuple(event for event in ahead if direction * (event.at.value - meeting.value) <= 0)
-                self.recorder.note(behind)
+                self.recorder.note(behind, before, after)
                 ahead = ahead[len(behind) :]
                 self._keep(meeting, self._index_of(pressure, index))
             except MissedTargetError as why:
@@ -318,7 +318,7 @@ class _Run:
             if pressure == self.scene.loading.stop_at_mean_pressure:
                 self.point = meeting
                 return True
-        self.recorder.note(ahead)
+        self.recorder.note(ahead, before, after)
         return False
 
     def _crossed(self, before: AnyPoint, after: AnyPoint) -> list[float]:

@@ -37,7 +37,7 @@ INSTEAD = {  # of commands of earlier releases
     "stability": "linecontact verify --only hard, and python -m validation.cases.random_judge for random scenes",
     "convergence": "linecontact verify --only convergence",
     "work-precision": "linecontact verify --only cost",
-    "faults": "python -m validation.studies.faults.faults",
+    "faults": "python -m validation.studies.mutants",
     "maps": "linecontact example guide-maps",
     "baseline": "linecontact verify --only CASE --store --reason TEXT",
 }
@@ -118,7 +118,7 @@ def _replicate(options: argparse.Namespace) -> int:
     """Replicate the paper's results section; its realisations and figures lie beside the report."""
     replicate = import_module("validation.paper.replicate").replicate
     with locked(options.out):
-        return int(replicate(options.out, quick=options.quick, jobs=options.jobs, executor=options.executor, say=say))
+        return int(replicate(options.out, quick=options.quick, jobs=options.jobs, say=say))
 
 
 def _study(options: argparse.Namespace) -> int:
@@ -153,7 +153,7 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     paper = commands.add_parser("replicate", help="the results of the paper from an ensemble, as a report")
     paper.add_argument("--out", type=Path, required=True, help="folder of the report; realisations there stay")
     paper.add_argument("--jobs", type=positive, default=cores, help=f"worker processes (default: {cores})")
-    paper.add_argument("--executor", default="local", help="local (default) or dask://host:port")
+    paper.add_argument("--executor", type=_no_executor, help=argparse.SUPPRESS)
     paper.add_argument("--quick", action="store_true", help="few realisations with few harmonics: shows that it runs")
     paper.set_defaults(command=_replicate, perform=perform)
 
@@ -175,6 +175,10 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     gone = commands.add_parser("baseline")
     gone.add_argument("words", nargs=argparse.REMAINDER)
     gone.set_defaults(command=_gone, perform=perform)
+
+
+def _no_executor(text: str) -> None:
+    raise argparse.ArgumentTypeError(f"{text}: no executors; --jobs N solves in N processes of this machine")
 
 
 def _study_name(name: str) -> str:

@@ -79,10 +79,10 @@ def readable(value: float, unit: str, figures: int) -> str:
     ('1.000 µm', '3.0e-30 m')
     """
     if value == 0 or not unit:
-        return f"{_fixed(value, figures)} {unit}".strip()
+        return f"{fixed(value, figures)} {unit}".strip()
     rounded = float(f"{value:.{figures - 1}e}")
     factor, prefixed = axis_unit(abs(rounded), unit)
-    return f"{_fixed(rounded * factor, figures)} {prefixed}"
+    return f"{fixed(rounded * factor, figures)} {prefixed}"
 
 
 def quantity(value: float, unit: str) -> str:
@@ -97,7 +97,7 @@ def quantity(value: float, unit: str) -> str:
     return f"{value * factor:.6g} {prefixed}"
 
 
-def _fixed(value: float, figures: int) -> str:
+def fixed(value: float, figures: int) -> str:
     """Return a number with `figures` digits, without an exponent from 1e-4 to 1e6."""
     if value == 0:
         return "0"
@@ -118,7 +118,7 @@ def share(relative: float) -> str:
         return UNKNOWN
     if relative == 0:
         return "0 %"
-    return "< 0.01 %" if relative < 1e-4 else f"{_fixed(100 * relative, 2)} %"
+    return "< 0.01 %" if relative < 1e-4 else f"{fixed(100 * relative, 2)} %"
 
 
 def answer(result: Result, inputs: Inputs | None = None) -> tuple[list[str], list[list[Cell]]]:
@@ -160,7 +160,7 @@ def _cell(row: Mapping[str, float], name: str, inputs: Mapping[str, float]) -> C
     if name in TRIPLES:
         values = [row[column] for column in TRIPLES[name]]
         factor, prefixed = axis_unit(values[-1], unit)
-        return f"{', '.join(_fixed(number * factor, 3) for number in values)} {prefixed}", value
+        return f"{', '.join(fixed(number * factor, 3) for number in values)} {prefixed}", value
     own, outer = _relative(row, name, inputs)
     if math.isnan(outer):
         outer = inputs.get("contact_fraction", 0.0)

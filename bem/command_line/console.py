@@ -230,9 +230,9 @@ def scene_text(resolved: Mapping[str, Any]) -> str:
         if table is None:
             lines.append(f"# [{name}] absent")
         elif isinstance(table, Mapping):
-            lines += [f"[{name}]", *(f"{key} = {_toml(value)}" for key, value in table.items())]
+            lines += [f"[{name}]", *(f"{key} = {toml_text(value)}" for key, value in table.items())]
         else:
-            lines.append(f"{name} = {_toml(table)}")
+            lines.append(f"{name} = {toml_text(table)}")
     return "\n".join(lines)
 
 
@@ -285,10 +285,10 @@ def size_text(estimate: MemoryEstimate) -> str:
     return f"about {unknowns:,.0f} unknowns and {estimate.bytes / 1e9:.2g} GB of memory"
 
 
-def _toml(value: Any) -> str:
+def toml_text(value: Any) -> str:
     """Return a plain value as TOML."""
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{key} = {_toml(item)}" for key, item in value.items()) + "}"
+        return "{" + ", ".join(f"{key} = {toml_text(item)}" for key, item in value.items()) + "}"
     if isinstance(value, list | tuple):
-        return "[" + ", ".join(map(_toml, value)) + "]"
+        return "[" + ", ".join(map(toml_text, value)) + "]"
     return json.dumps(value, ensure_ascii=False)

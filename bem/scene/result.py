@@ -229,12 +229,23 @@ class EventError:
 
 
 @dataclass(frozen=True)
+class JumpEnd:
+    """State at one end of a jump, located by the path but not certified: penetration and edges in m, pressure in Pa."""
+
+    status: FinalStatus
+    penetration: float
+    mean_pressure: Number
+    edges: tuple[tuple[float, float], ...] = ()
+
+
+@dataclass(frozen=True)
 class Event:
     """Change of topology or stability; `position` in m, `energy_released` in J/m^2; kinds: bem/README.md, section 5.
 
     Penetration and mean pressure are those of the equilibrium from which the contact jumps.  The pressure is NaN
     where the last gap closes, or the first opens, under a given separation: the tension there has no
     bound.  The energy of an avalanche stands with its first event; it is None if the surfaces part under a held load.
+    So do the states `before` and `after` the jump, if at most 100 patches touch; both are None where nothing jumps.
     """
 
     kind: EventKind
@@ -243,6 +254,8 @@ class Event:
     position: float | None
     energy_released: float | None
     error_estimate: EventError
+    before: JumpEnd | None = None
+    after: JumpEnd | None = None
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ import json
 import os
 import platform
 import stat
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from functools import cache
@@ -321,14 +321,14 @@ def _check_states(result: Result, place: str) -> None:
     events, stored = 0, 0
     for k, state in enumerate(result.states):
         named = state.index is not None and 0 <= state.index < asked
-        ends = [end for edge in state.edges for end in edge]
-        share = sum(b - a for a, b in state.edges) / period if ends else float(state.status == "complete_contact")
+        share = (
+            sum(b - a for a, b in state.edges) / period if state.edges else float(state.status == "complete_contact")
+        )
         close = abs(state.contact_fraction - share) < SAME_SHARE or not state.found
-        placed = ends == sorted(ends) and (not ends or (0 <= ends[0] <= period and ends[-1] <= ends[0] + period))
         for key, right, allowed in (
             ("index", named if state.target else state.index is None, f"0 to {asked - 1} at a target, else null"),
             ("events", events <= state.events <= len(result.events), f"{events} to {len(result.events)}"),
-            ("edges", placed, f"ascending positions within one period of {period:g} m"),
+            ("edges", _placed(state.edges, period), f"ascending positions within one period of {period:g} m"),
             ("n_patches", state.n_patches == len(state.edges), f"{len(state.edges)}, the number of edges"),
             ("contact_fraction", close, f"{share:.9g}, the share of the period between edges"),
             ("stored", state.stored in (None, stored), f"{stored} or null"),
@@ -336,6 +336,17 @@ def _check_states(result: Result, place: str) -> None:
             if not right:
                 raise CorruptResultError(f"{place}: states[{k}].{key} is {getattr(state, key)}; allowed: {allowed}")
         events, stored = state.events, stored + (state.stored is not None)
+    for k, event in enumerate(result.events):
+        for name, end in (("before", event.before), ("after", event.after)):
+            if end is not None and not _placed(end.edges, period):
+                allowed = f"ascending positions within one period of {period:g} m"
+                raise CorruptResultError(f"{place}: events[{k}].{name}.edges is {end.edges}; allowed: {allowed}")
+
+
+def _placed(edges: Sequence[tuple[float, float]], period: float) -> bool:
+    """Return whether edges ascend within one period."""
+    ends = [end for edge in edges for end in edge]
+    return ends == sorted(ends) and (not ends or (0 <= ends[0] <= period and ends[-1] <= ends[0] + period))
 
 
 def _with_arrays(result: Result, arrays: dict[str, NDArray[Any]], place: str) -> Result:

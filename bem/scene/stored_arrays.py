@@ -34,6 +34,7 @@ FIELDS = {  # name without the k of a state: what it runs along, and its unit
     "scan_density": ("scan_band", "m^3"),
     "profile_q": ("profile_line", "rad/m"),
     "profile_amplitude": ("profile_line", "m"),
+    "profile_phase": ("profile_line", "1"),
 }
 GROUPS = (  # arrays that are stored together, those of a state each named with "_k"
     ("x", "displacement", "gap", "pressure", "patch"),
@@ -41,7 +42,7 @@ GROUPS = (  # arrays that are stored together, those of a state each named with 
     ("sigma", "P", "sigma_bounds", "outside_contact", "tail_coefficient"),
     ("q", "C_h"),
     ("scan_x", "scan_h", "profile_x", "profile_h", "scan_wavelength", "scan_density"),
-    ("profile_q", "profile_amplitude"),
+    ("profile_q", "profile_amplitude", "profile_phase"),
 )
 OF_STATES = GROUPS[:3]
 WHOLE, MAYBE_NAN = ("patch",), ("pressure", "scan_h")  # outside contact; where a sample is missing

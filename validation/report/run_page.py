@@ -11,6 +11,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from markupsafe import Markup
+
 from bem.command_line.answer_table import Cell, Inputs, answer, csv_text, pull_off_words, quantity, share
 from bem.command_line.console import scene_text
 from bem.scene.atomic_file import write_atomically
@@ -19,8 +21,10 @@ from bem.scene.regular_file import read_regular
 from bem.scene.result import Result, State
 from bem.scene.result_file import read_result
 from validation.report.figures import svg_of
-from validation.report.pages import PAGE, ReportError, filled, judgement, number
-from validation.report.run_figures import MOST_SHAPES, figures_of, shape_states
+from validation.report.moving_path import moving_path
+from validation.report.pages import PAGE, ReportError, asset, filled, judgement, number
+from validation.report.run_curves import theories_of
+from validation.report.run_figures import figures_of
 from validation.report.run_words import outcome, scene_in_words, succeeded
 
 TABLE = "answer.csv"
@@ -106,8 +110,10 @@ def render_run(result: Result, inputs: Inputs | None = None) -> str:
         toml=scene_text(result.scene),
         meanings=defaultdict(str, MEANINGS),
         preparation=[_step(step) for step in result.profile_preparation],
+        path=moving_path(result, theories_of(solved)),
+        moving_style=Markup(asset("moving.css")),
+        moving_script=Markup(asset("moving.js")),
         figures=[(figure, svg_of(figure, f"run-{figure.id}")) for figure in figures_of(solved)],
-        shapes_left_out=max(0, len(shape_states(solved)) - MOST_SHAPES),
         targets=[_target(state) for state in result.targets[:MOST_ROWS]],
         events=list(_events(solved))[:MOST_ROWS],
         most=MOST_ROWS,

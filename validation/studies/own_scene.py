@@ -33,6 +33,7 @@ from bem.scene.result import FINAL_STATUSES, Progress, Result
 from bem.scene.result_file import digest
 from bem.scene.scene import SceneError, load_scene, parse_scene, read_tables
 from validation.harness.provenance import provenance
+from validation.plugin.content import finite
 from validation.report.pages import ReportError, filled
 from validation.studies.scene_settings import BASE, SEED, SOURCES, TOLERANCE, Setting, settings_of
 
@@ -124,7 +125,7 @@ def run(path: Path, folder: Path, options: Options, say: Callable[[str], None]) 
 
     def store(**more: Any) -> None:
         stored = {name: asdict(outcome) for name, outcome in solved.items()}
-        text = json.dumps(_finite(head | {"solved": stored} | more), indent=1, allow_nan=False) + "\n"
+        text = json.dumps(finite(head | {"solved": stored} | more), indent=1, allow_nan=False) + "\n"
         folder.mkdir(parents=True, exist_ok=True)
         write_atomically(folder / FILE, text)
         if more:
@@ -338,12 +339,3 @@ def share(relative: float | None) -> str:
 
 def _number(value: float | None) -> float | None:
     return None if value is None or not math.isfinite(value) else float(value)
-
-
-def _finite(value: Any) -> Any:
-    """Return a value in which NaN and infinity are None: JSON has neither."""
-    if isinstance(value, Mapping):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

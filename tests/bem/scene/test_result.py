@@ -22,6 +22,7 @@ from bem.scene.result import (
     ErrorEstimate,
     Event,
     EventError,
+    JumpEnd,
     LargestTension,
     NotFiniteError,
     Result,
@@ -47,13 +48,14 @@ STATE = stored_state(
     stored=0,
     events=1,
 )
+ENDS = JumpEnd("separated", 0.0, 0.0), JumpEnd("converged", 0.0, -0.5, ((0.0029, 0.0031),))
 RESULT = Result(
     scene=SCENE,
     effects=(Effect("half_space", True, "no [layer]", 1.5),),
     provenance=provenance(SCENE),
     states=(STATE, replace(STATE, target=False, index=None, stored=None, events=2)),
     events=(
-        Event("first_touch", 0.0, 0.0, 0.003, 1e-9, EventError(1e-15, 1e-9, 1e-16)),
+        Event("first_touch", 0.0, 0.0, 0.003, 1e-9, EventError(1e-15, 1e-9, 1e-16), *ENDS),
         Event("pull_off", 0.0, -1.0, None, None, EventError(1e-15, None, None)),
     ),
     status="converged",
@@ -265,6 +267,7 @@ WRONG = {
     "states[0].index is None": lambda c: c["states"][0].update(index=None),
     "states[1].events is 3; allowed: 1 to 2": lambda c: c["states"][1].update(events=3),
     "states[0].contact_fraction is 7.0; allowed: 0.1": lambda c: c["states"][0].update(contact_fraction=7.0),
+    "events[0].after.edges is ((0.002, 0.001),)": lambda c: c["events"][0]["after"].update(edges=[[0.002, 0.001]]),
     "states[0].edges is ((0.002, 0.001)": lambda c: c["states"][0].update(edges=[[0.002, 0.001], [0.003, 0.004]]),
     "states[0].stored is 1; allowed: 0": lambda c: c["states"][0].update(stored=1),
     "states[0] is {": lambda c: c["states"][0].update(elastic_energy=None),  # NaN, which a converged state has not
@@ -320,7 +323,9 @@ OTHER_ARRAYS = {
     "x_0 is empty": lambda fields: {name: values[:0] for name, values in fields.items()},
     "gap_0 has 4 values, x_0 has 5": lambda fields: fields | {"gap_0": np.ones(4)},
     "holds profile_q without profile_amplitude": lambda fields: fields | {"profile_q": np.ones(3)},
-    "holds no array of the stored state 0": lambda _: {"profile_q": np.ones(3), "profile_amplitude": np.ones(3)},
+    "holds no array of the stored state 0": lambda _: dict.fromkeys(
+        ("profile_q", "profile_amplitude", "profile_phase"), np.ones(3)
+    ),
 }
 
 
@@ -374,7 +379,7 @@ def test_fields_are_looked_at_before_they_are_unpacked(kind, tmp_path):
 
 def test_a_journal_is_the_result_of_its_folder_but_for_a_line_cut_off(tmp_path):
     journal = Journal(tmp_path)
-    shared = {"profile_q": np.arange(2.0), "profile_amplitude": np.arange(2.0)}
+    shared = dict.fromkeys(("profile_q", "profile_amplitude", "profile_phase"), np.arange(2.0))
     journal.begin(replace(RESULT, fields=shared), [Entry((), replace(STATE, events=0), RESULT.fields)])
     tension = replace(RESULT.largest_tension, mean_pressure=-0.2)
     journal.add(Entry(RESULT.events, replace(STATE, events=2, stored=None), tension=tension))
