@@ -19,8 +19,8 @@ from bem.command_line.console import positive
 from bem.command_line.folder_lock import FolderError, locked
 from bem.command_line.perform import DONE, FAILED
 from bem.command_line.perform import perform as perform_command
+from bem.geometry.regular_file import read_regular
 from bem.scene.atomic_file import write_atomically
-from bem.scene.regular_file import read_regular
 from bem.scene.result_file import RESULT_FILE, CorruptResultError, installed_version
 from bem.scene.scene import SceneError
 from validation.challenge import judge as challenge

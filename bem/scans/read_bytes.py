@@ -9,8 +9,8 @@ from __future__ import annotations
 import codecs
 from pathlib import Path
 
+from bem.geometry.regular_file import read_regular
 from bem.scans.scan_refusal import refused
-from bem.scene.regular_file import read_regular
 
 MARKS = (
     (codecs.BOM_UTF8, "utf-8"),

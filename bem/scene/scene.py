@@ -26,11 +26,11 @@ from numpy.typing import NDArray
 
 from bem.geometry.profile import Profile
 from bem.geometry.ranges import MOST_HARMONICS, Mistake, shown, unknown_key
+from bem.geometry.regular_file import read_regular
 from bem.geometry.scaling import Solid
 from bem.geometry.table import TableError, plain
 from bem.scans.read_bytes import BACKSLASHES
 from bem.scans.scan_keys import CUTOFFS, DEFAULTS, SCAN_KEYS
-from bem.scene.regular_file import read_regular
 from bem.scene.result import State
 from bem.scene.scene_error import SceneError
 from bem.scene.scene_rules import (

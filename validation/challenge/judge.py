@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from bem.scene.regular_file import read_regular
+from bem.geometry.regular_file import read_regular
 from validation.plugin.rows import Code, Quantity, Rows
 from validation.plugin.study_report import Part, write_study
 from validation.report.pages import ReportError

@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from bem.scene.regular_file import read_regular
+from bem.geometry.regular_file import read_regular
 from validation.plugin.case_rows import rows_of
 from validation.plugin.rows import Code, Quantity
 

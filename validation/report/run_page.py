@@ -15,9 +15,9 @@ from markupsafe import Markup
 
 from bem.command_line.answer_table import Cell, Inputs, answer, csv_text, pull_off_words, quantity, share
 from bem.command_line.console import scene_text
+from bem.geometry.regular_file import read_regular
 from bem.scene.atomic_file import write_atomically
 from bem.scene.plausibility import MEANINGS
-from bem.scene.regular_file import read_regular
 from bem.scene.result import Result, State
 from bem.scene.result_file import read_result
 from validation.report.figures import svg_of

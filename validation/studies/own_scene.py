@@ -27,8 +27,8 @@ from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 import bem
 from bem.command_line.answer_table import rising_tension
+from bem.geometry.regular_file import read_regular
 from bem.scene.atomic_file import write_atomically
-from bem.scene.regular_file import read_regular
 from bem.scene.result import FINAL_STATUSES, Progress, Result
 from bem.scene.result_file import digest
 from bem.scene.scene import SceneError, load_scene, parse_scene, read_tables
