@@ -38,7 +38,7 @@ INSTEAD = {  # of commands of earlier releases
     "stability": "linecontact verify --only hard, and python -m validation.cases.random_judge for random scenes",
     "convergence": "linecontact verify --only convergence",
     "work-precision": "linecontact verify --only cost",
-    "faults": "python -m validation.studies.faults.faults",
+    "faults": "python -m validation.studies.mutants",
     "maps": "linecontact example guide-maps",
     "baseline": "linecontact verify --only CASE --store --reason TEXT",
 }

@@ -63,6 +63,7 @@ if TYPE_CHECKING:
     from bem.elastic.layer import Layer
     from bem.scans.prepared_scan import Scan, Step
 
+ALL_ROWS = "all"  # profile.row of a map whose rows are solved each (bem/map_rows.py)
 IN_MEMORY = "arrays in memory"  # the name of the file of samples that are given as arrays
 LISTED = 12  # format: targets listed in an error
 
@@ -322,6 +323,9 @@ def _scan(
     wrong = [key for key in given.intersection((*SCAN_KEYS, *DEFAULTS, *CUTOFFS)) if key not in profile]
     if profile.get("kind") != "samples" or "file" not in profile or wrong:
         return None, []
+    if profile.get("row") == ALL_ROWS:
+        allowed = 'a row, or "mean"; all are solved by linecontact run, and by bem.solve_rows in Python'
+        return None, [Mistake("profile.row", f'= "{ALL_ROWS}" is many scenes', allowed)]
     from bem.scans.prepare_scan import prepare
     from bem.scans.read_scan import read_scan, scan_of_arrays
     from bem.scans.scan_refusal import ScanFileError

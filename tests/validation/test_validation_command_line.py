@@ -61,7 +61,7 @@ def test_a_tampered_report_is_one_sentence(report, capsys, change):
     ("words", "message"),
     [
         (("study", "stability", "--out", "x"), "use linecontact verify --only hard"),
-        (("study", "faults", "--out", "x"), "use python -m validation.studies.faults"),
+        (("study", "faults", "--out", "x"), "use python -m validation.studies.mutants"),
         (("study", "scene", "--out", "x"), "required: SCENE"),
         (("baseline", "check"), "use linecontact verify --only CASE --store --reason TEXT"),
     ],
