@@ -8,13 +8,13 @@ without that field.
 from __future__ import annotations
 
 import json
-import stat
 from pathlib import Path
 from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
 from bem.geometry.ranges import shown
+from bem.geometry.regular_file import read_regular
 from bem.scene.provenance import digest
 
 SCHEMA, FORMER = "linecontact-result/2", "linecontact-result/1"
@@ -27,10 +27,13 @@ class CorruptResultError(ValueError):
 
 
 def read_bytes(path: Path) -> bytes:
-    """Read a file; CorruptResultError if the path is a pipe or a device, at which reading would wait for ever."""
-    if not stat.S_ISREG(path.stat().st_mode):
-        raise CorruptResultError(f"{path}: is no file")
-    return path.read_bytes()
+    """Read a file; FileNotFoundError if there is none, CorruptResultError if it cannot be read."""
+    try:
+        return read_regular(path)
+    except FileNotFoundError:
+        raise
+    except OSError as error:
+        raise CorruptResultError(f"{path}: {error.strerror}") from error
 
 
 def verified(raw: bytes, place: str, schema: str | None = None) -> dict[str, Any]:

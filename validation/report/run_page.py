@@ -15,12 +15,12 @@ from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 
 from bem.command_line.answer_table import Cell, Inputs, answer, csv_text, pull_off_words, quantity, share
 from bem.command_line.console import scene_text
+from bem.geometry.regular_file import read_regular
 from bem.scene.atomic_file import write_atomically
 from bem.scene.plausibility import MEANINGS
 from bem.scene.result import Result
 from bem.scene.result_file import read_result
 from bem.scene.state import State
-from bem.scene.stored_json import read_bytes
 from validation.report.figures import svg_of
 from validation.report.moving_path import moving_path
 from validation.report.pages import PAGE, ReportError, asset, filled, judgement, number
@@ -89,9 +89,11 @@ def inputs_of(result: Result, folder: Path) -> dict[int, dict[str, float]]:
     """
     path = folder / STUDY
     try:
-        study = TypeAdapter(Study).validate_json(read_bytes(path))
+        study = TypeAdapter(Study).validate_json(read_regular(path))
     except FileNotFoundError:
         return {}
+    except OSError as error:
+        raise ReportError(f"{path}: not the study of a scene: {error.strerror}") from error
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         key = ".".join(map(str, first["loc"])) or "the file"

@@ -420,5 +420,5 @@ def test_a_damaged_line_of_a_journal_is_named(tmp_path):
 
 def test_a_pipe_in_place_of_a_result_is_refused_at_once(tmp_path):
     os.mkfifo(tmp_path / "result.json")
-    with pytest.raises(CorruptResultError, match=r"result\.json: is no file"):
+    with pytest.raises(CorruptResultError, match=r"result\.json: is a folder, a pipe or a device"):
         read_result(tmp_path)
