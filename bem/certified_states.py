@@ -11,6 +11,7 @@ import numpy as np
 from bem.audit import certificate
 from bem.audit.certificate import Certificate, DimensionlessCertificate
 from bem.elastic.collocation import Evaluation
+from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.loading.assessment import Assessment
 from bem.loading.complete_contact import CompleteContact
@@ -19,19 +20,8 @@ from bem.loading.path_events import PathEvent, PathTension
 from bem.observables import gaps
 from bem.observables.gaps import GapStatistics
 from bem.problem import Problem
-from bem.scene.result import (
-    CLOSED,
-    ErrorEstimate,
-    Event,
-    EventError,
-    EventKind,
-    GapQuantiles,
-    Gaps,
-    LargestTension,
-    State,
-    Status,
-    TensionError,
-)
+from bem.scene.result import Event, EventError, EventKind, JumpEnd, LargestTension, TensionError
+from bem.scene.state import CLOSED, ErrorEstimate, FinalStatus, GapQuantiles, Gaps, State, Status
 
 if TYPE_CHECKING:
     from bem.nonadhesive.gap_series import GapEvaluation
@@ -71,10 +61,7 @@ def equilibrium_state(
         mean_pressure=mean_pressure,
         contact_fraction=patches.contact_fraction,
         n_patches=patches.count,
-        edges=tuple(
-            (float(a), float(b))
-            for a, b in zip(patches.left * scales.length, patches.right * scales.length, strict=True)
-        ),
+        edges=_edges(problem, patches),
         elastic_energy=state.elastic_energy * scales.energy_per_area,
         adhesion_energy=assessment.adhesion_energy * scales.energy_per_area,
         total_energy=(state.elastic_energy + assessment.adhesion_energy) * scales.energy_per_area,
@@ -123,11 +110,14 @@ def _judged(
     if not isinstance(state, Evaluation):
         from bem.audit import gap_certificate  # only the last gaps
 
-        gaps = state.gaps
         return gap_certificate.certify_gaps(
             problem.profile,
-            gap_certificate.OpenGaps(gaps.anchor, gaps.shift, gaps.half_width, state.opening),
-            gap_certificate.Levels(state.deficit, state.mean_pressure, state.separation, state.penetration),
+            state.gaps,
+            state.opening,
+            deficit=state.deficit,
+            mean_pressure=state.mean_pressure,
+            separation=state.separation,
+            penetration=state.penetration,
             compliance_ratio=problem.compliance_ratio,
         )
     adhesion: certificate.AdhesiveEdges | None = None
@@ -257,6 +247,20 @@ def event_of(problem: Problem, event: PathEvent) -> Event:
             energy_released=float(doubt * energy) if known and math.isfinite(doubt) else None,
         ),
     )
+
+
+def jump_end(
+    problem: Problem, status: FinalStatus, patches: Patches | None, penetration: float, load: float
+) -> JumpEnd:
+    """Return an end of a jump in SI units from its patches, if any, and its dimensionless penetration and load."""
+    edges = () if patches is None else _edges(problem, patches.canonical())
+    return JumpEnd(status, float(penetration * problem.scales.height), float(problem.mean_pressure(load)), edges)
+
+
+def _edges(problem: Problem, patches: Patches) -> tuple[tuple[float, float], ...]:
+    """Return the edges of patches, m."""
+    left, right = (ends * problem.scales.length for ends in (patches.left, patches.right))
+    return tuple((float(a), float(b)) for a, b in zip(left, right, strict=True))
 
 
 def tension_of(problem: Problem, tension: PathTension | None) -> LargestTension | None:

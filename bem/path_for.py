@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from bem.geometry.ranges import Mistake
 from bem.loading.complete_contact import CompleteContact, complete_contact
 from bem.loading.crew import Crew
 from bem.loading.loading_path import LoadingPath
 from bem.problem import FEW_DIGITS, Problem, increments_of, pose
 from bem.scene.scene import Scene
-from bem.scene.scene_rules import Mistake, SceneError
+from bem.scene.scene_error import SceneError
 
 if TYPE_CHECKING:
     from bem.nonadhesive.convex_path import ContactPoint, ConvexPoint

@@ -21,6 +21,7 @@ from bem.certified_states import (
     complete_state,
     equilibrium_state,
     event_of,
+    jump_end,
     missed_state,
     not_below_rounding,
     separated_state,
@@ -31,25 +32,16 @@ from bem.geometry.scaling import ATOMIC
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.loading_path import LoadingPath
 from bem.loading.path_events import PathEvent
-from bem.missed import uncertified
+from bem.missed import EnergyGainedError, uncertified
 from bem.problem import Problem
 from bem.scene.effects import effects_of
 from bem.scene.plausibility import cautions_of, groups_of
-from bem.scene.result import (
-    Branch,
-    Caution,
-    EnergyGainedError,
-    Entry,
-    Event,
-    LargestTension,
-    Result,
-    State,
-    Status,
-    asked_for,
-)
-from bem.scene.result_file import provenance
+from bem.scene.provenance import provenance
+from bem.scene.result import Caution, Entry, Event, JumpEnd, LargestTension, Result, asked_for
+from bem.scene.result_invariants import check_result
 from bem.scene.scene import Scene
 from bem.scene.scene_tables import OUTPUTS
+from bem.scene.state import Branch, State, Status
 from bem.scene.stored_arrays import split
 
 if TYPE_CHECKING:
@@ -62,6 +54,7 @@ if TYPE_CHECKING:
     AnyPoint = Point | ConvexPoint
 
 TENSION, BETWEEN = "interior_tension", "states"  # subjects of warnings
+MOST_AT_ENDS = 100  # format: patches at an end of a jump that is stored; of more, its neighbours on the path are stored
 
 
 @dataclass
@@ -141,9 +134,8 @@ class Record:
         return self.entries[-1].state.events if self.entries else 0
 
     def result(self, status: Status, failure: str | None = None) -> Result:
-        """Return the result of all entries."""
-        result = self.begun.with_entries(self.entries)
-        return replace(result, status=status, failure=failure)
+        """Return the result of all entries; InvariantError, a fault of this program, where its parts do not match."""
+        return check_result(replace(self.begun.with_entries(self.entries), status=status, failure=failure))
 
 
 def entries_of(result: Result, begun: Result) -> Iterator[Entry]:
@@ -167,11 +159,12 @@ def entries_of(result: Result, begun: Result) -> Iterator[Entry]:
 
 
 def _lines(scene: Scene) -> dict[str, NDArray[Any]]:
-    """Return wavenumbers and amplitudes of the prepared profile of a scan, which its file alone does not give."""
+    """Return the harmonics of the prepared profile of a scan, which its file alone does not give."""
     surface = scene.surface()
     ascending = np.argsort(surface.orders)
     wavenumbers = 2 * np.pi / surface.period * surface.orders[ascending]
-    return {"profile_q": wavenumbers, "profile_amplitude": np.abs(surface.amplitudes[ascending])}
+    waves = (surface.amplitudes * np.exp(1j * surface.phases))[ascending]
+    return {"profile_q": wavenumbers, "profile_amplitude": np.abs(waves), "profile_phase": np.angle(waves)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,20 +188,42 @@ class Recorder:
     record: Record
     on_state: Callable[[Record], None] | None
 
-    def note(self, events: tuple[PathEvent, ...]) -> None:
-        """Add events to the next state.
+    def note(
+        self, events: tuple[PathEvent, ...], before: AnyPoint | None = None, after: AnyPoint | None = None
+    ) -> None:
+        """Add events between two points to the next state; the first one has the ends of the jump, if it is one.
 
         Raises
         ------
         EnergyGainedError
             An event gains energy, beyond its error.
         """
-        for event in [event_of(self.problem, event) for event in events]:
+        converted = [event_of(self.problem, event) for event in events]
+        if events and before is not None and after is not None:
+            start, arrival = self._ends(events[0], before, after)
+            converted[0] = replace(converted[0], before=start, after=arrival)
+        for event in converted:
             released, error = event.energy_released, event.error_estimate.energy_released
             if released is not None and error is not None and released < -error:
                 at = f"{event.kind} at a penetration of {event.penetration:.9g} m"
                 raise EnergyGainedError(f"{at} releases {released:.3g} +- {error:.1g} J/m^2")
             self.record.ahead.append(event)
+
+    def _ends(self, event: PathEvent, before: Any, after: Any) -> tuple[JumpEnd | None, JumpEnd | None]:
+        """Return the points before and after a jump; None where nothing jumps, or for too many patches."""
+        problem, jumps = self.problem, self.path.has_history and (before.last or before.state is None)
+        patches = [None if point.state is None else point.patches for point in (before, after)] if jumps else []
+        if not jumps or any(each is not None and each.count > MOST_AT_ENDS for each in patches):
+            return None, None
+        deepest = problem.profile.max_height
+        if after.status == "complete_contact":
+            penetration, load = deepest, problem.control.load(deepest, after.value)
+        elif after.state is None:
+            penetration, load = self._penetration_of(after), 0.0
+        else:
+            penetration, load = after.state.penetration, after.load
+        start = jump_end(problem, before.status, patches[0], event.at.penetration, event.at.load)
+        return start, jump_end(problem, after.status, patches[1], penetration, load)
 
     def keep(self, point: AnyPoint, branch: Branch, index: int | None = None) -> State:
         """Add a refined point as a state, assessed and certified if it has edges; `index` is that of its target."""

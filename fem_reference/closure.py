@@ -293,7 +293,7 @@ def close(
         if vanished:
             return ended("no_equilibrium", vanished)
         try:
-            there = evaluate(problem, _followed(mesh, trial, resolution, problem), resolution, control, kept)
+            there = evaluate(problem, followed_mesh(mesh, trial, resolution, problem), resolution, control, kept)
         except InvalidProblemError as reason:
             return ended("no_equilibrium", f"the edges lost their order ({reason})")
         then = residual(problem, there, control)
@@ -337,7 +337,7 @@ def _vanished(edges: FloatArray, start: FloatArray) -> str:
     return "a gap closes" if np.any(small[1::2]) else ""
 
 
-def _followed(mesh: LayerMesh, edges: FloatArray, resolution: Resolution, problem: Problem) -> LayerMesh:
+def followed_mesh(mesh: LayerMesh, edges: FloatArray, resolution: Resolution, problem: Problem) -> LayerMesh:
     """Return the mesh moved to the edges, or a new mesh where the edges went far."""
     start = mesh.reference_edges
     change = intervals(edges) / intervals(_unrolled(start))

@@ -159,7 +159,7 @@ class Result:
     def displacement(self, x: ArrayLike) -> FloatArray:
         """u_y of the face at positions x in m (any shape), evaluated in the elements."""
         local = (np.asarray(x, dtype=float) / self.problem.period - self.evaluation.states.mesh.seam) % 1.0
-        return _face_displacement(self.evaluation, local) * self.problem.unit_height
+        return face_displacement(self.evaluation, local) * self.problem.unit_height
 
     def gap(self, x: ArrayLike) -> FloatArray:
         """Gap u_y - (h - h_max + u_tot) at positions x in m (any shape)."""
@@ -181,7 +181,8 @@ def _combined(evaluation: Evaluation) -> FloatArray:
     return np.asarray(fields[0] + evaluation.load * fields[1])
 
 
-def _face_displacement(evaluation: Evaluation, local: FloatArray) -> FloatArray:
+def face_displacement(evaluation: Evaluation, local: FloatArray) -> FloatArray:
+    """Return u_y of the face at local coordinates in [0, 1), rms heights."""
     nodes = face_nodes(evaluation.states.spaces)
     values = _combined(evaluation)[evaluation.states.spaces.sizes[0] + nodes.index]
     return interpolate(local, nodes.x, values, nodes.order)
@@ -279,7 +280,7 @@ def interface_fields(evaluation: Evaluation) -> Interface:
     states, problem = evaluation.states, evaluation.states.problem
     nodes = face_nodes(states.spaces)
     x = states.mesh.seam + nodes.x
-    displacement = _face_displacement(evaluation, nodes.x)
+    displacement = face_displacement(evaluation, nodes.x)
     plate = float(states.displacement_of_plate[0] + evaluation.load * states.displacement_of_plate[1])
     gap = displacement - (problem.height(x) - problem.highest + plate)
     return Interface(

@@ -19,9 +19,12 @@ from bem.command_line.console import positive
 from bem.command_line.folder_lock import FolderError, locked
 from bem.command_line.perform import DONE, FAILED
 from bem.command_line.perform import perform as perform_command
+from bem.geometry.regular_file import read_regular
 from bem.scene.atomic_file import write_atomically
-from bem.scene.result_file import RESULT_FILE, CorruptResultError, installed_version
+from bem.scene.provenance import installed_version
+from bem.scene.result_file import RESULT_FILE
 from bem.scene.scene import SceneError
+from bem.scene.stored_json import CorruptResultError
 from validation.challenge import judge as challenge
 from validation.plugin import verify
 from validation.plugin.content import SCHEMA
@@ -36,7 +39,7 @@ INSTEAD = {  # of commands of earlier releases
     "stability": "linecontact verify --only hard, and python -m validation.cases.random_judge for random scenes",
     "convergence": "linecontact verify --only convergence",
     "work-precision": "linecontact verify --only cost",
-    "faults": "python -m validation.studies.faults.faults",
+    "faults": "python -m validation.studies.mutants",
     "maps": "linecontact example guide-maps",
     "baseline": "linecontact verify --only CASE --store --reason TEXT",
 }
@@ -69,9 +72,11 @@ def read_report(folder: Path) -> dict[str, Any]:
     """Return the content of a verification report; ReportError where it is missing, not JSON, or of another schema."""
     path = folder / REPORT
     try:
-        content = json.loads(path.read_text("utf-8"))
+        content = json.loads(read_regular(path).decode())
     except FileNotFoundError as error:
         raise ReportError(f"{path}: no report there, and no result of a run") from error
+    except OSError as error:
+        raise ReportError(f"{path}: {error.strerror}") from error
     except (ValueError, RecursionError) as error:
         raise ReportError(f"{path}: not JSON ({error})") from error
     if not isinstance(content, dict) or content.get("schema") != SCHEMA:
@@ -115,16 +120,11 @@ def _replicate(options: argparse.Namespace) -> int:
     """Replicate the paper's results section; its realisations and figures lie beside the report."""
     replicate = import_module("validation.paper.replicate").replicate
     with locked(options.out):
-        return int(replicate(options.out, quick=options.quick, jobs=options.jobs, executor=options.executor, say=say))
+        return int(replicate(options.out, quick=options.quick, jobs=options.jobs, say=say))
 
 
 def _study(options: argparse.Namespace) -> int:
-    """Study a scene; refuse studies of earlier releases and name the command that replaces each."""
-    if options.name != "scene":
-        instead = INSTEAD.get(options.name, "linecontact study scene SCENE --out DIR")
-        raise UsageError(f"study {options.name}: no such study; use {instead}")
-    if options.scene is None:
-        raise UsageError("study scene: a scene file is needed: study scene SCENE --out DIR")
+    """Study a scene."""
     module = import_module("validation.studies.own_scene")
     given = {key: value for key in ("seeds", "budget") if (value := getattr(options, key)) is not None}
     plan = module.Options(jobs=options.jobs, quick=options.quick, overwrite=options.overwrite, **given)
@@ -155,7 +155,7 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     paper = commands.add_parser("replicate", help="the results of the paper from an ensemble, as a report")
     paper.add_argument("--out", type=Path, required=True, help="folder of the report; realisations there stay")
     paper.add_argument("--jobs", type=positive, default=cores, help=f"worker processes (default: {cores})")
-    paper.add_argument("--executor", default="local", help="local (default) or dask://host:port")
+    paper.add_argument("--executor", type=_no_executor, help=argparse.SUPPRESS)
     paper.add_argument("--quick", action="store_true", help="few realisations with few harmonics: shows that it runs")
     paper.set_defaults(command=_replicate, perform=perform)
 
@@ -164,8 +164,8 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     study = commands.add_parser(
         "study", help="study scene SCENE: its cost of accuracy, and what its question leaves open"
     )
-    study.add_argument("name", metavar="scene")
-    study.add_argument("scene", type=Path, nargs="?", metavar="SCENE", help="scene file (TOML)")
+    study.add_argument("name", type=_study_name, metavar="scene")
+    study.add_argument("scene", type=Path, metavar="SCENE", help="scene file (TOML)")
     study.add_argument("--seeds", type=_natural, metavar="N", help=f"realisations besides its own (default: {SEEDS})")
     study.add_argument("--budget", type=positive, metavar="SECONDS", help=f"CPU seconds (default: {BUDGET:g})")
     study.add_argument("--overwrite", action="store_true", help="replace the study of another scene")
@@ -177,6 +177,18 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     gone = commands.add_parser("baseline")
     gone.add_argument("words", nargs=argparse.REMAINDER)
     gone.set_defaults(command=_gone, perform=perform)
+
+
+def _no_executor(text: str) -> None:
+    raise argparse.ArgumentTypeError(f"{text}: no executors; --jobs N solves in N processes of this machine")
+
+
+def _study_name(name: str) -> str:
+    """Return the only study, "scene"; refuse others, of earlier releases with the command that replaces each."""
+    if name != "scene":
+        instead = INSTEAD.get(name, "linecontact study scene SCENE --out DIR")
+        raise argparse.ArgumentTypeError(f"study {name}: no such study; use {instead}")
+    return name
 
 
 def _natural(text: str) -> int:

@@ -18,24 +18,27 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, fields
+from functools import partial
+from typing import Any
 
 import numpy as np
 
 from bem.audit.displacement import ComplianceRatio, DisplacementField, regular_part
 from bem.audit.gap_depths import gap_depths
 from bem.geometry.arrays import FloatArray, IntArray
+from bem.geometry.minima import BESIDE, refined
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 
-SMALLEST_VARIATION = 1e-5  # rms heights; rounding of u (5e-14, measured with 155 patches) over 1e-8, margin 2
-SMALLEST_CHARGE = 3e-6  # per coefficient of a patch: rounding of charges of order 1 (1e-14) over 1e-8, margin 3
+DISPLACEMENT_ROUNDING = 5e-14  # of u on a patch, rms heights; measured with 155 patches
+CHARGE_ROUNDING = 1e-14  # of charges of order 1, per coefficient; measured
+SMALLEST_VARIATION = 2 * DISPLACEMENT_ROUNDING / 1e-8  # rms heights, of which rounding is half of what is demanded
+SMALLEST_CHARGE = 3 * CHARGE_ROUNDING / 1e-8  # per coefficient of a patch, of which rounding is a third of that
 RESOLVED = 1e-12  # derived: rms heights; last Chebyshev coefficients of the displacement in a gap, charges of order 1
 POSITION_ROUNDING = 4e-15  # of positions up to 2 pi; half a last digit of them is 4.4e-16
 LOAD_ROUNDING = 1.5e-14  # of displacements over the load, sums over all patches; measured 6.1e-15 at 3028 patches
-ROUNDING = 5e-13  # of a contact residual (over the variation of h), times the largest charge where that exceeds 1
+ROUNDING = 10 * DISPLACEMENT_ROUNDING  # of a contact residual, times the largest charge where that exceeds 1
 AT_EDGE = "at an edge of patch"
-ZOOM_POINTS = np.linspace(-1.0, 1.0, 9)  # derived: each zoom on a minimum of the pressure is a quarter of the last
-ZOOMS = 8  # derived: 4^-8 = 1.5e-5 of the distance of points is left, and of the depth between them its square, 2e-10
 
 
 @dataclass(frozen=True)
@@ -103,6 +106,10 @@ class Verdict:
             at = f" {place} {worst % self.patches}" if place else ""
             self.reasons.append(f"{name} {array[worst]:.2e} exceeds {limits[worst]:.0e}{at}")
         return float(array[worst])
+
+    def certificate(self, **figures: Any) -> DimensionlessCertificate:
+        """Return the certificate with these figures, ok if no reason was noted."""
+        return DimensionlessCertificate(**figures, ok=not self.reasons, reasons=tuple(self.reasons))
 
 
 @dataclass(frozen=True)
@@ -207,7 +214,7 @@ def certify(
     verdict.reasons.extend(f"displacement not resolved in the gap behind patch {i}" for i in unresolved)
     error = abs(float(np.sum(gap_integrals)) / (2 * np.pi) - (profile.max_height - penetration))
     mean_gap_error = verdict.judge("mean gap less separation", error, demands.mean_gap_error, "")
-    return DimensionlessCertificate(
+    return verdict.certificate(
         closure=closure,
         min_gap=min_gap,
         min_eigenvalue=eigenvalue,
@@ -215,8 +222,6 @@ def certify(
         hessian_asymmetry=asymmetry,
         contact_residual=residual,
         mean_gap_error=mean_gap_error,
-        ok=not verdict.reasons,
-        reasons=tuple(verdict.reasons),
         largest_gap=float(np.max(highest)),
     )
 
@@ -304,24 +309,25 @@ def _least_charges(pressure: PatchPressure) -> FloatArray:
 def _tension(pressure: PatchPressure) -> FloatArray:
     """Largest tension of each patch (its regular part q) over the mean of q, (L,).
 
-    Half a wave of the last coefficient takes two points; where q may be tensile between them its minimum is followed.
+    Half a wave of the last coefficient takes two points; where q may be tensile between them its minimum is refined.
     """
     tension = np.empty(pressure.left.size)
     for who, rows in _by_size(pressure.charges):
-        points, order = 2 * rows.shape[1], np.arange(rows.shape[1])
+        points = 2 * rows.shape[1]
         q = regular_part(rows, points)
         lowest = np.min(q, axis=1)
         before, here, after = q[:, :-2], q[:, 1:-1], q[:, 2:]
         sag = before + after - 2 * here  # more than what a minimum between the points may lie lower
-        for row, k in zip(*np.nonzero((here <= before) & (here < after) & (here < sag)), strict=True):
-            angle, reach = (k + 1) * np.pi / points, np.pi / points
-            for _ in range(ZOOMS):
-                around = angle + reach * ZOOM_POINTS
-                values = np.cos(np.multiply.outer(around, order)) @ rows[row]
-                angle, reach = around[np.argmin(values)], reach / 4
-                lowest[row] = min(lowest[row], float(values.min()))
+        row, k = np.nonzero((here <= before) & (here < after) & (here < sag))
+        dips = refined(partial(_cosines, rows[row]), (k + 1 + BESIDE) * (np.pi / points))
+        np.minimum.at(lowest, row, dips.value)
         tension[who] = -lowest / np.maximum(np.abs(rows[:, 0]), SMALLEST_CHARGE * rows.shape[1])
     return tension
+
+
+def _cosines(series: FloatArray, angle: FloatArray) -> FloatArray:
+    """Return sum Q_k cos(k theta) of n series, (n, terms), each at its column of angles, (3, n)."""
+    return np.asarray(np.einsum("ijk,jk->ij", np.cos(np.multiply.outer(angle, np.arange(series.shape[1]))), series))
 
 
 def _truncation(pressure: PatchPressure) -> FloatArray:

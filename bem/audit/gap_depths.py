@@ -1,7 +1,7 @@
 """Measure overlap in the gaps of a state, and the mean gap: u - (h - h_max + Delta) between the patches.
 
 The displacement is that of displacement.py, sampled until its series in every gap has decayed; minima between
-samples are bracketed and followed.  Integrals of u and of h term by term.  Dimensionless
+samples are refined (minima.py).  Integrals of u and of h term by term.  Dimensionless
 (scaling.py).  Limits: at most `MAX_GAP_SAMPLES` samples of u in a gap; gaps that need more are reported.
 """
 
@@ -14,12 +14,11 @@ import numpy as np
 
 from bem.audit.displacement import DisplacementField, GapPoints, half_steps, series_and_twice_the_mean
 from bem.geometry.arrays import FloatArray, IntArray
-from bem.geometry.profile import Profile
+from bem.geometry.minima import BESIDE, refined
+from bem.geometry.profile import POINTS_PER_WAVELENGTH, Profile
 
-POINTS_PER_WAVELENGTH = 16
 MAX_GAP_SAMPLES = 8192  # limit: of u in a gap; more is a reason against the state
 WAVE_TERMS = 30  # derived: of half a wave of the cosine: below 1e-20
-REFINEMENTS, NARROWER = 6, 3  # of a minimum: the last points are 1/243 as far apart as the first
 
 
 def gap_depths(
@@ -65,18 +64,15 @@ def gap_depths(
         suspects.append((who[row], (column + 1.5) * (np.pi / size), np.full(row.size, np.pi / size)))
     integrals -= _height_integrals(profile, field.pressure.right, field.pressure.right + width)
 
-    def gap_at(points: GapPoints) -> FloatArray:
+    def gap_at(gap: IntArray, angle: FloatArray) -> FloatArray:
+        points = _at_angles(width, gap, angle)
         return field.in_gaps(points) - profile.height(field.positions(points)) - contact_level
 
-    depth = -gap_at(_at_angles(width, np.arange(field.count), lowest_at))
+    depth = -gap_at(np.arange(field.count), lowest_at)
     owner, angle, step = (np.concatenate(parts) for parts in zip(*suspects, strict=True))
-    for _ in range(REFINEMENTS):  # a parabola through three points, then a narrower one about its vertex
-        around = _at_angles(width, np.tile(owner, 3), np.ravel(angle + np.array([[-1.0], [0.0], [1.0]]) * step))
-        before, here, after = gap_at(around).reshape(3, -1)
-        np.maximum.at(depth, owner, -np.minimum(np.minimum(before, here), after))
-        bend, rise = before - 2 * here + after, (after - before) / 2
-        vertex = np.where(bend > 0, np.clip(-rise / np.where(bend > 0, bend, 1.0), -1.0, 1.0), 0.0)
-        angle, step = angle + vertex * step, step / NARROWER
+    three = np.tile(owner, 3)
+    minima = refined(lambda at: gap_at(three, at.ravel()).reshape(at.shape), angle + step * BESIDE)
+    np.maximum.at(depth, owner, -minima.value)
     return depth, highest, integrals, unresolved
 
 

@@ -13,25 +13,25 @@ from collections.abc import Mapping, Sequence
 
 from bem.scene.result import Result
 from bem.scene.result_views import UNITS
+from bem.scene.state import State
 
 PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 FEWEST, MOST = 2, 4  # format: digits
 UNKNOWN = "–"
-CONTROLS = {"mean_pressure": "Pa", "separation": "m", "penetration": "m", "total_displacement": "m"}
-QUANTITIES = {  # name of a column of `to_table("targets")`: heading and unit
-    "mean_pressure": ("mean pressure", "Pa"),
-    "contact_fraction": ("contact fraction", ""),
-    "separation": ("separation", "m"),
-    "contact_pressure": ("contact pressure: mean", "Pa"),
-    "peak_pressure": ("contact pressure: peak", "Pa"),
-    "n_patches": ("contacts", ""),
-    "width_median": ("widths: least, median, largest", "m"),
-    "open_share": ("open share of the period", ""),
-    "open_gap_mean": ("open gap: mean", "m"),
-    "open_gap_largest": ("open gap: largest", "m"),
-    "open_gap_p50": ("open gap: 10, 50, 90 % of the open length below", "m"),
-    "mean_cubic_root": ("gap for flow along the ridges, <g³>^(1/3)", "m"),
-    "widest_channel": ("widest open channel", "m"),
+QUANTITIES = {  # name of a column of `to_table("targets")`: heading
+    "mean_pressure": "mean pressure",
+    "contact_fraction": "contact fraction",
+    "separation": "separation",
+    "contact_pressure": "contact pressure: mean",
+    "peak_pressure": "contact pressure: peak",
+    "n_patches": "contacts",
+    "width_median": "widths: least, median, largest",
+    "open_share": "open share of the period",
+    "open_gap_mean": "open gap: mean",
+    "open_gap_largest": "open gap: largest",
+    "open_gap_p50": "open gap: 10, 50, 90 % of the open length below",
+    "mean_cubic_root": "gap for flow along the ridges, <g³>^(1/3)",
+    "widest_channel": "widest open channel",
 }
 TRIPLES = {  # columns shown in one cell, which is sorted by the second
     "width_median": ("width_least", "width_median", "width_largest"),
@@ -80,10 +80,10 @@ def readable(value: float, unit: str, figures: int) -> str:
     ('1.000 µm', '3.0e-30 m')
     """
     if value == 0 or not unit:
-        return f"{_fixed(value, figures)} {unit}".strip()
+        return f"{fixed(value, figures)} {unit}".strip()
     rounded = float(f"{value:.{figures - 1}e}")
     factor, prefixed = axis_unit(abs(rounded), unit)
-    return f"{_fixed(rounded * factor, figures)} {prefixed}"
+    return f"{fixed(rounded * factor, figures)} {prefixed}"
 
 
 def quantity(value: float, unit: str) -> str:
@@ -98,7 +98,7 @@ def quantity(value: float, unit: str) -> str:
     return f"{value * factor:.6g} {prefixed}"
 
 
-def _fixed(value: float, figures: int) -> str:
+def fixed(value: float, figures: int) -> str:
     """Return a number with `figures` digits, without an exponent from 1e-4 to 1e6."""
     if value == 0:
         return "0"
@@ -119,7 +119,7 @@ def share(relative: float) -> str:
         return UNKNOWN
     if relative == 0:
         return "0 %"
-    return "< 0.01 %" if relative < 1e-4 else f"{_fixed(100 * relative, 2)} %"
+    return "< 0.01 %" if relative < 1e-4 else f"{fixed(100 * relative, 2)} %"
 
 
 def answer(result: Result, inputs: Inputs | None = None) -> tuple[list[str], list[list[Cell]]]:
@@ -133,11 +133,11 @@ def answer(result: Result, inputs: Inputs | None = None) -> tuple[list[str], lis
     rows = [{name: values[k] for name, values in columns.items()} for k in range(len(result.targets))]
     known = [(inputs or {}).get(k, {}) for k in range(len(rows))]
     heads, cells = [f"{control.replace('_', ' ')} (held)"], [[_held(row, control) for row in rows]]
-    for name, (head, unit) in QUANTITIES.items():
+    for name, head in QUANTITIES.items():
         if name == control:
             continue
         heads.append(head)
-        cells.append([_cell(row, name, unit, outer) for row, outer in zip(rows, known, strict=True)])
+        cells.append([_cell(row, name, outer) for row, outer in zip(rows, known, strict=True)])
         uncertain = [_uncertainty(row, name, outer) for row, outer in zip(rows, known, strict=True)]
         if any(text != UNKNOWN for text, _ in uncertain):
             heads.append(f"± {head}")
@@ -148,12 +148,12 @@ def answer(result: Result, inputs: Inputs | None = None) -> tuple[list[str], lis
 def _held(row: Mapping[str, float], control: str) -> Cell:
     """Return the target: the value of the quantity under control."""
     target = row["target"]
-    return (UNKNOWN, "") if math.isnan(target) else (quantity(target, CONTROLS[control]), target)
+    return (UNKNOWN, "") if math.isnan(target) else (quantity(target, UNITS[control]), target)
 
 
-def _cell(row: Mapping[str, float], name: str, unit: str, inputs: Mapping[str, float]) -> Cell:
+def _cell(row: Mapping[str, float], name: str, inputs: Mapping[str, float]) -> Cell:
     """Return a number with the digits that its uncertainty, or else the uncertainty of the contact fraction, allows."""
-    value = row[name]
+    value, unit = row[name], UNITS.get(name, "")
     if math.isnan(value):
         return UNKNOWN, ""
     if name == "n_patches":
@@ -161,7 +161,7 @@ def _cell(row: Mapping[str, float], name: str, unit: str, inputs: Mapping[str, f
     if name in TRIPLES:
         values = [row[column] for column in TRIPLES[name]]
         factor, prefixed = axis_unit(values[-1], unit)
-        return f"{', '.join(_fixed(number * factor, 3) for number in values)} {prefixed}", value
+        return f"{', '.join(fixed(number * factor, 3) for number in values)} {prefixed}", value
     own, outer = _relative(row, name, inputs)
     if math.isnan(outer):
         outer = inputs.get("contact_fraction", 0.0)
@@ -186,21 +186,42 @@ def _uncertainty(row: Mapping[str, float], name: str, inputs: Mapping[str, float
 
 
 def pull_off_words(result: Result) -> str:
-    """Return a sentence on the largest tension of the way out, or on its absence; nothing without adhesion."""
+    """Return words on the largest tension of the way out, or on its absence; nothing without tension."""
     if stays_complete(result):
         return NO_FLAW
-    tension = result.largest_tension
+    tension, held, where = result.largest_tension, rising_tension(result), ""
+    if tension is not None:
+        error = share(tension.error_estimate.mean_pressure / -tension.mean_pressure)
+        where = f"{readable(-tension.mean_pressure, 'Pa', MOST)} (± {error} numerical), at a separation of "
+        where += readable(tension.separation, "m", MOST)
+    if held is not None:
+        words = "Pull-off: not reached. The way out ends in tension, "
+        words += (
+            f"{readable(-held.mean_pressure, 'Pa', MOST)} at a separation of {readable(held.separation, 'm', MOST)}"
+        )
+        return f"{words}, and larger tensions may lie beyond" + (
+            f"; before that it turns at {where}." if where else "."
+        )
     if tension is None:
         return ""
-    error = share(tension.error_estimate.mean_pressure / -tension.mean_pressure)
-    where = (
-        f"Pull-off: the largest tension on the way out is {readable(-tension.mean_pressure, 'Pa', MOST)} (± {error} "
-    )
-    where += f"numerical), at a separation of {readable(tension.separation, 'm', MOST)}"
+    where = f"Pull-off: the largest tension on the way out is {where}"
     apart = result.came_apart()
     if apart is None:
         return f"{where}; the surfaces have not come apart on this path."
     return f"{where}; the surfaces come apart at {readable(apart, 'm', MOST)}."
+
+
+def rising_tension(result: Result) -> State | None:
+    """Return the state of largest tension on the way out, if no turn, fold or jump of the load has a larger one.
+
+    There the way out ends or turns back before the tension has reached its maximum.
+    """
+    on_way_out = [state for state in result.states if state.found and state.branch == "unloading"]
+    held = min((state for state in on_way_out if state.mean_pressure < 0), key=lambda s: s.mean_pressure, default=None)
+    tension = result.largest_tension
+    if held is None or tension is None:
+        return held
+    return held if held.mean_pressure < tension.mean_pressure - tension.error_estimate.mean_pressure else None
 
 
 def stays_complete(result: Result) -> bool:

@@ -21,7 +21,8 @@ from typing import Any, Protocol, TextIO
 
 from bem.scene.memory_estimate import MemoryEstimate
 from bem.scene.plausibility import MEANINGS
-from bem.scene.result import Caution, Effect, Progress, Result
+from bem.scene.progress import Progress
+from bem.scene.result import Caution, Effect, Result
 
 LINE_SECONDS = 5.0  # format: s between lines of progress
 TARGET_SECONDS = 0.5  # format: s, the same at targets
@@ -230,9 +231,9 @@ def scene_text(resolved: Mapping[str, Any]) -> str:
         if table is None:
             lines.append(f"# [{name}] absent")
         elif isinstance(table, Mapping):
-            lines += [f"[{name}]", *(f"{key} = {_toml(value)}" for key, value in table.items())]
+            lines += [f"[{name}]", *(f"{key} = {toml_text(value)}" for key, value in table.items())]
         else:
-            lines.append(f"{name} = {_toml(table)}")
+            lines.append(f"{name} = {toml_text(table)}")
     return "\n".join(lines)
 
 
@@ -285,10 +286,10 @@ def size_text(estimate: MemoryEstimate) -> str:
     return f"about {unknowns:,.0f} unknowns and {estimate.bytes / 1e9:.2g} GB of memory"
 
 
-def _toml(value: Any) -> str:
+def toml_text(value: Any) -> str:
     """Return a plain value as TOML."""
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{key} = {_toml(item)}" for key, item in value.items()) + "}"
+        return "{" + ", ".join(f"{key} = {toml_text(item)}" for key, item in value.items()) + "}"
     if isinstance(value, list | tuple):
-        return "[" + ", ".join(map(_toml, value)) + "]"
+        return "[" + ", ".join(map(toml_text, value)) + "]"
     return json.dumps(value, ensure_ascii=False)

@@ -13,9 +13,9 @@ from typing import Annotated, Any
 from pydantic import ConfigDict, Field, create_model
 from pydantic.json_schema import GenerateJsonSchema
 
-from bem.geometry.ranges import Mistake
+from bem.geometry.ranges import Mistake, unknown_key
 from bem.geometry.table import allowed, words
-from bem.scene.scene_rules import OPTIONAL, REQUIRED, unknown_key
+from bem.scene.scene_rules import OPTIONAL, REQUIRED
 from bem.scene.scene_tables import REQUIRED_TABLES, TABLES, class_of
 
 TYPES = {"number": "number", "integer": "integer", "string": "text", "boolean": "true or false", "array": "list"}

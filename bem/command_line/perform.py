@@ -13,7 +13,7 @@ from collections.abc import Callable
 from bem.command_line.checkpoint import OutputFolderError, interruptible
 from bem.command_line.console import usable_streams
 from bem.command_line.folder_lock import FolderError
-from bem.scene.scene_rules import SceneError
+from bem.scene.scene_error import SceneError
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130  # format: exit codes
 REFUSED: tuple[type[Exception], ...] = (SceneError, OutputFolderError, FolderError)  # by every command

@@ -15,6 +15,7 @@ to that of the state.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -24,15 +25,14 @@ from bem.elastic.collocation import Elastic, Evaluation
 from bem.elastic.logarithmic_potential import LogarithmicPotential
 from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray, IntArray
+from bem.geometry.minima import BESIDE, RATIO, refined, vertices
 from bem.geometry.patches import TWO_PI
 from bem.geometry.profile import Profile
 from bem.kernels import gaps
 
-SUSPICIOUS_GAP = 1e-3  # of the rms height: interpolated minima below are evaluated again
+SUSPICIOUS_GAP = 1e-3  # speed: of the rms height: interpolated minima below are evaluated; half and twice it: same
 POINTS_PER_WAVELENGTH = 10
-REFINEMENTS, REFINEMENT_RATIO = 3, 5.0  # of a minimum: parabolas on ever shorter bases; the first is a tenth off
 DOWNHILL = 10  # limit: grid cells to a minimum that has moved
-BESIDE = np.array([[-1.0], [0.0], [1.0]])  # of three points
 GRID_RATIO = 1.2  # speed: steps of the list of grid sizes, so that equal ones are treated together
 NOT_SEARCHED, WIDE_OPEN = (32, 10), 1e3  # format: points and samples of a gap that is not searched, and u there
 
@@ -133,41 +133,35 @@ def low_minima(field: GapField, threshold: float = SUSPICIOUS_GAP) -> GapMinima:
         patches.right, patches.gap_after, sizes, counts, samples, profile.table, _highest(profile), level
     )
     gap, x = points[:, 0].astype(np.int64), points[:, 1:].T
-    vertex, depth = _lowest(field, x, field(x.ravel(), np.tile(gap, 3)).reshape(x.shape), gap)
-    return GapMinima(vertex, depth, gap)
+    lowest = refined(_in_gaps(field, gap), x)
+    return GapMinima(lowest.position, lowest.value, gap)
 
 
 def minima_near(field: GapField, position: FloatArray, gap: IntArray) -> GapMinima:
     """Return the minima of the gap near given positions in the gaps, (n,) each.
 
-    Descent on a wide base, then on a short one, then refinement by `_lowest`.
+    Descent on a wide base, then on a short one, then refinement (minima.py).
     """
-    patches, owner = field.state.patches, np.tile(gap, 3)
+    patches, function = field.state.patches, _in_gaps(field, gap)
     width = patches.gap_after[gap]
     reach = np.minimum(TWO_PI / (POINTS_PER_WAVELENGTH * field.elastic.profile.max_order), width / 4)
     first, last = patches.right[gap] + 1.01 * reach, patches.right[gap] + width - 1.01 * reach
-    for base in (reach, reach / REFINEMENT_RATIO):
+    for base in (reach, reach / RATIO):
         for _ in range(DOWNHILL):
             middle = np.minimum(np.maximum(position, first), last)
             x = middle + base * BESIDE
-            y = field(x.ravel(), owner).reshape(x.shape)
-            position, _ = _parabola_vertex(x, y)
+            y = function(x)
+            position = vertices(x, y).position
             if np.all(np.abs(position - middle) < 0.5 * base):
                 break
-    vertex, depth = _lowest(field, x, y, gap)
-    return GapMinima(vertex, depth, gap)
+    lowest = refined(function, x, y)
+    return GapMinima(lowest.position, lowest.value, gap)
 
 
-def _lowest(field: GapField, x: FloatArray, y: FloatArray, gap: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Return positions and depths of minima between the outer of three points, (3, n), on ever shorter bases."""
-    first, last, owner = x[0], x[2], np.tile(gap, 3)
-    reach = np.minimum(x[1] - x[0], x[2] - x[1])
-    vertex, depth = _parabola_vertex(x, y)
-    for _ in range(REFINEMENTS if gap.size else 0):
-        reach = reach / REFINEMENT_RATIO
-        x = np.minimum(np.maximum(vertex, first + reach), last - reach) + reach * BESIDE
-        vertex, depth = _parabola_vertex(x, field(x.ravel(), owner).reshape(x.shape))
-    return vertex, depth
+def _in_gaps(field: GapField, gap: IntArray) -> Callable[[FloatArray], FloatArray]:
+    """Return the gap as a function of three points in each of some gaps, (3, n)."""
+    owner = np.tile(gap, 3)
+    return lambda x: field(x.ravel(), owner).reshape(x.shape)
 
 
 @lru_cache(maxsize=8)
@@ -185,14 +179,3 @@ def _highest(profile: Profile) -> FloatArray:
 def _place(node: FloatArray) -> FloatArray:
     """Return (1 - cos theta)/2 from 1 - 2 theta/pi."""
     return np.asarray(0.5 - 0.5 * np.sin(np.pi / 2 * node))
-
-
-def _parabola_vertex(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the lowest point of the parabola through three points, (3, n) each; the middle one if without vertex."""
-    (left, _, right), (rise_left, _, rise_right) = x - x[1], y - y[1]
-    slope_left, slope_right = rise_left / left, rise_right / right
-    curvature = (slope_right - slope_left) / (right - left)
-    slope = slope_left - curvature * left
-    shift = np.divide(-slope, 2 * curvature, out=np.zeros(slope.size), where=curvature > 0)
-    shift = np.minimum(np.maximum(shift, left), right)
-    return x[1] + shift, y[1] + shift * (slope + curvature * shift)

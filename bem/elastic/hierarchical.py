@@ -49,7 +49,7 @@ Inputs = ParamSpec("Inputs")
 Output = TypeVar("Output")
 Ranges = list[tuple[FloatArray, int, FloatArray] | None]
 
-UNIFORM = 0.03  # alpha: any value does, to rounding; the kernel of a whole period has eigenvalues 0 and 1 / (2 n)
+UNIFORM = 0.03  # derived: alpha; any value does, to rounding: a whole period has eigenvalues 0 and 1 / (2 n)
 LARGEST_LEAF = 130  # speed: unknowns, above which a cluster of several patches is split (measured)
 LEAF: tuple[IntArray, FloatArray, Ranges] = np.array([-1]), np.zeros((1, 4)), [None]  # cuts, arcs, ranges of one leaf
 

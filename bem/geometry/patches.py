@@ -8,16 +8,15 @@ direction is -x on the left, +x on the right.  Lengths are dimensionless (scaled
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bem.geometry.arrays import FloatArray
+from bem.geometry.minima import BESIDE, refined
 
 TWO_PI = 2 * np.pi
-SAMPLES_PER_COEFFICIENT = 4  # of a pressure, to find its peak
-LEAST_SAMPLES = 32
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +155,7 @@ class PatchPressure:
         """Return the largest pressure of at least one patch; below zero if all pressure is tension.
 
         With t = cos(theta) the pressure is smooth in theta between the edges, where it falls to zero or, under
-        adhesion, to -infinity.  It is the largest of its samples, raised to the top of a parabola through three.
+        adhesion, to -infinity.  It is sampled at four points for each coefficient, and refined between them.
 
         Examples
         --------
@@ -164,20 +163,25 @@ class PatchPressure:
         >>> round(PatchPressure(-half, half, (np.array([0.5, 0.0, -0.5]),)).peak(), 5)  # sigma = sqrt(1 - x^2)
         1.0
         """
-        half_widths: list[float] = ((self.right - self.left) / 2).tolist()
-        return max(_peak(charge) / half for charge, half in zip(self.charges, half_widths, strict=True))
+        half_width = (self.right - self.left) / 2
+        sampled = [_sampled(charge) / half for charge, half in zip(self.charges, half_width, strict=True)]
+        highest = max(float(values.max()) for values in sampled)
+        for charge, half, values in zip(self.charges, half_width, sampled, strict=True):
+            top, count = int(np.argmax(values)), values.size
+            if 0 < top < count - 1 and 3 * values[top] - values[top - 1] - values[top + 1] > highest:
+                lowest = refined(partial(_tension, charge / half), (top + 0.5 + BESIDE) * (np.pi / count))
+                highest = max(highest, -float(lowest.value[0]))
+        return highest
 
 
-def _peak(charge: FloatArray) -> float:
-    """Return the largest r sigma of a patch."""
-    count = max(SAMPLES_PER_COEFFICIENT * charge.size, LEAST_SAMPLES)
-    order = np.arange(charge.size)
+def _sampled(charge: FloatArray) -> FloatArray:
+    """Return r sigma of a patch at four points for each coefficient, equidistant in theta."""
+    count, order = 4 * charge.size, np.arange(charge.size)
     modes = np.zeros(count + 1, dtype=np.complex128)
     modes[: charge.size] = charge * np.where(order, count, 2 * count) * np.exp(0.5j * np.pi / count * order)
-    sampled = np.fft.irfft(modes, 2 * count)[:count] / np.sin((np.arange(count) + 0.5) * (np.pi / count))
-    top = int(np.argmax(sampled))
-    if not 0 < top < count - 1:
-        return float(sampled[top])
-    before, highest, after = sampled[top - 1 : top + 2]
-    bend = 2 * highest - before - after
-    return float(highest + (after - before) ** 2 / (8 * bend) if bend else highest)
+    return np.asarray(np.fft.irfft(modes, 2 * count)[:count] / np.sin((np.arange(count) + 0.5) * (np.pi / count)))
+
+
+def _tension(charge: FloatArray, theta: FloatArray) -> FloatArray:
+    """Return minus the pressure of a series on a patch of half width 1, shape of theta."""
+    return np.asarray(-np.cos(np.multiply.outer(theta, np.arange(charge.size))) @ charge / np.sin(theta))

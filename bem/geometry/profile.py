@@ -22,7 +22,7 @@ from bem.kernels.heights import taylor
 
 EQUAL_STEPS = 1e-6  # limit: of the mean step: larger differences would move heights
 EQUAL_HEIGHTS = 1e-12  # derived: of the rms height: crests as high as each other, to rounding
-_POINTS_PER_WAVELENGTH = 16  # derived: of the table of heights: with `_TAYLOR_TERMS` its truncation is 1e-15 of h
+POINTS_PER_WAVELENGTH = 16  # derived: of the table of heights: with `_TAYLOR_TERMS` its truncation is 1e-15 of h
 _TAYLOR_TERMS = 14  # derived: terms about a point of the table
 _BISECTIONS = 55  # derived: of a crest between its neighbours on the grid: also flat crests, where Newton is slow
 
@@ -245,7 +245,7 @@ class Profile:
     @cached_property
     def table(self) -> FloatArray:
         """Taylor coefficients h^(k)(x_j) delta^k / k! on the grid, (n_grid, n_terms)."""
-        n = max(64, 1 << int(np.ceil(np.log2(_POINTS_PER_WAVELENGTH * self.max_order))))
+        n = max(64, 1 << int(np.ceil(np.log2(POINTS_PER_WAVELENGTH * self.max_order))))
         spectrum: NDArray[np.complex128] = np.zeros(n // 2 + 1, dtype=np.complex128)
         spectrum[self.orders] = self.amplitudes * np.exp(1j * self.phases) * (n / 2)
         factor = 1j * np.arange(n // 2 + 1) * (2 * np.pi / n)

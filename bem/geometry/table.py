@@ -18,6 +18,7 @@ import numpy as np
 from pydantic import ConfigDict, Field, ValidationError
 from pydantic.dataclasses import dataclass as checked_dataclass
 
+from bem.geometry.lengths import LENGTH_UNITS
 from bem.geometry.ranges import RANGES, Mistake, shown, unknown_key
 
 WORDS = Path(__file__).parents[1] / "scene" / "keys.toml"
@@ -86,7 +87,7 @@ def plain(value: Any) -> Any:
 @lru_cache(maxsize=1)
 def words() -> dict[str, dict[str, Any]]:
     """Return the words of all tables and keys."""
-    return tomllib.loads(WORDS.read_text("utf-8"))
+    return tomllib.loads(WORDS.read_text("utf-8").replace("LENGTH_UNITS", LENGTH_UNITS))
 
 
 def allowed(path: str) -> str:

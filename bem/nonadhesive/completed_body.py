@@ -1,8 +1,9 @@
-"""Pressure of complete contact, to its last digits, and stiffness against opening: they hold the last gaps open.
+"""Pressure of complete contact, to its last digits, stiffness against opening, and controls next to complete contact.
 
 Complete contact has the pressure p_0 + q(x), q = sum m h_m / ratio_m cos(m x + phi_m).  Next to it the tension that
 opens a gap is a small difference of p_0 and q: q is summed at single points without rounding of m x, and its changes
-from there as products of sines.  Dimensionless (scaling.py).
+from there as products of sines.  A control alpha Delta + beta load is a condition alpha s + 2 pi beta tau = rest on the
+separation s and the deficit tau, what the mean pressure lacks to that of complete contact.  Dimensionless (scaling.py).
 """
 
 from __future__ import annotations
@@ -14,8 +15,10 @@ from functools import cached_property
 import numpy as np
 
 from bem.geometry.arrays import FloatArray
+from bem.geometry.patches import TWO_PI
 from bem.geometry.profile import Profile
 from bem.loading.complete_contact import CompleteContact
+from bem.loading.control import Control
 
 EXACT_PHASE = float(1 << 24)  # derived: positions are multiples of its inverse and a rest; order times these is exact
 STIFFENING, MOST_TERMS = 1e-16, 1 << 16  # derived: of a layer: size of the terms left out, and number of the others
@@ -95,12 +98,45 @@ class CompletedBody:
         """q at single points, to its last digits, (n,); the same for a point alone and among others."""
         return np.asarray(np.sum(self.waves_at(anchor)[0] * self.pressure.amplitudes, axis=1))
 
-    def change_from_anchor(self, anchor: FloatArray, offset: FloatArray) -> FloatArray:
-        """q(anchor + offset) - q(anchor), relatively accurate however small the offsets, (G,) and (G, n)."""
-        m, amplitude = self.pressure.orders.astype(np.float64), self.pressure.amplitudes
-        change = np.empty(offset.shape)
-        for i, (cosine, sine) in enumerate(zip(*self.waves_at(anchor), strict=True)):
-            half = np.multiply.outer(offset[i] / 2, m)
-            rise = np.sin(half)
-            change[i] = -2 * ((rise * np.cos(half)) @ (amplitude * sine) + (rise * rise) @ (amplitude * cosine))
-        return change
+    def change_from_anchor(self, anchor: float, offset: FloatArray) -> FloatArray:
+        """Return q(anchor + offset) - q(anchor), relatively accurate however small the offsets, (n,)."""
+        amplitude = self.pressure.amplitudes
+        cosine, sine = (wave[0] for wave in self.waves_at(np.array([anchor])))
+        half = np.multiply.outer(offset / 2, self.pressure.orders.astype(np.float64))
+        rise = np.sin(half)
+        return np.asarray(-2 * ((rise * np.cos(half)) @ (amplitude * sine) + (rise * rise) @ (amplitude * cosine)))
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Condition alpha s + 2 pi beta tau = rest: a control next to complete contact.
+
+    Parameters
+    ----------
+    separation_weight, load_weight, rest : float
+        alpha, beta >= 0.
+    rounding : float
+        Accuracy of `rest`: a small difference of large numbers where it comes from heights and loads.
+    """
+
+    separation_weight: float
+    load_weight: float
+    rest: float
+    rounding: float = 0.0
+
+    def rate(self, separation_rate: float) -> float:
+        """Return the derivative of the left-hand side by the deficit, where a deficit opens gaps at this rate."""
+        return self.separation_weight * separation_rate + TWO_PI * self.load_weight
+
+    def deficit(self, separation: float, separation_rate: float) -> float:
+        """Return the deficit that meets the condition, from the separation at no deficit and its derivative."""
+        return (self.rest - self.separation_weight * separation) / self.rate(separation_rate)
+
+
+def condition_of(body: CompletedBody, control: Control, value: float, separation: float | None = None) -> Condition:
+    """Return the condition of a control at a value, or of a separation given to full precision."""
+    if separation is not None:
+        return Condition(1.0, 0.0, separation)
+    alpha, beta = control.penetration_weight, control.load_weight
+    whole = alpha * body.max_height + beta * TWO_PI * body.lowest
+    return Condition(alpha, beta, whole - value, float(np.finfo(float).eps) * whole)

@@ -17,18 +17,18 @@ import numpy as np
 
 from bem.elastic.collocation import Elastic, Evaluation
 from bem.geometry.arrays import FloatArray
+from bem.geometry.gaps import Gaps, gaps_of
 from bem.geometry.patches import Patches
 from bem.loading.assessment import Assessment
 from bem.loading.control import Control, LoadControl
 from bem.loading.increments import Effort, Increments
 from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, EventNumbers, PathEvent, PathStatus, PathTension, path_events
 from bem.loading.points_without_edges import Complete, Failed, PathPoint, Separated
-from bem.nonadhesive.completed_body import CompletedBody
+from bem.nonadhesive.completed_body import CompletedBody, Condition, condition_of
 from bem.nonadhesive.contact_assessment import assess_contact
 from bem.nonadhesive.gap_series import GapEvaluation
-from bem.nonadhesive.gaps import Gaps, gaps_of
 from bem.nonadhesive.grid_contact import GridProblem, grid_problem
-from bem.nonadhesive.last_gaps import Condition, assess_gaps, condition_of, isolated_cracks, solve_gaps
+from bem.nonadhesive.last_gaps import assess_gaps, isolated_cracks, solve_gaps
 from bem.nonadhesive.nonadhesive import solve_contact
 
 LOAD_CONTROL = LoadControl()
@@ -177,23 +177,23 @@ class ConvexPath:
         if separation <= 0 if separation is not None else value >= joined * (1 - ROUNDED):
             return Complete(value)
         condition = condition_of(self.body, control, value, separation)
-        gaps, deficit = isolated_cracks(self.body, condition)
+        gaps = isolated_cracks(self.body, condition)
         if self._are_narrow(gaps):
-            return self._by_gaps(condition, value, gaps, deficit)
+            return self._by_gaps(condition, value, gaps)
         start, middle = self._grid.patches(control, value), self.body.max_height / 2
         solved = solve_contact(self.elastic, control, start, middle, value, self.increments.fine)
         self.effort.evaluations += solved.evaluations
         if solved.state is not None and solved.status == "converged":
             return self._touching(value, solved.state)
         known = gaps if solved.patches is None else gaps_of(solved.patches)
-        point = self._by_gaps(condition, value, known, deficit)  # there is contact, and a gap, at any value between
+        point = self._by_gaps(condition, value, known)  # there is contact, and a gap, at any value between
         if solved.state is None or isinstance(point, ContactPoint):
             return point
         return self._touching(value, solved.state)  # that gap is too much for unknowns in gaps, and taken for contact
 
-    def _by_gaps(self, condition: Condition, value: float, gaps: Gaps, deficit: float) -> ConvexPoint:
+    def _by_gaps(self, condition: Condition, value: float, gaps: Gaps) -> ConvexPoint:
         """Solve for the state from the given gaps."""
-        solved = solve_gaps(self.body, condition, gaps, deficit)
+        solved = solve_gaps(self.body, condition, gaps)
         self.effort.evaluations += solved.evaluations
         if solved.status == "closed":
             return Complete(value)

@@ -18,7 +18,7 @@ from typing import Literal
 
 import numpy as np
 
-from bem.elastic.collocation import ROUNDINGS, Elastic, Evaluation, evaluate
+from bem.elastic.collocation import ROUNDING, ROUNDINGS, Elastic, Evaluation, evaluate
 from bem.elastic.gap import gap_field, low_minima
 from bem.elastic.hierarchical import IllConditionedSystemError, if_solvable
 from bem.elastic.sensitivities import own_sensitivity
@@ -26,7 +26,7 @@ from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI, Patches, PatchPressure, ordered
 from bem.loading.control import Control
 from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
-from bem.nonadhesive.tension import dips, minimum, nodes, under_tension
+from bem.nonadhesive.tension import dips, nodes, under_tension
 
 # The contact is unique: what only shapes the way to it is a matter of cost, measured by halving and doubling.
 INWARD, OUTWARD, INTO_GAP = 0.3, 1.0, 0.35  # speed: largest steps of an edge, in patch widths and gaps; work +0.8 %
@@ -37,12 +37,12 @@ NARROW = 100.0  # a sliver beside a gap that closes is joined before it costs th
 COARSELY_CLOSED = 1e-3  # speed: the same until the edges are close; what it closes too early is opened then
 OPENING_GAP = 1.5  # of these: gaps that tension inside a patch calls for are opened from here, so as to stay open
 LEFT_OVER = 0.01  # of the residual and the contact: what the edges may still have to move, for invariances to 1e-10
-ROUNDED = 1e-13  # of the highest crest: charges known no better, measured 1e-14
+ROUNDED = 10 * ROUNDING  # of the highest crest: charges are known no better, with a margin
 DAMPED_AFTER = 15  # speed: steps of the same patches after which a change of sign of K halves the step of its edge
 OVERLAP = 10.0  # speed: Newton steps beside an edge with K < 0 in which the surfaces overlap until it has moved
 
 CLOSING_MODES = 4000  # limit: of a patch: a gap beside it that asks for more counts as closed
-DOUBTFUL = 1e-9  # of the mean pressure of a patch: the accuracy at which a dip may be a gap too narrow to be seen here
+DOUBTFUL = 0.1 * CLOSED_GAP**2  # of the mean pressure of a patch: a tenth of the tension that a closed gap leaves
 
 ContactStatus = Literal["converged", "separated", "complete_contact", "narrow_gaps", "not_converged", "ill_conditioned"]
 
@@ -282,9 +282,10 @@ def _gaps_under_tension(elastic: Elastic, pressure: PatchPressure, tolerance: fl
     """
     opened: list[tuple[float, float]] = []
     doubtful = False
-    for i, between in dips(pressure).items():
+    for i, low in dips(pressure).items():
         first, last, charge = pressure.left[i], pressure.right[i], pressure.charges[i]
-        for at, value, bend in sorted((minimum(charge, *span) for span in between), key=lambda dip: dip[1]):
+        for k in np.argsort(low.value).tolist():
+            at, value, bend = low.position[k], low.value[k], low.curvature[k]
             if not (value < DOUBTFUL * abs(float(charge[0])) and bend > 0):
                 break
             middle = (first + last) / 2 + (last - first) / 2 * at

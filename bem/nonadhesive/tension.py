@@ -6,42 +6,35 @@ which is sampled at twice as many nodes as it has coefficients.  Dimensionless.
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray, IntArray
+from bem.geometry.minima import Minima, refined
 from bem.geometry.patches import PatchPressure
 
-TENSILE = 1e-6  # of the largest pressure of a patch: less tension is rounding
+TENSILE = 1e-6  # speed: of the largest pressure of a patch: less splits no patch, but is a dip in the end
 
 
-def dips(pressure: PatchPressure) -> dict[int, list[tuple[float, float, float]]]:
-    """Patches inside which the pressure may fall below zero between its nodes: where, and the nodes on either side."""
-    minima: dict[int, list[tuple[float, float, float]]] = {}
+def dips(pressure: PatchPressure) -> dict[int, Minima]:
+    """Return the minima of the series in -1 < t < 1, patch by patch, where it may fall below zero between its nodes."""
+    lowest: dict[int, Minima] = {}
     for who, values in _at_nodes(pressure.charges):
         before, inner, after = values[:, :-2], values[:, 1:-1], values[:, 2:]
         bend = before - 2 * inner + after  # more than what a minimum between the nodes may lie lower
-        at = nodes(pressure.charges[who[0]])
-        for row, k in zip(*np.nonzero((inner < before) & (inner <= after) & (inner < bend)), strict=True):
-            minima.setdefault(int(who[row]), []).append((float(at[k + 1]), float(at[k]), float(at[k + 2])))
-    return dict(sorted(minima.items()))
+        rows, k = np.nonzero((inner < before) & (inner <= after) & (inner < bend))
+        at = nodes(pressure.charges[who[0]])[k + np.arange(3)[:, None]]
+        for row in np.unique(rows):
+            lowest[int(who[row])] = refined(partial(_series, pressure.charges[who[row]]), at[:, rows == row])
+    return dict(sorted(lowest.items()))
 
 
-def minimum(charge: FloatArray, at: float, lower: float, upper: float) -> tuple[float, float, float]:
-    """Position near a place in (-1, 1), value and second derivative of a minimum of a series between two bounds."""
-    slope = np.polynomial.chebyshev.chebder(charge)
-    bend = np.polynomial.chebyshev.chebder(slope)
-    for _ in range(3):
-        step = -np.polynomial.chebyshev.chebval(at, slope) / np.polynomial.chebyshev.chebval(at, bend)
-        at = float(np.clip(at + step, lower, upper))
-    return (
-        at,
-        float(np.polynomial.chebyshev.chebval(at, charge)),
-        float(np.polynomial.chebyshev.chebval(at, bend)),
-    )
+def _series(charge: FloatArray, t: FloatArray) -> FloatArray:
+    """Return a Chebyshev series at points, shape of t."""
+    return np.asarray(np.polynomial.chebyshev.chebval(t, charge))
 
 
 def nodes(charge: FloatArray) -> FloatArray:

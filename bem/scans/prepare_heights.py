@@ -16,10 +16,11 @@ from importlib import import_module
 import numpy as np
 
 from bem.geometry.arrays import FloatArray
+from bem.geometry.lengths import METRES
 from bem.scans.prepared_scan import Line, Step
+from bem.scans.read_map import FEWEST
 from bem.scans.read_scan import RawScan
-from bem.scans.read_text import FEWEST, SHOWN
-from bem.scans.scan_keys import METRES
+from bem.scans.read_text import SHOWN
 from bem.scans.scan_refusal import refused
 
 OUTLIER = 15.0  # median steps; of a normal distribution of steps, ten standard deviations
@@ -38,7 +39,7 @@ def refuse_few(raw: RawScan, h: FloatArray) -> None:
         raise refused("file", problem, f"at least {FEWEST} of them")
     if known < (1 - MOST_MISSING) * raw.h.size:
         problem = f"lacks {raw.h.size - known} of {raw.h.size} heights"
-        raise refused("file", problem, f"at most {MOST_MISSING:.0%} missing")
+        raise refused("file", problem, f"at most {MOST_MISSING:.0%} missing, as missing_value and valid_value say")
 
 
 def without_dropouts(raw: RawScan, line: Line, method: str) -> tuple[Line, Step]:

@@ -1,9 +1,10 @@
 """Measured line out of the columns of a text file.
 
 Positions and heights are `columns` = [x, h], or heights alone, [h], at a given `spacing`; a file of more columns needs
-`columns`, unless `row` names a row of a map (read_map.py).  Heights flagged 0 in `valid_column`, and heights equal to
-`missing_value`, are missing (NaN).  A column that is not read may be a flag if it holds few whole numbers: then the
-scene has to state `valid_column`, 0 where no column is a flag.
+`columns`, unless `row` names a row of a map (read_map.py).  Missing (NaN) are heights equal to `missing_value`, and
+heights beside which `valid_column` holds another number than `valid_value`; without `valid_value`, heights beside 0, if
+the column holds one other number.  A column that is not read may mark heights, unless it is constant or an axis: the
+scene then states `valid_column`, 0 where no column marks heights.
 """
 
 from __future__ import annotations
@@ -15,19 +16,19 @@ import numpy as np
 
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.scans.read_map import (
+    FEWEST,
     ScanLines,
     map_of,
     refuse_axes,
+    refuse_numbers_above,
     row_of,
     rows_allowed,
     scan_line,
     scan_lines,
     without_missing,
 )
-from bem.scans.read_text import TextTable
+from bem.scans.read_text import SHOWN, WORDS, TextTable
 from bem.scans.scan_refusal import refused
-
-MOST_FLAGS = 101  # format: different whole numbers in a column that may be a flag: percentages have 101
 
 
 class TableLine(NamedTuple):
@@ -38,7 +39,7 @@ class TableLine(NamedTuple):
     lines: IntArray | None = None  # line of the file of each sample, (n,)
     columns: tuple[int | None, int | None] = (None, None)  # of positions and heights, from 0
     rows: slice = slice(None)  # of the table
-    unread: tuple[int, ...] = ()  # columns, from 1
+    map_rows: int | None = None  # rows of the map that holds the line
 
 
 def line_of(table: TextTable, values: Mapping[str, Any]) -> TableLine:
@@ -48,32 +49,40 @@ def line_of(table: TextTable, values: Mapping[str, Any]) -> TableLine:
         raise refused("valid_column", f"= {flag} of {width}", "0 for none, or a column of the file besides the heights")
     points = None if flag in (1, 2) else scan_lines(table.values)
     if points is None and row is not None:
-        return TableLine(None, row_of(map_of(table, values), row))
-    x_column, h_column = _columns(width, points, values)
-    read = {x_column, h_column, flag - 1} | (set() if points is None else {0, 1})
-    unread = tuple(column + 1 for column in range(width) if column not in read)
+        heights = map_of(table, values)
+        return TableLine(None, row_of(heights, row), map_rows=heights.shape[0])
+    if table.lines.size < FEWEST:
+        problem = f"holds {table.lines.size} sample{'s' * (table.lines.size != 1)}, one on each line"
+        allowed = f"at least {FEWEST} of them; if a line holds many heights, row = 0 and their spacing"
+        raise refused("file", problem, allowed)
+    x_column, h_column = _columns(table, points, values)
     refuse_axes(table, ("first line", "last line"))
     if "valid_column" not in values:
-        _refuse_flags(table, unread)
+        read = {x_column, h_column} | (set() if points is None else {0, 1})
+        _refuse_marks(table, [column for column in range(width) if column not in read])
+    refuse_numbers_above(table, table.values[:, h_column], values)
     heights, rows = without_missing(table.values[:, h_column], values), slice(None)
     if flag:
-        heights = _flagged(heights, table.values[:, flag - 1], flag)
+        heights = _valid(heights, table.values[:, flag - 1], values)
+    elif "valid_value" in values:
+        raise refused("valid_value", f"= {values['valid_value']:g} without a valid_column", "both, or none of them")
     if points is not None:
         rows, heights = scan_line(table, points, heights, values["row"])
     elif x_column is None and heights[0] == heights.size - 1:
         problem = f"line {table.lines[0]} holds {heights[0]:g}, the number of heights that follow"
         raise refused("file", problem, f"heights alone: skip_lines = {table.lines[0]}")
+    map_rows = None if points is None else len(points[1])
     lines = table.lines[rows]
     x = None if x_column is None else table.values[rows, x_column]
     if x is not None and np.isnan(x).any():
         problem = f"line {lines[int(np.argmax(np.isnan(x)))]} has no position"
         raise refused("file", problem, "a position in every line: only heights may be missing")
-    return TableLine(x, heights, None if row == "mean" else lines, (x_column, h_column), rows, unread)
+    return TableLine(x, heights, None if row == "mean" else lines, (x_column, h_column), rows, map_rows)
 
 
-def _columns(width: int, points: ScanLines | None, values: Mapping[str, Any]) -> tuple[int | None, int]:
+def _columns(table: TextTable, points: ScanLines | None, values: Mapping[str, Any]) -> tuple[int | None, int]:
     """Return the columns of positions (None without positions) and of heights, counted from 0."""
-    flag = values.get("valid_column", 0)
+    width, flag = table.values.shape[1], values.get("valid_column", 0)
     rest = [column for column in range(1, width + 1) if column != flag]
     expected = [1, 2] if points is None else [points[0] + 1, 3]
     if points is not None and "row" not in values:
@@ -81,9 +90,10 @@ def _columns(width: int, points: ScanLines | None, values: Mapping[str, Any]) ->
         raise refused("row", problem, rows_allowed(len(points[1])))
     used = list(values.get("columns", expected if points is not None and len(rest) == 3 else rest))
     if len(used) > 2:
-        allowed = f"columns = {expected} for x and h in these columns; valid_column = {width} for a column whose 0 "
-        allowed += 'flags a missing height; row = 0, 1, .. or "mean" for a map of heights'
-        raise refused("columns", f"is needed: the file has {width} columns", allowed)
+        allowed = f"columns = {expected} for x and h in these columns; valid_column for a column that marks missing "
+        allowed += 'heights; row = 0, 1, .. or "mean" for a map of heights'
+        problem = f"is needed: the file has {width} columns, in line {table.lines[0]} {table.rows[0][:40]!r}"
+        raise refused("columns", problem, allowed)
     if max(used) > width or flag in used or len(set(used)) < len(used):
         raise refused("columns", f"= {used}", f"columns of the file, 1 to {width}, each once, other than valid_column")
     if points is not None and (len(used) != 2 or used[0] != expected[0] or used[1] < 3):
@@ -95,26 +105,37 @@ def _columns(width: int, points: ScanLines | None, values: Mapping[str, Any]) ->
     return (None, used[0] - 1) if len(used) == 1 else (used[0] - 1, used[1] - 1)
 
 
-def _flagged(heights: FloatArray, flags: FloatArray, column: int) -> FloatArray:
-    """Return heights, NaN where they are flagged 0; ScanFileError for flags that are not 0 and one other number."""
-    kinds = np.unique(flags)
-    if np.isnan(kinds).any() or (kinds != 0).sum() > 1:
-        raise refused("valid_column", f"= {column}: the column holds {_listed(kinds)}", "0 and one other number")
-    return np.where(flags == 0, np.nan, heights)
+def _valid(heights: FloatArray, marks: FloatArray, values: Mapping[str, Any]) -> FloatArray:
+    """Return heights, NaN where `marks`, the valid_column, does not hold the number of valid heights."""
+    column, valid = values["valid_column"], values.get("valid_value")
+    others = np.unique(marks[marks != 0])
+    told = f"column {column} holds {_counted(marks)}"
+    if valid is None and (others.size > 1 or np.isnan(others).any()):
+        allowed = f"0 and one other number; or valid_value = the number that marks a valid height; {WORDS}"
+        raise refused("valid_column", f"= {column}: {told}", allowed)
+    if valid is not None and valid not in marks:
+        raise refused("valid_value", f"= {valid:g}: {told}", "the one of these numbers that marks a valid height")
+    return np.where(marks != 0 if valid is None else marks == valid, heights, np.nan)
 
 
-def _refuse_flags(table: TextTable, unread: tuple[int, ...]) -> None:
-    """Raise ScanFileError for a column that is not read and may say which heights are valid."""
+def _refuse_marks(table: TextTable, unread: list[int]) -> None:
+    """Raise ScanFileError for columns that are not read, from 0, and may mark missing heights."""
+    marks = []
     for column in unread:
-        kinds = np.unique(table.values[:, column - 1])  # NaN, the last, where there is no number
-        if (
-            2 <= kinds.size <= min(MOST_FLAGS, table.lines.size // 2)
-            and (np.isnan(kinds) | (kinds == np.round(kinds))).all()
-        ):
-            problem = f"is needed: column {column} holds {_listed(kinds)} and may say which heights are valid"
-            allowed = f"valid_column = {column}: heights flagged 0 are missing; valid_column = 0 if no column says so"
-            raise refused("valid_column", problem, allowed)
+        numbers = table.values[:, column]
+        steps = np.diff(numbers)
+        if np.unique(numbers).size > 1 and not (steps > 0).all() and not (steps < 0).all():
+            marks.append(f"column {column + 1} holds {_counted(numbers)}")
+    if marks:
+        allowed = (
+            "valid_column = the column that marks missing heights, and valid_value = the number in it that marks a "
+        )
+        allowed += "valid one; valid_column = 0 if no column marks heights"
+        raise refused("valid_column", f"is needed: {'; '.join(marks)}, and is not read", allowed)
 
 
-def _listed(numbers: FloatArray) -> str:
-    return ", ".join(f"{number:g}" for number in numbers[:4]) + ", .." * (numbers.size > 4)
+def _counted(numbers: FloatArray) -> str:
+    """Return the most frequent numbers of a column, each with its count."""
+    kinds, counts = np.unique(numbers, return_counts=True)
+    told = [f"{kinds[k]:g} ({counts[k]} times)" for k in np.argsort(-counts, kind="stable")[:SHOWN]]
+    return ", ".join(told) + f", .. ({kinds.size} different)" * (kinds.size > SHOWN)

@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 
 from bem.geometry.arrays import FloatArray
-from bem.scans.read_text import FEWEST, TextTable
+from bem.scans.read_text import LISTED, NUMBER, TextTable
 from bem.scans.scan_refusal import refused
 
+FEWEST = 3  # derived: samples that carry one harmonic
 FEWEST_STEPPED, FEWEST_ORDERED = 4, 8  # format: numbers on an axis, at equal steps or in order; by chance, 1 in 20,000
 EQUAL = 0.01  # format: admitted deviation of a step of an axis, in steps
 
@@ -73,7 +74,7 @@ def _checked_row(row: int, count: int) -> int:
 
 def rows_allowed(count: int) -> str:
     """Return the allowed values of `row` in words."""
-    return f'row = 0 to {count - 1} in the order of the file, or row = "mean"'
+    return f'row = 0 to {count - 1} in the order of the file, row = "mean", or row = "all" for each'
 
 
 def map_of(table: TextTable, values: Mapping[str, Any]) -> FloatArray:
@@ -82,19 +83,36 @@ def map_of(table: TextTable, values: Mapping[str, Any]) -> FloatArray:
     if width <= 2:
         problem = f"= {values['row']!r} of a file with {width} columns"
         raise refused("row", problem, "leave it out: only a map has rows, one on each line of the file")
-    for key in ("columns", "valid_column"):
+    for key in ("columns", "valid_column", "valid_value"):
         if key in values:
             raise refused(key, f"= {values[key]!r} beside row", "leave it out: the row of a map is all of a line")
     if table.heading:
         problem = f"line {table.heading} states units of columns, which a map does not have"
         raise refused("file", problem, f"skip_lines = {table.heading}, with unit_h and unit_x")
     refuse_axes(table, ("first line", "last line", "first column", "last column"))
+    refuse_numbers_above(table, table.values, values)
     return without_missing(table.values, values)
 
 
 def without_missing(heights: FloatArray, values: Mapping[str, Any]) -> FloatArray:
     """Return heights, NaN where they are the missing_value of the scene."""
-    return np.where(heights == values["missing_value"], np.nan, heights) if "missing_value" in values else heights
+    missing = values.get("missing_value", "none")
+    return heights if missing == "none" else np.where(heights == missing, np.nan, heights)
+
+
+def refuse_numbers_above(table: TextTable, heights: FloatArray, values: Mapping[str, Any]) -> None:
+    """Raise ScanFileError for heights that equal a number in the lines above them, unless missing_value is stated."""
+    if "missing_value" in values:
+        return
+    equal = []
+    for number, line in table.above:
+        for value in {float(text) for mark in ",." for text in NUMBER.findall(line.replace(",", mark))}:
+            count = np.count_nonzero(heights == value)
+            equal += [f"line {number} ({line[:40]!r}): {value:g}, as {count} heights"] * bool(count)
+    if equal:
+        told = "; ".join(equal[:LISTED]) + "; .." * (len(equal) > LISTED)
+        allowed = 'missing_value = the number that stands for a missing height; missing_value = "none" if none does'
+        raise refused("missing_value", f"is needed: numbers above the heights equal heights: {told}", allowed)
 
 
 def refuse_axes(table: TextTable, sides: Iterable[str]) -> None:
@@ -110,7 +128,7 @@ def refuse_axes(table: TextTable, sides: Iterable[str]) -> None:
 def _has_axis(rows: FloatArray) -> bool:
     """Return whether the first row, but for a corner, holds positions: in order where the next two rows are not."""
     parts = rows[:3], rows[:3, 1:], rows[:3, :-1]
-    return any(
+    return rows.shape[0] > 1 and any(
         any(_ordered(part[0], stepped) for part in parts)
         and not any(_ordered(row, stepped) for part in parts for row in part[1:])
         for stepped in (True, False)

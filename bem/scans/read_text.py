@@ -1,13 +1,14 @@
 """Columns of numbers in a text file.
 
 Every line is a row of numbers, or of words for a missing number (`MISSING`), with as many cells as the first.  Empty
-lines stand for nothing.  Above the first row may stand a heading that states units (read_units.py), and a line of names
-above a line of units; all other lines are refused with their numbers, unless `skip_lines` skips them.  Lines end with
-LF, CR or both, as in editors.
+lines stand for nothing, and a last column without any number is the delimiter at the end of every line.  Above the
+first row may stand a heading that states units (read_units.py), and a line of names above a line of units; all other
+lines are refused with their numbers, unless `skip_lines` skips them.  Lines end with LF, CR or both, as in editors.
 
 A *reading* is a delimiter (tab, semicolon, comma, blanks) with a decimal mark.  The file must be rows of one length in
-some reading.  Two readings that give different numbers are refused (`0,5` may be two columns or a decimal comma), as is
-a file whose every comma may part thousands (`12,345`): the scene then states `decimal`.
+some reading; tabs part columns before blanks do.  The scene states `decimal` where the decimal mark is not clear: two
+readings give different numbers (`0,5` may be two columns or a decimal comma), every comma may part thousands
+(`12,345`), or columns of whole numbers between commas may hold the decimals of the column before (`0,1,25`).
 """
 
 from __future__ import annotations
@@ -30,15 +31,13 @@ Line = tuple[int, str]  # its number as editors count, and its text
 
 SHOWN = 3  # format: mistakes of one sort that are spelt out
 LISTED = 12  # format: lines above the numbers that are spelt out
-JUDGED = 2000  # format: lines that tell how a file is to be read
-FEWEST = 3  # derived: samples that carry one harmonic
 DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma", "": "blanks"}
-MISSING = {"", "-", "--", "---", "***", "na", "n/a", "#n/a", "null", "none", "missing", "bad", "invalid", "void"}
+MISSING = {"", "-", "--", "---", "***", "na", "n/a", "#n/a", "null", "none"}
 MISSING |= {"nan", "-nan", "nan(ind)", "-nan(ind)", "1.#qnan", "-1.#ind", "inf", "+inf", "-inf"}
 NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 THOUSANDS = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")  # or a decimal comma
 MINUS = re.compile("[\u2010-\u2015\u2212\ufe63\uff0d]")  # hyphens, dashes and minus signs of Unicode
-ORDINARY = frozenset("0123456789+-.eE,; \t")  # characters of rows that are read all at once
+WORDS = "words that mark heights become numbers, as 1 and 0 in a column that valid_column names"
 
 
 class Reading(NamedTuple):
@@ -84,6 +83,7 @@ class TextTable:
     units: tuple[str, ...]  # of each column, "" where none is stated
     heading: int  # line of these units, from 1; 0 without a heading
     reading: Reading
+    above: tuple[Line, ...]  # lines above the first row, skipped or not
 
 
 def read_table(text: str, skip_lines: int = 0, decimal: str | None = None) -> TextTable:
@@ -100,29 +100,28 @@ def read_table(text: str, skip_lines: int = 0, decimal: str | None = None) -> Te
     whole = re.split("\r\n|\r|\n", text)
     if skip_lines >= len(whole):
         raise refused("skip_lines", f"= {skip_lines}", f"fewer than the {len(whole)} lines of the file")
-    numbered = enumerate(whole[skip_lines:], skip_lines + 1)
-    lines = [(number, bare) for number, line in numbered if (bare := line.strip(" ")).strip("\t ")]
+    filled = [(number, bare) for number, line in enumerate(whole, 1) if (bare := line.strip(" ")).strip("\t ")]
+    skipped = [line for line in filled if line[0] <= skip_lines]
+    lines = filled[len(skipped) :]
     readings = [reading for reading in READINGS if decimal in (None, reading.decimal)]
     start = next((k for k, line in enumerate(lines) if any(each.has_number(line[1]) for each in readings)), len(lines))
     above, body = lines[:start], lines[start:]
     for line in above:
         _refuse_minus(line, readings)
-    if len(body) < FEWEST:
-        first = f": line {lines[0][0]} is {lines[0][1][:40]!r}" if lines else ""
-        raise refused(
-            "file", f"holds {len(body)} samples{first}", f"a text file with at least {FEWEST} lines of numbers"
-        )
-    reading, width = _reading_of(body, readings)
-    if decimal is None and reading.decimal == ",":
-        _refuse_thousands(body, reading)
+    if not body:
+        told = f": {_quoted(above)} not numbers alone" if above else ""
+        raise refused("file", f"holds no line of numbers{told}", f"a text file with lines of numbers; {WORDS}")
+    reading, read = _rows_of(body, readings)
+    width = len(reading.cells(body[0][1]))
     units = _heading_of(above, width)
-    values = _read_at_once(body, reading, width)
-    if values is None:
-        values = _read_one_by_one(body, reading, width)
+    values = _numbers(body, reading, read, width)
     if reading.delimiter and np.isnan(values[:, -1]).all() and width > 1:
-        values = values[:, :-1]  # every line ends with the delimiter
+        values = values[:, :-1]
+    if decimal is None:
+        _refuse_commas(body, reading, values)
     numbers, rows = zip(*body, strict=True)
-    return TextTable(values, np.array(numbers), rows, units, above[-1][0] if above else 0, reading)
+    heading = above[-1][0] if above else 0
+    return TextTable(values, np.array(numbers), rows, units, heading, reading, (*skipped, *above))
 
 
 def _heading_of(above: Sequence[Line], width: int) -> tuple[str, ...]:
@@ -135,12 +134,18 @@ def _heading_of(above: Sequence[Line], width: int) -> tuple[str, ...]:
         count = 2 if not named and _are_names(above[-2:-1], above[-1][0], width) else 1
         if count == len(above):
             return units
-    texts = ", ".join(repr(line[:40]) for _, line in above[:LISTED]) + ", .." * (len(above) > LISTED)
-    first, last = above[0][0], above[-1][0]
-    problem = f"line {first} ({texts}) is" if len(above) == 1 else f"lines {first} to {last} ({texts}) are"
-    allowed = "columns of numbers, under a heading with a unit for each column, as in x [mm]; h [um]; or skip_lines = "
-    allowed += f"{above[-1 - count][0]}, and what the lines say in unit_x, unit_h, spacing, columns, missing_value, "
-    raise refused("file", f"{problem} not numbers", f"{allowed}valid_column")
+    allowed = (
+        "columns of numbers, under a heading with a unit for each column, as in x [mm]; h [um]; or, if no samples "
+    )
+    allowed += f"stand there, skip_lines = {above[-1 - count][0]}, and what the lines say in unit_x, unit_h, spacing, "
+    raise refused("file", f"{_quoted(above)} not numbers", f"{allowed}columns, missing_value, valid_column; {WORDS}")
+
+
+def _quoted(lines: Sequence[Line]) -> str:
+    """Return the numbers and the texts of lines, as the subject of a sentence with its verb."""
+    texts = ", ".join(repr(line[:40]) for _, line in lines[:LISTED]) + ", .." * (len(lines) > LISTED)
+    first, last = lines[0][0], lines[-1][0]
+    return f"line {first} ({texts}) is" if len(lines) == 1 else f"lines {first} to {last} ({texts}) are"
 
 
 def _are_names(lines: Sequence[Line], units: int, width: int) -> bool:
@@ -152,29 +157,57 @@ def _are_names(lines: Sequence[Line], units: int, width: int) -> bool:
     )
 
 
-def _reading_of(body: Sequence[Line], readings: Iterable[Reading]) -> tuple[Reading, int]:
-    """Return the reading in which most lines are rows as long as the first; ScanFileError for two unlike ones."""
-    judged = body[:JUDGED]
+def _rows_of(body: Sequence[Line], readings: Iterable[Reading]) -> tuple[Reading, list[Row | None]]:
+    """Return the reading in which most lines are rows as long as the first, and the rows, None for other lines.
+
+    ScanFileError for readings with unlike decimal marks that give unlike numbers.
+    """
     fits = []
     for reading in readings:
         if reading.has_number(body[0][1]):
+            read = [reading.row(line) for _, line in body]
             width = len(reading.cells(body[0][1]))
-            read = [reading.row(line) for _, line in judged]
             rows = [row if row and len(row) == width else None for row in read]
             fits.append(((len(rows) - rows.count(None), -read.count(None)), reading, width, rows))
     most = max(fit[0] for fit in fits)
     (_, reading, width, rows), *others = (fit for fit in fits if fit[0] == most)
-    for _, other, columns, values in others:
-        for (number, line), row, value in zip(judged, rows, values, strict=True):
+    for _, other, columns, values in (fit for fit in others if fit[1].decimal != reading.decimal):
+        for (number, line), row, value in zip(body, rows, values, strict=True):
             if repr(row) != repr(value):  # NaN is unequal to NaN
                 columns_read = " or ".join(f"{count} column{'s' * (count != 1)}" for count in (width, columns))
                 allowed = f'decimal = "{reading.decimal}" for the first, decimal = "{other.decimal}" for the second'
                 raise refused("decimal", f"is needed: line {number} ({line[:40]!r}) may be {columns_read}", allowed)
-    return reading, width
+    return reading, rows
 
 
-def _refuse_thousands(body: Sequence[Line], reading: Reading) -> None:
-    """Raise ScanFileError if the comma of every number may part thousands (`12,345`)."""
+def _numbers(body: Sequence[Line], reading: Reading, rows: Sequence[Row | None], width: int) -> FloatArray:
+    """Return the numbers of all rows, (n_rows, width); ScanFileError for lines that are no rows."""
+    wrong = []
+    for (number, line), row in zip(body, rows, strict=True):
+        if row is None:
+            _refuse_minus((number, line), [reading])
+            count = len(reading.cells(line))
+            parted = f"{count} column{'s' * (count != 1)}, the first row {width}"
+            parted = "more than numbers" if count == width else parted
+            wrong.append(f"line {number} ({line[:40]!r}) holds {parted}")
+    if wrong:
+        allowed = f"{width} numbers up to {MOST:g}, or NaN for a missing one, with decimal mark {reading.decimal!r}, "
+        allowed += f"and {DELIMITERS[reading.delimiter]} between columns: correct the line; {WORDS}"
+        rest = [f"and {len(wrong) - SHOWN} more lines like that"] * (len(wrong) > SHOWN)
+        raise ScanFileError([Refusal("file", text, allowed) for text in (*wrong[:SHOWN], *rest)])
+    return np.array(rows, dtype=np.float64)
+
+
+def _refuse_commas(body: Sequence[Line], reading: Reading, values: FloatArray) -> None:
+    """Raise ScanFileError if commas may be another mark: decimal marks (`0,1,25`), or between thousands (`12,345`)."""
+    decimals = reading.delimiter == "," and values.shape[1] > 2 and (values[:, 1:] >= 0).all(axis=0).any()
+    if decimals and not any("." in line for _, line in body):
+        number, line = body[0]
+        problem = f"is needed: line {number} ({line[:40]!r}) has commas that may part columns or decimals"
+        allowed = 'decimal = "." if every comma parts columns; otherwise write points, or another mark, in the file'
+        raise refused("decimal", problem, allowed)
+    if reading.decimal != ",":
+        return
     commas = ((*line, cell) for line in body for cell in reading.cells(line[1]) if "," in cell)
     first = next(commas, None)
     if first is None or not all(THOUSANDS.fullmatch(cell) for *_, cell in (first, *commas)):
@@ -191,38 +224,3 @@ def _refuse_minus(line: Line, readings: Iterable[Reading]) -> None:
     if sign is not None and any(reading.has_number(MINUS.sub("-", line[1])) for reading in readings):
         problem = f"line {line[0]} ({line[1][:40]!r}) has the minus sign {sign[0]!r} (U+{ord(sign[0]):04X})"
         raise refused("file", problem, 'the hyphen "-" (U+002D) before negative numbers: replace it')
-
-
-def _read_at_once(body: Sequence[Line], reading: Reading, width: int) -> FloatArray | None:
-    """Return all rows, where each is plain numbers; None where the lines have to be read one by one."""
-    text = "\n".join(line for _, line in body)
-    if not ORDINARY.issuperset(text.replace("\n", "")) or (reading.decimal == "," and "." in text):
-        return None
-    rows = (text.replace(",", ".") if reading.decimal == "," else text).split("\n")
-    try:
-        values = np.loadtxt(rows, delimiter=reading.delimiter or None, ndmin=2, comments=None)
-    except ValueError:
-        return None
-    return values if values.shape == (len(body), width) and (np.abs(values) <= MOST).all() else None
-
-
-def _read_one_by_one(body: Sequence[Line], reading: Reading, width: int) -> FloatArray:
-    """Return the rows, (n_rows, width); ScanFileError for lines that are none."""
-    rows, wrong = [], []
-    for number, line in body:
-        row = reading.row(line)
-        if row is not None and len(row) == width:
-            rows.append(row)
-            continue
-        _refuse_minus((number, line), [reading])
-        count = len(reading.cells(line))
-        parted = f"{count} column{'s' * (count != 1)}, the first row {width}" if count != width else "more than numbers"
-        wrong.append(f"line {number} ({line[:40]!r}) holds {parted}")
-    if wrong:
-        allowed = (
-            f"{width} numbers up to {MOST:g}, or NaN for a missing one, with decimal mark {reading.decimal!r} and "
-        )
-        allowed += f"{DELIMITERS[reading.delimiter]} between columns: correct the line or remove it"
-        rest = [f"and {len(wrong) - SHOWN} more lines like that"] * (len(wrong) > SHOWN)
-        raise ScanFileError([Refusal("file", text, allowed) for text in (*wrong[:SHOWN], *rest)])
-    return np.array(rows)

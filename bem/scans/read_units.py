@@ -12,7 +12,7 @@ import unicodedata
 from collections.abc import Mapping
 from typing import Any
 
-from bem.scans.scan_keys import METRES, UNITS
+from bem.geometry.lengths import LENGTH_UNITS, METRES
 from bem.scans.scan_refusal import Refusal, ScanFileError
 
 SYMBOLS = {"μm": "um", "μin": "uin", "Å": "angstrom"}  # after NFKC, which has one micro sign and one angstrom sign
@@ -77,7 +77,7 @@ def resolved_units(values: Mapping[str, Any], stated: Mapping[str, str], source:
         key, own = f"unit_{axis}", stated.get(axis, "")
         given = values.get(key)
         if own and own not in METRES:
-            allowed = f"one of {UNITS} there: spell the unit so, or convert the numbers"
+            allowed = f"one of {LENGTH_UNITS} there: spell the unit so, or convert the numbers"
             refusals.append(Refusal(key, f"is {own!r} in {source}", allowed))
         elif own and given and own != given:
             problem = f'= "{given}" contradicts the file, which says "{own}" in {source}'
@@ -86,7 +86,7 @@ def resolved_units(values: Mapping[str, Any], stated: Mapping[str, str], source:
             units[axis] = given or own
         else:
             reason = f"{source} states a unit for one column alone" if own else "the file does not state it"
-            refusals.append(Refusal(key, f"is missing: {reason}", f"one of {UNITS}"))
+            refusals.append(Refusal(key, f"is missing: {reason}", f"one of {LENGTH_UNITS}"))
     if refusals:
         raise ScanFileError(refusals)
     return units

@@ -23,9 +23,10 @@ import psutil
 from scipy.special import erf
 
 from bem.geometry.arrays import FloatArray
+from bem.geometry.ranges import Mistake
 from bem.scene.elastic_tables import elastic_effects
 from bem.scene.scene import Scene
-from bem.scene.scene_rules import Mistake, SceneError
+from bem.scene.scene_error import SceneError
 
 BASE, PER_HARMONIC, PER_UNKNOWN, PER_NODE, PER_PAIR = 8e7, 1.8e4, 4500.0, 6000.0, 250.0  # format: bytes, measured
 ADHESIVE = 4.5e7, 1.2e8  # format: bytes, measured: of modules, and of tables of a contact as wide as the period
@@ -92,7 +93,7 @@ def _contact_fractions(scene: Scene) -> FloatArray:
     loading, surface = scene.loading, scene.surface()
     if loading.initial == "complete_contact":
         return np.ones(1)
-    modulus = scene.solid.youngs_modulus / (1 - scene.solid.poisson_ratio**2)
+    modulus = scene.solid.plane_strain_modulus
     waves = surface.q0 * surface.orders
     flat = modulus * waves * np.abs(surface.amplitudes) / 2  # p_m, Pa
     for effect in elastic_effects(scene).values():

@@ -53,7 +53,7 @@ def groups_of(scene: Scene) -> dict[str, float]:
     (4443, ())
     """
     surface = scene.surface()
-    modulus = scene.solid.youngs_modulus / (1 - scene.solid.poisson_ratio**2)
+    modulus = scene.solid.plane_strain_modulus
     groups = {"rms_height": surface.rms_height, "rms_slope": surface.rms_slope}
     groups["pressure_scale"] = modulus * surface.rms_slope
     if scene.adhesion is not None and not surface.is_flat:

@@ -6,16 +6,14 @@ The rules take the plain values of the keys that are valid by themselves (`value
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from bem.geometry.profile import Profile
-from bem.geometry.ranges import Mistake as Mistake
-from bem.geometry.ranges import harmonic_mistakes
-from bem.geometry.ranges import shown as shown
-from bem.geometry.ranges import unknown_key as unknown_key
+from bem.geometry.ranges import Mistake, harmonic_mistakes, shown
+from bem.geometry.scaling import Solid
 from bem.scans.scan_keys import CUTOFFS, DEFAULTS, SCAN_KEYS
 
 if TYPE_CHECKING:
@@ -38,19 +36,6 @@ MOST_TARGET_HARMONICS = 1e9  # limit: targets times harmonics: weeks on one core
 LARGEST_RATIO = 1e50  # derived: of lengths, pressures and energies to the scales of the profile, or its inverse
 RANGE = ("start", "stop", "count")
 QUESTIONS = ("title", "loading", "accuracy", "output")  # of a scene; all other tables say what is in contact
-
-
-class SceneError(ValueError):
-    """Scene that cannot be solved; `mistakes` lists all its mistakes."""
-
-    def __init__(self, mistakes: Iterable[Mistake]) -> None:
-        self.mistakes = tuple(mistakes)
-        count = f"{len(self.mistakes)} mistake{'s' * (len(self.mistakes) != 1)} in the scene"
-        super().__init__("\n  ".join([f"{count}:", *map(str, self.mistakes)]))
-
-    def __reduce__(self) -> tuple[type[SceneError], tuple[tuple[Mistake, ...]]]:
-        """Return what pickle needs to build an equal error in another process."""
-        return SceneError, (self.mistakes,)
 
 
 def as_said(limit: float) -> float:
@@ -76,6 +61,8 @@ def profile_mistakes(values: Mapping[str, Any], given: Collection[str]) -> Itera
     for key in given:
         if key in values and key not in used:
             yield Mistake(f"profile.{key}", f"= {shown(values[key])}", f'kind = "{kind}" uses {", ".join(used)} only')
+    if "every" in values and values.get("row") != "all":
+        yield Mistake("profile.every", f"= {shown(values['every'])}", 'row = "all" beside it, or leave it out')
     if kind == "self_affine" and values.get("harmonics") == "all":
         yield Mistake("profile.harmonics", '= "all"', "an integer >= 1: only samples have a last one")
     if kind != "harmonics":
@@ -155,7 +142,7 @@ def magnitude_mistakes(tables: Mapping[str, Any], profile: Profile) -> Iterator[
         allowed = f"from {1 / LARGEST_RATIO:g} to {LARGEST_RATIO:g} periods"
         yield Mistake(f"profile.{name}", f"reach {largest / period:.2g} periods", allowed)
         return
-    modulus = tables["solid"]["youngs_modulus"] / (1 - tables["solid"]["poisson_ratio"] ** 2)
+    modulus = Solid(**tables["solid"]).plane_strain_modulus
     scale = modulus * largest**2 / period
     if adhesion is not None:
         share = adhesion["work_of_adhesion"] / scale
@@ -207,17 +194,3 @@ def _negative(path: str, value: float | Sequence[float] | None) -> Iterator[Mist
                 yield Mistake(f"{path}[{k}]", f"= {item:g}", allowed)
     elif isinstance(value, int | float) and value < 0:
         yield Mistake(path, f"= {value:g}", allowed)
-
-
-def surface_of(values: Mapping[str, Any], scan: Scan | None) -> Profile:
-    """Return the profile in SI units of a resolved [profile], given as plain values."""
-    kind = values["kind"]
-    if kind == "self_affine":
-        return Profile.self_affine(
-            values["period"], values["hurst"], values["rms_height"], values["harmonics"], values["seed"]
-        )
-    if kind == "harmonics":
-        return Profile.from_harmonics(values["period"], values["orders"], values["amplitudes"], values["phases"])
-    if scan is None:
-        raise ValueError("profile.file: its samples have not been read")
-    return Profile.from_samples(scan.x, scan.h, values["harmonics"], period=values["period"])

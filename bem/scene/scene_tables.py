@@ -10,11 +10,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import MISSING, fields
 from importlib import import_module
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 from pydantic.dataclasses import dataclass
 
+from bem.geometry.lengths import METRES
 from bem.geometry.ranges import LEAST, MOST, MOST_HARMONICS
 from bem.geometry.table import CONFIG, limits, table
 
@@ -26,7 +27,10 @@ Order = Annotated[int, Field(ge=1, le=MOST_HARMONICS)]
 Orders = Annotated[tuple[Order, ...], Field(strict=False, min_length=1)]
 Length = Annotated[float, Field(ge=LEAST, le=MOST)]
 Columns = Annotated[tuple[Annotated[int, Field(ge=1)], ...], Field(strict=False, min_length=1, max_length=2)]
-Unit = Literal["m", "cm", "mm", "um", "nm", "angstrom", "pm", "in", "mil", "uin"]
+if TYPE_CHECKING:
+    Unit = str
+else:
+    Unit = Literal[tuple(METRES)]
 
 
 @table("profile")
@@ -48,10 +52,12 @@ class ProfileTable:
     decimal: Literal[".", ","] | None = None
     columns: Columns | None = None
     skip_lines: Natural | None = None
-    missing_value: Number | None = None
+    missing_value: Number | Literal["none"] | None = None
     valid_column: Natural | None = None
+    valid_value: Number | None = None
     spacing: Length | None = None
-    row: Natural | Literal["mean"] | None = None
+    row: Natural | Literal["mean", "all"] | None = None
+    every: Annotated[int | None, Field(ge=1)] = None
     channel: Natural | None = None
     dropouts: Literal["missing", "keep"] | None = None
     missing: Literal["refuse", "interpolate"] | None = None

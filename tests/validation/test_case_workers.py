@@ -1,4 +1,4 @@
-"""Runs by `validation.plugin.verify` with worker processes: deaths, hangs, interrupts, and what a user sees."""
+"""Runs by `python -m validation run` with worker processes: deaths, hangs, interrupts, and what a user sees."""
 
 import json
 import os
@@ -31,7 +31,7 @@ def verify(tmp_path):
             (folder / name).write_text(HEAD + text)
         words = ["--cases", str(folder), "--out", str(tmp_path / "out"), "--jobs", "2", *options]
         return subprocess.Popen(
-            [sys.executable, "-m", "validation.plugin.verify", *words],
+            [sys.executable, "-m", "validation", "run", *words],
             text=True,
             start_new_session=True,
             stdout=subprocess.PIPE,
@@ -162,7 +162,8 @@ def test_progress_is_on_stderr_and_one_line_on_stdout(verify):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (("--only", ""), "--only: empty"),
+        (("--only", ""), "--only '': no letter"),
+        (("--only", ","), "--only ',': no letter"),
         (("--only", "nothing_like_it"), "--only nothing_like_it: no case matches"),
         (("--jobs", "0"), "--jobs 0: at least 1"),
         (("--store",), "--store: needs --reason TEXT"),

@@ -3,7 +3,6 @@
 import json
 
 import meshio
-import numpy as np
 import pytest
 
 from bem.command_line.console import scene_text
@@ -65,12 +64,20 @@ def test_what_it_cannot_answer_is_told_in_one_line(tmp_path, capsys, changes, to
     assert not (tmp_path / "out").exists()
 
 
-def test_a_contact_that_is_lost_has_its_row_and_exit_code(tmp_path, capsys):
-    changes = SOFT | {"loading": {"control": "penetration", "targets": [45e-6, 15e-6]}}
+def test_a_path_through_unloading_has_every_state_and_event(tmp_path):
+    changes = SOFT | {"loading": {"control": "penetration", "targets": [45e-6, 15e-6, -20e-6]}}
+    assert answer(tmp_path, changes) == 0
+    content = json.loads((tmp_path / "out" / "result.json").read_text())
+    assert [state["status"] for state in content["states"]] == ["converged", "converged", "separated"]
+    assert [state["n_patches"] for state in content["states"]] == [2, 1, 0]
+    kinds = [event["kind"] for event in content["events"]]
+    assert kinds == ["first_touch", "new_contact", "detachment", "pull_off"]
+
+
+def test_a_target_that_no_state_meets_has_its_row_and_exit_code(tmp_path, capsys):
+    changes = SOFT | {"loading": {"control": "penetration", "targets": [15e-6, 1e-3]}}
     assert answer(tmp_path, changes) == 1
     states = json.loads((tmp_path / "out" / "result.json").read_text())["states"]
-    assert states[0]["status"] == "converged"
-    assert states[1]["status"] != "converged"
-    assert states[1]["status"] in capsys.readouterr().err
-    assert states[1]["error_estimate"]["mean_pressure"] is None
-    assert np.isfinite(states[1]["mean_pressure"])
+    assert [state["status"] for state in states] == ["converged", "unreachable"]
+    assert "unreachable: no state under this control" in capsys.readouterr().err
+    assert states[1]["mean_pressure"] is None

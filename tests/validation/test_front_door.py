@@ -20,6 +20,7 @@ from validation.command_line.front_door import main
 ROOT = Path(__file__).parents[2]
 SCENES = [name for name, (first, *_) in EXAMPLES.items() if first.endswith(".toml")]
 COMMANDS = (
+    "answer",
     "example",
     "fem",
     "check",

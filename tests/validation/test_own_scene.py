@@ -281,8 +281,8 @@ def test_a_scene_that_does_not_converge_as_it_is_fails(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        pytest.param(("scene",), "a scene file is needed", id="no file"),
         pytest.param(("scene", "none.toml"), "none.toml", id="no such file"),
+        pytest.param(("scene", "--quick", "none.toml"), "none.toml cannot be read", id="an option before the file"),
         pytest.param(("scene", "bad.toml"), "solid.poisson_ratio = 0.7", id="refused"),
     ],
 )

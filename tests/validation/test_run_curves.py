@@ -1,6 +1,5 @@
-"""Curves of a run: jumps as jumps, the pull-off where the curve turns, the theory, distributions."""
+"""Curves of a run: jumps as jumps, states that are nothing alike not joined, the theory, distributions."""
 
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -9,8 +8,8 @@ from rough_scene import ROUGH
 
 import bem
 import persson
-from bem.scene.result import LargestTension, TensionError
-from validation.report.run_curves import curves_of, jumps, strokes_of, theories_of
+from validation.report.path_states import joins_of, path_of
+from validation.report.run_curves import curves_of, lines_of, theories_of
 from validation.report.run_figures import distributions_of
 
 PRESSED = {
@@ -36,45 +35,24 @@ def series_of(result, figure):
 
 
 def test_branches_end_where_the_contact_jumps(adhesive):
-    highest = adhesive.states[0].penetration + adhesive.states[0].separation
-    strokes = strokes_of(adhesive, lambda state: state.separation, lambda event: highest - event.penetration)
-    begins = [strokes.jumps[k] for k in range(0, len(strokes.jumps), 3)]
-    known = [(highest - event.penetration, event.mean_pressure) for event in adhesive.events if jumps(event)]
-    assert known[-1] == pytest.approx(begins[-1], rel=1e-12)  # the pull-off
-    assert set(begins) <= set(known)
-    assert begins
-    lines = strokes.branches["loading"] + strokes.branches["unloading"]
-    for k in range(0, len(strokes.jumps), 3):  # no line joins the two ends of a jump
-        start, end, _ = strokes.jumps[k : k + 3]
-        assert all(pair != (start, end) for pair in pairwise(lines))
+    lines = lines_of(path_of(adhesive))
+    jumps = [tuple(lines["jumps"][k + 1 : k + 3]) for k in range(0, len(lines["jumps"]), 3)]
+    known = [[(share(end), end.mean_pressure) for end in (event.before, event.after)] for event in adhesive.events]
+    assert np.array(jumps) == pytest.approx(np.array(known), rel=1e-6)
+    for name in ("loading", "unloading"):
+        assert not set(pairwise(lines[name])) & set(jumps)
+
+
+def share(end):
+    return sum(b - a for a, b in end.edges) / 0.01
 
 
 def test_a_dead_tension_pulls_off_without_an_end_to_draw():
     pulled = bem.solve({**ROUGH, "loading": {"control": "mean_pressure", "targets": [1e3, -5e4]}, "output": {}})
-    found = replace(pulled, states=tuple(state for state in pulled.states if state.found))
-    highest = found.states[0].penetration + found.states[0].separation
-    strokes = strokes_of(found, lambda state: state.separation, lambda event: highest - event.penetration)
-    out = strokes.branches["unloading"]
-    event = next(event for event in found.events if event.kind == "pull_off")
-    assert out[-3:-1] == [(highest - event.penetration, event.mean_pressure), None]
-
-
-def test_the_pull_off_is_marked_where_the_curve_turns(adhesive):
-    tension = LargestTension(-250.0, 1e-6, 8.5e-5, "turn", TensionError(1e-6))
-    approach = series_of(replace(adhesive, largest_tension=tension), "approach")
-    event = next(event for event in adhesive.events if event.kind == "pull_off")
-    highest = adhesive.states[0].penetration + adhesive.states[0].separation
-    assert approach["pull-off"].x == pytest.approx([1e6 * (highest - event.penetration)], rel=1e-9)
-    assert (approach["largest tension"].x, approach["largest tension"].y) == (
-        [pytest.approx(85)],
-        [pytest.approx(-0.25)],
-    )
-
-
-def test_separations_are_on_a_logarithmic_axis(adhesive, pressed):
-    for result in (adhesive, pressed):
-        (figure,) = (figure for figure in curves_of(result) if figure.id == "approach")
-        assert figure.solution.xscale == "log"
+    path = path_of(pulled)
+    place = next(k for k, point in enumerate(path) if any(event.kind == "pull_off" for event in point.events))
+    assert (path[place - 1].jump, path[place].state.status) == ("before", "separated")
+    assert joins_of(path)[place] == "n"
 
 
 def test_the_theory_is_that_of_its_package(pressed):
@@ -130,10 +108,7 @@ def test_no_line_joins_complete_contact_with_another_state():
     loading = {"control": "mean_pressure", "targets": [1e3, 1e6]}
     result = bem.solve({**PRESSED, "loading": loading, "output": {}})
     assert [state.status for state in result.targets] == ["converged", "complete_contact"]
-    line = strokes_of(result, lambda state: state.contact_fraction, None).branches["loading"]
-    fractions = [None if point is None else point[0] for point in line]
-    first = fractions.index(1.0)
-    assert fractions[first - 1] is None
+    assert joins_of(path_of(result)) == "nn"
 
 
 def test_complete_contact_alone_has_no_curves():

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 from browser import BROWSER
-from devtools import found_at
+from devtools import found_at, tab
 from drawn_once import drawn_once
 from rough_scene import ROUGH
 
@@ -13,7 +13,8 @@ import bem
 from bem.scene.result_file import write_result
 from validation.command_line.front_door import main
 from validation.report import run_page
-from validation.report.run_figures import figures_of, shape_states
+from validation.report.path_states import path_of
+from validation.report.run_figures import figures_of
 from validation.report.run_page import render_run
 from validation.report.run_words import outcome, scene_in_words
 
@@ -23,8 +24,9 @@ found.width = innerWidth;
 found.wide = document.documentElement.scrollWidth > innerWidth;
 found.verdict = [box.left, box.top, innerWidth - box.right, innerHeight - box.bottom];
 const named = (svg, attribute) => document.getElementById(svg.getAttribute(attribute) ?? "")?.textContent ?? "";
-const drawings = [...document.querySelectorAll("figure svg")];
-found.figures = drawings.map((svg) => [svg.getAttribute("role"), named(svg, "aria-labelledby"),
+const drawings = [...document.querySelectorAll("figure svg")].filter((svg) => !svg.closest("#paper"));
+const label = (svg) => svg.getAttribute("aria-label") ?? named(svg, "aria-labelledby");
+found.figures = drawings.map((svg) => [svg.getAttribute("role"), label(svg),
                                        named(svg, "aria-describedby"), svg.getBoundingClientRect().height > 50]);
 const targets = [...document.querySelectorAll("a[href]")].map((link) => link.getAttribute("href"));
 found.lost = targets.filter((target) => !target.startsWith("#") || !document.getElementById(target.slice(1)));
@@ -62,14 +64,61 @@ def test_in_a_browser(page, result, tmp_path, width):
     assert not found["wide"]
     assert min(found["verdict"]) >= 0  # on the first screen, all of it
     assert min(found["answer"]) >= 0  # and the first row of the answer
-    assert len(found["figures"]) == 6  # three curves, and a shape on each way and at the turn
-    for role, title, description, drawn in found["figures"]:
+    assert len(found["figures"]) == 7  # five that move; the area and the estimated errors
+    for role, name, description, drawn in found["figures"]:
         assert (role, drawn) == ("img", True)
-        assert len(title) > 10
-        assert " against " in description
+        assert len(name) > 10
+        assert " against " in (description or name) or name.startswith(("Surfaces.", "Pressure"))
     assert (found["lost"], found["repeated"], found["resources"]) == ([], [], [])
     assert found["order"] == sorted(found["order"])
     assert len(found["order"]) == len(result.targets)
+
+
+SHOWN = """(() => {
+  const numbers = [...document.querySelectorAll("#now dd")].map((cell) => cell.textContent.trim());
+  const boxes = [...document.querySelectorAll("#marks text")].map((name) => name.getBoundingClientRect());
+  const beside = (a, b) => a.right <= b.left || b.right <= a.left || a.bottom <= b.top || b.bottom <= a.top;
+  const apart = boxes.every((a, k) => boxes.slice(k + 1).every((b) => beside(a, b)));
+  const place = document.querySelector("#load circle[r='5.5']").getAttribute("cx");
+  return [numbers, document.getElementById("event").textContent, place, apart,
+          document.documentElement.scrollWidth > innerWidth];
+})()"""
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium here (Debian: apt-get install chromium)")
+@pytest.mark.parametrize("width", [1280, 390])
+def test_keys_move_the_slider_and_the_numbers_are_those_of_the_states(page, result, tmp_path, width):
+    path = tmp_path / "page.html"
+    path.write_text(page, "utf-8")
+
+    def press(opened, key, shift=False):
+        for kind in ("keyDown", "keyUp"):
+            opened.ask("Input.dispatchKeyEvent", type=kind, key=key, code=key, modifiers=8 if shift else 0)
+        return opened.find(SHOWN)
+
+    points = path_of(result)
+    with tab(path) as opened:
+        opened.show(width, 844)
+        seen = [opened.find(SHOWN), *(press(opened, "ArrowRight") for _ in points[1:])]
+        assert press(opened, "ArrowLeft")[0] == seen[-2][0]
+        assert press(opened, "ArrowRight", shift=True)[1].startswith("pull-off")
+        assert opened.console == []
+    for k, (point, (numbers, event, _, apart, wide)) in enumerate(zip(points, seen, strict=True)):
+        state = point.state
+        assert numbers[0] == f"{k + 1} of {len(points)}, {state.branch}"
+        shown = [float(text.split()[0].replace("\N{MINUS SIGN}", "-")) for text in numbers[1:]]
+        opened_share = 1 - state.contact_fraction
+        known = [1e6 * state.separation, 1e-3 * state.mean_pressure, state.contact_fraction]
+        assert shown == pytest.approx(
+            [*known, 1e6 * state.separation / opened_share, state.n_patches], rel=1e-3, abs=1e-12
+        )
+        assert apart
+        assert not wide
+        assert (point.jump == "before") == (event == "just before the jump")
+    events = [event for _, event, *_ in seen]
+    for kind in ("first touch", "a new contact", "a contact vanishes", "pull-off"):
+        assert sum(kind in event for event in events) == 1
+    assert len({place for *_, place, _, _ in seen}) > 10
 
 
 @pytest.mark.skipif(BROWSER is None, reason="no Chromium here (Debian: apt-get install chromium)")
@@ -97,11 +146,6 @@ def test_curves_have_error_bars_of_the_estimated_errors(result):
     spread = [(high - low) / 2 for low, high in zip(bars.y, bars.upper, strict=True)]
     targets = [state for state in result.targets if state.mean_pressure == state.mean_pressure]
     assert spread[0] == pytest.approx(targets[0].error_estimate.mean_pressure * 1e-3, rel=1e-2)  # kPa
-
-
-def test_shapes_are_those_of_their_states(result):
-    found = shape_states(result)
-    assert [state.separation for state in found.values()] == pytest.approx([6e-5, 4e-5, 6e-5], rel=1e-9)
 
 
 def test_what_a_later_version_adds_is_shown(result):
@@ -228,11 +272,20 @@ def test_a_study_of_other_numbers_is_not_used(result, tmp_path):
     assert run_page.inputs_of(result, tmp_path) == {}
 
 
-def test_a_file_that_is_no_study_is_told(result, tmp_path, capsys):
+@pytest.mark.parametrize(
+    ("answers", "key"),
+    [
+        ([{}], "answers.0.quantity"),
+        ([{"quantity": "mean pressure", "target": 99, "value": 1.0, "moved": {}}], "answers.0.target is 99"),
+        ([{"quantity": "mean pressure", "target": 0, "value": 1.0, "moved": {"cut": -1.0}}], "answers.0.moved.cut"),
+    ],
+)
+def test_a_file_that_is_no_study_is_told_by_its_key(answers, key, result, tmp_path, capsys):
     write_result(result, tmp_path)
-    (tmp_path / "study.json").write_text("[]")
+    study = {"scene_sha256": result.provenance["scene_sha256"], "answers": answers}
+    (tmp_path / "study.json").write_text(json.dumps(study))
     assert main(["report", str(tmp_path)]) == 2
-    assert "study.json: not the study of a scene" in capsys.readouterr().err
+    assert f"study.json: not the study of a scene: {key}" in capsys.readouterr().err
 
 
 def test_many_events_are_folded(result, page):

@@ -1,6 +1,8 @@
 """The command line: exit codes, reports rendered again, and what is said of commands that are gone."""
 
 import json
+import os
+import sys
 
 import pytest
 
@@ -48,6 +50,14 @@ def test_a_foreign_report_is_one_sentence(tmp_path, capsys, text, message):
     assert message in capsys.readouterr().err
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes of POSIX")
+@pytest.mark.parametrize("words", [("report",), ("challenge", "judge", "--out", "x", "--submission")])
+def test_a_pipe_in_place_of_a_file_is_one_sentence_at_once(tmp_path, capsys, words):
+    os.mkfifo(tmp_path / "report.json")
+    assert main([*words, str(tmp_path / "report.json" if "--out" in words else tmp_path)]) == 2
+    assert "is a folder, a pipe or a device" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("change", [{"rows": [{}]}, {"cases": [1]}, {"counts": 3}, {"provenance": []}])
 def test_a_tampered_report_is_one_sentence(report, capsys, change):
     content = json.loads((report / "report.json").read_text())
@@ -60,11 +70,12 @@ def test_a_tampered_report_is_one_sentence(report, capsys, change):
     ("words", "message"),
     [
         (("study", "stability", "--out", "x"), "use linecontact verify --only hard"),
-        (("study", "faults", "--out", "x"), "use python -m validation.studies.faults"),
-        (("study", "scene", "--out", "x"), "a scene file is needed"),
+        (("study", "faults", "--out", "x"), "use python -m validation.studies.mutants"),
+        (("study", "scene", "--out", "x"), "required: SCENE"),
         (("baseline", "check"), "use linecontact verify --only CASE --store --reason TEXT"),
     ],
 )
 def test_commands_that_are_gone_say_what_to_write_instead(capsys, words, message):
-    assert main(list(words)) == 2
-    assert message in capsys.readouterr().err
+    with pytest.raises(SystemExit) as ended:
+        sys.exit(main(list(words)))
+    assert (ended.value.code, message in capsys.readouterr().err) == (2, True)

@@ -37,9 +37,7 @@ def parts(text="text"):
         quantity=Quantity.INTENSITY,
     )
     good.count("steps", 12, of=Code.BEM)
-    good.curves(
-        f"curve {text}", text, "y", {text: ([1.0, 2.0], [1.0, 4.0])}, log="xy", below=("e", {"a": ([1, 2], [0, 1])})
-    )
+    good.curves(f"curve {text}", text, "y", {text: ([1.0, 2.0], [1.0, 4.0])}, log="xy")
     good.table(text, [text, "b"], [[text, 1.5], [None, 2]])
     good.cost("smooth wave", Code.BEM, "1e-6", 1e-7, 0.25, 0.01)
     bad.compare("area", math.nan, 1.0, **AREA)

@@ -23,4 +23,4 @@ NAMES = [pytest.param(path.name, marks=pytest.mark.full if path.name in LONG els
 def test_own_answers(rows, name):
     """Does the solver give the certified answers of a problem of the challenge, to six digits?"""
     tables = tomllib.loads((FOLDER / name / "problem.toml").read_text("utf-8"))
-    judge(rows, name, solve(Problem.of(tables), 1e-8).values, digits=6.0, of=Code.BEM)
+    judge(rows, name, solve(Problem.of(tables), 1e-8), digits=6.0, of=Code.BEM)

@@ -10,6 +10,7 @@ where they are installed.  Every effect is priced against the scene without it. 
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from importlib.util import find_spec
 
 import numpy as np
@@ -18,7 +19,6 @@ import pytest
 import bem
 import fem_reference
 import persson
-from validation.harness.route import Problem
 from validation.plugin.rows import Code, Quantity
 from validation.references.closed_forms import Sinusoid
 from validation.routes import dense_algebra
@@ -101,25 +101,20 @@ def test_smooth_wave(rows):
     meshes = timed({"P{}, {} cells, {} halvings".format(*at): lambda at=at: fem_reference.solve(
         **given, resolution=fem_reference.Resolution(*at)) for at in MESHES})
     problem = problem_of(bem.parse_scene(SMOOTH), "dense algebra", "adhesion")
-    problem = Problem(
-        **vars(problem) | {"control": "penetration", "targets": (DEPTH,), "asked": {"contact_fraction": {}}}
-    )
-    nodes = timed({f"{n} nodes": lambda n=n: dense_algebra.solve(problem, n) for n in NODES})
+    problem = replace(problem, control="penetration", targets=(DEPTH,))
+    nodes = timed({f"{n} nodes": lambda n=n: dense_algebra.contact_fraction(problem, n) for n in NODES})
     name = "smooth wave"
 
-    def of_grid(answer):
-        return abs(answer.values["contact_fraction"][0] - 0.5) / 0.5
-
-    def of_state(state):
-        return abs(state.contact_fraction - 0.5) / 0.5
+    def off(fraction):
+        return abs(fraction - 0.5) / 0.5
 
     curves = {
-        "boundary elements": price(rows, name, Code.BEM, ours, lambda r: of_state(r.targets[-1])),
-        "finite elements": price(rows, name, Code.FEM, meshes, of_state),
-        "dense algebra at a given penetration": price(rows, name, Code.DENSE, nodes, of_grid),
+        "boundary elements": price(rows, name, Code.BEM, ours, lambda r: off(r.targets[-1].contact_fraction)),
+        "finite elements": price(rows, name, Code.FEM, meshes, lambda s: off(s.contact_fraction)),
+        "dense algebra at a given penetration": price(rows, name, Code.DENSE, nodes, off),
     }
     if find_spec("Adhesion") and find_spec("ContactMechanics"):
-        curves["grid method (extra peers)"] = price(rows, name, Code.GRID, peers(problem), of_grid)
+        curves["grid method (extra peers)"] = price(rows, name, Code.GRID, peers(problem), off)
     rows.curves("Smooth adhesive wave: CPU seconds against true error", "relative error of the contact fraction",
                 "CPU seconds", {label: (*points, "points") for label, points in curves.items()}, log="xy",
                 front=True)
@@ -129,7 +124,7 @@ def peers(problem):
     """Return runs of the FFT solver of another group, on growing grids."""
     from validation.routes import cohesive_grid
 
-    return timed({f"{n} points": lambda n=n: cohesive_grid.solve(problem, n, 8, 1) for n in (2**10, 2**12, 2**14)})
+    return timed({f"{n} points": lambda n=n: cohesive_grid.contact_fraction(problem, n) for n in (2**10, 2**12, 2**14)})
 
 
 @pytest.mark.standard

@@ -14,7 +14,7 @@ import bem
 import validation.__main__ as harness
 from bem import scene_commands as scenes
 from bem.command_line.perform import BAD_INPUT, DONE, FAILED
-from validation.command_line import comparison, examples, fem_answer
+from validation.command_line import comparison, examples, fem_answer, trace_answer
 
 SHELLS = ("bash", "zsh", "tcsh")
 
@@ -37,6 +37,7 @@ def _parser() -> argparse.ArgumentParser:
     example.set_defaults(command=_example, perform=harness.perform)
 
     scenes.add_commands(commands)
+    trace_answer.add_command(commands)
     fem_answer.add_command(commands, harness.perform)
     harness.add_commands(commands, run_name="verify")
 

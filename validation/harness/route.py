@@ -1,15 +1,13 @@
-"""Problem in plain SI numbers, the answer of a route to it, and the wall seconds of its parts.
+"""Problem in plain SI numbers, which every code that is compared takes.
 
 A problem is raw data, from which every code derives its own constants, so that a mistake in what follows from them
-cannot cancel between two codes.  A route is a code with one knob of accuracy, all else fixed.  What it cannot do it
-says by NotImplementedError: "not offered" is no wrong answer.
+cannot cancel between two codes.
 """
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any
 
@@ -80,40 +78,6 @@ class Problem:
     def answered(self, values: Mapping[str, Any]) -> dict[str, list[Any]]:
         """Return the quantities that the problem asks for, as lists, without quantities that are absent or None."""
         return {name: np.atleast_1d(values[name]).tolist() for name in self.asked if values.get(name) is not None}
-
-    def padded(self, values: Iterable[Any]) -> list[Any]:
-        """Return the numbers of the first targets, and None for targets that a route does not reach."""
-        known = list(values)
-        return known + [None] * (len(self.targets) - len(known))
-
-
-@dataclass(frozen=True)
-class Answer:
-    """Answer of a route: numbers by quantity, at all targets or at the places asked for, and their cost."""
-
-    status: str = "answered"  # or "not offered", "crashed", "out of memory", "timed out"
-    message: str = ""
-    values: dict[str, Any] = field(default_factory=dict)
-    uncertainty: dict[str, Any] = field(default_factory=dict)  # as the route itself states it
-    unknowns: int = 0  # of its largest linear system
-    counts: dict[str, int] = field(default_factory=dict)  # evaluations, iterations: what gates could be put on
-    parts: dict[str, float] = field(default_factory=dict)  # wall seconds of setup, solve and post
-    details: dict[str, float] = field(default_factory=dict)  # what else is to be said of the setting
-    seconds: float | None = None  # of the call alone; so `cpu_seconds`
-    cpu_seconds: float | None = None
-
-
-class Laps:
-    """A clock that is read between the parts of a solution."""
-
-    def __init__(self) -> None:
-        self.parts: dict[str, float] = {}
-        self._begun = time.perf_counter()
-
-    def end(self, part: str) -> None:
-        """Record the wall seconds of the part that ends now, since the end of the part before."""
-        now = time.perf_counter()
-        self.parts[part], self._begun = now - self._begun, now
 
 
 def _plain(value: Any) -> Any:

@@ -36,7 +36,7 @@ def content_of(run: Mapping[str, Any]) -> dict[str, Any]:
         "cases": cases,
         **{key: run[key] for key in ("level", "command", "seconds", "not_run", "provenance")},
     }
-    return _finite(content)  # type: ignore[no-any-return]
+    return finite(content)  # type: ignore[no-any-return]
 
 
 def _rows_of(case: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -97,10 +97,10 @@ def headline(rows: Iterable[Mapping[str, Any]], ran: int, failed: int, not_run: 
     return f"{agree} of {len(accuracy)} independent comparisons agree; {cases}{missing}"
 
 
-def _finite(value: Any) -> Any:
+def finite(value: Any) -> Any:
     """Return a value in which NaN and infinity are None: JSON has neither."""
     if isinstance(value, Mapping):
-        return {key: _finite(item) for key, item in value.items()}
+        return {key: finite(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
+        return [finite(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -24,8 +24,8 @@ from validation.plugin.case_rows import RowFailure, case_key, rows_of, stored_fi
 from validation.plugin.ledger import Ledger
 from validation.plugin.own_cases import SceneFile
 from validation.plugin.rows import Rows
+from validation.plugin.verify import LEVELS, OPTIONS
 
-LEVELS = ("quick", "standard", "full")
 FINISHED = pytest.StashKey[set[str]]()
 LIMIT = 900.0  # s for a case without a mark `timeout`
 
@@ -33,26 +33,10 @@ LIMIT = 900.0  # s for a case without a mark `timeout`
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add the options of a run."""
     group = parser.getgroup("validation")
-    group.addoption("--level", choices=LEVELS, default="quick", help="run the cases of this level and those below it")
-    group.addoption("--only", metavar="TEXT", help="run the cases, of any level, whose file or name contains this text")
+    for name, keywords in OPTIONS.items():
+        group.addoption(name, **keywords)
     group.addoption("--report", type=Path, metavar="DIR", help="write report.html, report.json and rows.jsonl")
-    group.addoption("--resume", action="store_true", help="keep what passed in --report DIR with these sources")
-    group.addoption(
-        "--store",
-        choices=("anew", "worst"),
-        nargs="?",
-        const="anew",
-        help="rewrite the stored errors of the cases that run; with 'worst', keep the larger of old and new",
-    )
-    group.addoption("--reason", metavar="TEXT", default="", help="of --store: why the numbers change")
     group.addoption("--unstored", action="store_true", help="judge without stored errors, while a case is written")
-    group.addoption(
-        "--grace",
-        type=float,
-        default=15.0,
-        metavar="SECONDS",
-        help="after its time limit, until a case that does not return to Python loses its worker",
-    )
     group.addoption("--command", metavar="TEXT", default="", help="shown in the report")
 
 
@@ -84,10 +68,10 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Deselect cases above the level, unless they are named, and cases that are kept from an earlier run."""
+    """Deselect cases above the level, unless they or their file are named, and cases kept from an earlier run."""
     orphans = orphans_of(config, items)
     highest, only = LEVELS.index(config.option.level), (config.option.only or "").lower()
-    named = any("::" in str(argument) for argument in config.args) or bool(config.option.keyword)
+    named = names_files(config) or bool(config.option.keyword)
     chosen, others = list[pytest.Item](), list[pytest.Item]()
     for item in items:
         runs = named or LEVELS.index(level_of(item)) <= highest
@@ -97,6 +81,11 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if others:
         config.hook.pytest_deselected(items=others)
     items[:] = orphans + chosen
+
+
+def names_files(config: pytest.Config) -> bool:
+    """Return True if an argument of pytest is a file, or a case in a file."""
+    return any(Path(str(argument).partition("::")[0]).is_file() for argument in config.args)
 
 
 class Orphans(pytest.Item):
@@ -115,8 +104,7 @@ def orphans_of(config: pytest.Config, items: list[pytest.Item]) -> list[pytest.I
     The list is empty if files or names of cases were chosen, or while numbers are stored.
     """
     option = config.option
-    files = any(Path(str(argument).partition("::")[0]).is_file() for argument in config.args)
-    if files or option.keyword or option.only or option.store:
+    if names_files(config) or option.keyword or option.only or option.store:
         return []
     cases: dict[Path, set[str]] = {}
     for item in items:

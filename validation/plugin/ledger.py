@@ -21,24 +21,14 @@ import pytest
 
 from validation.plugin import stored
 from validation.plugin.content import content_of
-from validation.plugin.rows import KINDS, PASSING, Row
+from validation.plugin.rows import PASSING, Row
 
 RECORD = "rows.jsonl"
 PACKAGES = ("bem", "fem_reference", "persson", "validation", "linecontact_compiled")
 SUFFIXES = (".py", ".pyx", ".h", ".so", ".pyd", ".toml", ".json", ".csv", ".npz", ".jinja")
 LIBRARIES = ("numpy", "scipy", "scikit-fem", "meshio", "pydantic")
-EMPTY: dict[str, Any] = {
-    "question": "",
-    "method": "",
-    "source": "",
-    "level": "",
-    "rows": [],
-    "figures": [],
-    "tables": [],
-    "costs": [],
-    "stored_in": "",
-    "key": "",
-}
+EMPTY: dict[str, Any] = dict.fromkeys(("question", "method", "source", "level", "stored_in", "key"), "")
+EMPTY |= {name: [] for name in ("rows", "figures", "tables", "costs")}
 INTERRUPTED = 2  # exit status of pytest
 
 
@@ -52,7 +42,6 @@ class Ledger:
         self.cases: dict[str, dict[str, Any]] = {}
         self.planned: list[str] = []
         self.setups: dict[str, float] = {}  # seconds of fixtures, by case
-        self.unstored = 0
         places = [Path(str(argument).partition("::")[0]) for argument in config.args]
         self.fingerprint = fingerprint(places, without=self.folder)
         self.resumed = self._kept() if config.option.resume else {}
@@ -98,16 +87,8 @@ class Ledger:
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
         """Record a file that cannot be imported or read as a case that failed."""
         if report.failed:
-            self._record(
-                {
-                    "case": report.nodeid,
-                    "outcome": "error",
-                    "seconds": 0.0,
-                    "message": report.longreprtext,
-                    **EMPTY,
-                    "question": report.nodeid,
-                }
-            )
+            case = {"case": report.nodeid, "outcome": "error", "seconds": 0.0, "message": report.longreprtext}
+            self._record(EMPTY | case | {"question": report.nodeid})
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Record a case that ended, could not begin, or killed its worker."""
@@ -121,13 +102,9 @@ class Ledger:
         facts = json.loads(text) if text else EMPTY | {"question": report.nodeid.rpartition("::")[2]}
         failing = any(Row(**row).verdict not in PASSING for row in facts["rows"])
         outcome = report.outcome if not report.failed else "deviates" if failing else "error"
-        message = (
-            ""
-            if report.passed
-            else str(report.longrepr[2])
-            if isinstance(report.longrepr, tuple)
-            else report.longreprtext
-        )
+        message = "" if report.passed else report.longreprtext
+        if isinstance(report.longrepr, tuple):  # of a case that is skipped: file, line, reason
+            message = str(report.longrepr[2])
         seconds = report.duration + (self.setups.get(report.nodeid, 0.0) if report.when == "call" else 0.0)
         self._record({"case": report.nodeid, "outcome": outcome, "seconds": seconds, "message": message, **facts})
 
@@ -150,10 +127,9 @@ class Ledger:
             file=sys.stderr,
             flush=True,
         )
-        if case["outcome"] not in ("passed", "skipped"):
-            print(case["message"], file=sys.stderr, flush=True)
-        elif case["outcome"] == "skipped":
-            print(f"    not run: {case['message']}", file=sys.stderr, flush=True)
+        if case["outcome"] != "passed":
+            words = "    not run: " if case["outcome"] == "skipped" else ""
+            print(f"{words}{case['message']}", file=sys.stderr, flush=True)
 
     def _seconds_left(self) -> float | None:
         """Return the stored seconds of the cases still to run, scaled by the pace of the finished cases."""
@@ -185,7 +161,6 @@ class Ledger:
     def _store(self) -> None:
         option = self.config.option
         passed = [case for case in self.cases.values() if case["outcome"] == "passed" and case["stored_in"]]
-        self.unstored = len(self.cases) - len(passed)
         for file in sorted({case["stored_in"] for case in passed}):
             of_file = [case for case in passed if case["stored_in"] == file]
             for line in stored.store(Path(file), of_file, option.reason, option.store == "worst"):
@@ -208,21 +183,9 @@ class Ledger:
         }
 
     def pytest_terminal_summary(self, terminalreporter: Any) -> None:
-        """Print the verdicts by kind and where the report is."""
-        for line in summary((self.resumed | self.cases).values()):
-            terminalreporter.write_line(line)
+        """Print where the report is."""
         if self.folder:
             terminalreporter.write_line(f"report: {self.folder / 'report.html'}")
-
-
-def summary(cases: Iterable[dict[str, Any]]) -> list[str]:
-    """Return a line for every kind of row: the number of rows, in total and by verdict."""
-    rows, lines = [Row(**row) for case in cases for row in case["rows"]], []
-    for kind in KINDS:
-        verdicts = [row.verdict for row in rows if row.kind == kind]
-        counts = ", ".join(f"{verdicts.count(verdict)} {verdict}" for verdict in dict.fromkeys(verdicts))
-        lines += [f"{kind}: {len(verdicts)} rows: {counts}"] if verdicts else []
-    return lines
 
 
 def fingerprint(places: Iterable[Path], without: Path | None) -> str:

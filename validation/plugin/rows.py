@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -38,7 +38,6 @@ class Code(StrEnum):
     FEM = "fem"
     THEORY = "theory"
     DENSE = "dense algebra"
-    PAPER = "paper's method"
     GRID = "grid method"
     PUBLISHED = "published"
     EXACT = "closed form"
@@ -90,12 +89,12 @@ class Row:
     by: str
     quantity: str
     kind: Kind
-    values: list[float]
-    references: list[float]
-    value_uncertainties: list[float]
-    reference_uncertainties: list[float]
-    allowed: list[float]
-    reason: str
+    values: list[float] = field(default_factory=list)
+    references: list[float] = field(default_factory=list)
+    value_uncertainties: list[float] = field(default_factory=list)
+    reference_uncertainties: list[float] = field(default_factory=list)
+    allowed: list[float] = field(default_factory=list)
+    reason: str = ""
     unit: str = ""
     source: str = ""
     cause: str = ""
@@ -392,23 +391,8 @@ class Rows:
     ) -> Row:
         """Add a failed row for a state that should exist and was not found, with its message."""
         __tracebackhide__ = True
-        return self._add(
-            Row(
-                name,
-                str(of),
-                str(by),
-                str(Quantity(quantity)),
-                kind,
-                [],
-                [],
-                [],
-                [],
-                [],
-                "",
-                place=_caller(),
-                message=message or "not converged",
-            )
-        )
+        codes = str(of), str(by), str(Quantity(quantity))
+        return self._add(Row(name, *codes, kind, place=_caller(), message=message or "not converged"))
 
     def curves(
         self,
@@ -419,43 +403,31 @@ class Rows:
         *,
         log: str = "",
         front: bool = False,
-        below: tuple[str, Mapping[str, Curve]] | None = None,
-        below_log: str = "",
     ) -> None:
         """Add a figure of curves {label: (x, y)} or {label: (x, y, style)}; `log` names logarithmic axes, such as "xy".
 
-        Styles are those of `Series`: "line", "points", "dashed", ...  `below` holds the y label and the curves of a
-        second panel over the same x, such as the signed error.  With `front` the figure stands on the first screen.
+        Styles are those of `Series`: "line", "points", "dashed", ...; where none is given, the first curve is points
+        and all others are lines.  With `front` the figure stands on the first screen.
         """
-        panels = [_panel(x, y, curves, log)]
-        if below is not None:
-            panels.append(_panel(x, below[0], below[1], below_log))
-        self.figure(
-            Figure(
-                id=f"figure-{len(self.figures) + 1}",
-                caption=title,
-                solution=panels[0],
-                error=panels[1] if below is not None else None,
-            ),
-            front,
-        )
-
-    def figure(self, figure: Figure, front: bool = False) -> None:
-        """Add a figure that is given as data, on the first screen with `front`."""
+        series = [
+            Series(
+                label=label,
+                x=np.asarray(curve[0], float).tolist(),
+                y=np.asarray(curve[1], float).tolist(),
+                style=curve[2] if len(curve) == 3 else "points" if number == 0 else "line",
+                hue=number,
+            )
+            for number, (label, curve) in enumerate(curves.items())
+        ]
+        scales: Any = {f"{axis}scale": "log" if axis in log else "linear" for axis in "xy"}
+        panel = Panel(xlabel=x, ylabel=y, series=series, **scales)
+        figure = Figure(id=f"figure-{len(self.figures) + 1}", caption=title, solution=panel)
         self.figures.append(figure.model_dump() | {"front": front})
 
     def cost(self, problem: str, route: str, setting: str, error: float, seconds: float, spread: float) -> None:
         """Add a measured price: CPU seconds, and half their range over repeats, of an error at a setting."""
-        self.costs.append(
-            {
-                "problem": problem,
-                "route": str(route),
-                "setting": setting,
-                "error": float(error),
-                "seconds": float(seconds),
-                "spread": float(spread),
-            }
-        )
+        numbers = {"error": float(error), "seconds": float(seconds), "spread": float(spread)}
+        self.costs.append({"problem": problem, "route": str(route), "setting": setting} | numbers)
 
     def table(self, title: str, columns: Sequence[str], lines: Sequence[Sequence[str | float | int | None]]) -> None:
         """Add a table of numbers and texts."""
@@ -491,41 +463,20 @@ class Rows:
     ) -> Row:
         __tracebackhide__ = True
         values, references = (np.ravel(np.asarray(side, float)) for side in (value, reference))
-        place, texts = _caller(), dict[str, Any]({key: str(fields.pop(key)) for key in ("of", "by", "quantity")})
+        texts: dict[str, Any] = {name: str(fields.pop(name)) for name in ("of", "by", "quantity")}
         Quantity(texts["quantity"])
+        row = Row(name, **texts, **fields, place=_caller())
         if values.size == 0 or (references.size not in (1, values.size)):
-            reason = f"{values.size} values, {references.size} references"
-            row = Row(
-                name,
-                **texts | fields | {"reason": reason},
-                values=[],
-                references=[],
-                value_uncertainties=[],
-                reference_uncertainties=[],
-                allowed=[],
-                place=place,
-            )
-            return self._add(row)
+            return self._add(replace(row, reason=f"{values.size} values, {references.size} references"))
         u_value, u_reference = (np.abs(np.ravel(np.asarray(side, float))) for side in sides)
         allowed = np.hypot(u_value, u_reference) if required is None else np.abs(np.ravel(np.asarray(required, float)))
         lists = [
             np.broadcast_to(of, values.shape).tolist() for of in (values, references, u_value, u_reference, allowed)
         ]
-        row = Row(
-            name,
-            **texts,
-            values=lists[0],
-            references=lists[1],
-            value_uncertainties=lists[2],
-            reference_uncertainties=lists[3],
-            allowed=lists[4],
-            place=place,
-            **fields,
-        )
-        known = None if self.stored is None else self.stored.get(row.key)
-        return self._add(
-            Row(**vars(row) | {"stored": known, "must_be_stored": self.stored is not None and not row.cause})
-        )
+        names = "values", "references", "value_uncertainties", "reference_uncertainties", "allowed"
+        stored = None if self.stored is None else self.stored.get(row.key)
+        must = self.stored is not None and not row.cause
+        return self._add(replace(row, **dict(zip(names, lists, strict=True)), stored=stored, must_be_stored=must))
 
     def _add(self, row: Row) -> Row:
         __tracebackhide__ = True
@@ -535,27 +486,6 @@ class Rows:
         if self.eager and row.verdict not in PASSING:
             raise self.failure(row.described())
         return row
-
-
-def _panel(x: str, y: str, curves: Mapping[str, Curve], log: str) -> Panel:
-    """Return axes with curves; where no style is given, the first are points and all others lines."""
-    series = [
-        Series(
-            label=label,
-            x=np.asarray(curve[0], float).tolist(),
-            y=np.asarray(curve[1], float).tolist(),
-            style=curve[2] if len(curve) == 3 else "points" if number == 0 else "line",
-            hue=number,
-        )
-        for number, (label, curve) in enumerate(curves.items())
-    ]
-    return Panel(
-        xlabel=x,
-        ylabel=y,
-        series=series,
-        xscale="log" if "x" in log else "linear",
-        yscale="log" if "y" in log else "linear",
-    )
 
 
 def _caller() -> str:

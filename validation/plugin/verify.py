@@ -11,37 +11,44 @@ import os
 import shlex
 import sys
 from pathlib import Path
+from typing import Any
 
 PLUGIN = Path(__file__).parent
 CASES = PLUGIN.parent / "cases"
 EXIT = {0: 0, 1: 1, 2: 130}  # of pytest: passed, failed, interrupted; all else is bad input
 NOTHING_MATCHED = 5
+LEVELS = ("quick", "standard", "full")
+
+
+OPTIONS: dict[str, dict[str, Any]] = {  # of the command and of the plugin
+    "--level": {"choices": LEVELS, "default": "quick", "help": "the cases of this level and below (default: quick)"},
+    "--only": {"metavar": "TEXT", "help": "cases, of any level, whose file or name contains this text"},
+    "--resume": {"action": "store_true", "help": "keep the cases of the report that passed with these sources"},
+    "--store": {
+        "choices": ("anew", "worst"),
+        "nargs": "?",
+        "const": "anew",
+        "help": "rewrite stored errors of the cases that run; 'worst' keeps the larger of old and new",
+    },
+    "--reason": {"default": "", "metavar": "TEXT", "help": "of --store: why the numbers change"},
+    "--grace": {"type": float, "default": 15.0, "help": argparse.SUPPRESS},  # s, after which a hanging worker ends
+}
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of a run."""
     cores = os.cpu_count() or 1
-    parser.add_argument("--level", default="quick", choices=("quick", "standard", "full"), help="default: quick")
-    parser.add_argument("--only", metavar="TEXT", help="cases, of any level, whose file or name contains this text")
+    for name, keywords in OPTIONS.items():
+        parser.add_argument(name, **keywords)
     parser.add_argument("--jobs", type=int, default=cores, help=f"worker processes (default: {cores})")
     parser.add_argument("--cases", type=Path, metavar="FOLDER", help="own cases: test_*.py, case_*.toml")
-    parser.add_argument("--resume", action="store_true", help="keep the cases of DIR that passed with these sources")
-    parser.add_argument(
-        "--store",
-        choices=("anew", "worst"),
-        nargs="?",
-        const="anew",
-        help="rewrite stored errors of the cases that run; 'worst' keeps the larger of old and new",
-    )
-    parser.add_argument("--reason", default="", metavar="TEXT", help="of --store: why the numbers change")
-    parser.add_argument("--grace", type=float, default=15.0, help=argparse.SUPPRESS)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder of the report")
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the cases, write the report, and print one line; return the exit code."""
-    if options.only is not None and not options.only.strip():
-        return _refused("--only: empty; write a part of a case's name, such as --only johnson")
+    if options.only is not None and not any(map(str.isalnum, options.only)):
+        return _refused(f"--only {options.only!r}: no letter; write a part of a case's name, such as --only johnson")
     if options.jobs < 1:
         return _refused(f"--jobs {options.jobs}: at least 1")
     if options.cases is not None and not options.cases.is_dir():
@@ -55,16 +62,8 @@ def run(options: argparse.Namespace) -> int:
     words = ["-c", str(PLUGIN / "pytest.ini"), "--rootdir", str(folder), "-p", "no:terminal", "-p", "no:cacheprovider"]
     words += ["-p", "validation.plugin.hooks", "-p", "xdist.plugin"]
     words += ["-n", str(options.jobs), "--max-worker-restart", "1000", "--continue-on-collection-errors"]
-    words += [
-        "--report",
-        str(options.out),
-        "--level",
-        options.level,
-        "--grace",
-        str(options.grace),
-        "--command",
-        _command(options),
-    ]
+    words += ["--level", options.level, "--grace", str(options.grace), "--report", str(options.out)]
+    words += ["--command", _command(options)]
     words += ["--only", options.only] if options.only else []
     words += ["-o", f"pythonpath={folder}"] if options.cases else []  # own cases import modules beside them
     words += ["--resume"] * options.resume
@@ -89,14 +88,3 @@ def _command(options: argparse.Namespace) -> str:
 def _refused(sentence: str) -> int:
     print(f"error: {sentence}", file=sys.stderr)
     return 2
-
-
-def main() -> int:
-    """Run from the command line, `python -m validation.plugin.verify`."""
-    parser = argparse.ArgumentParser(prog="python -m validation.plugin.verify", description=__doc__)
-    add_options(parser)
-    return run(parser.parse_args())
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,7 +1,6 @@
-"""Curves of one run: mean pressure against contact fraction and separation, jumps as jumps, beside Persson's theory.
+"""Mean pressure of one run against contact fraction, jumps as jumps, beside Persson's theory.
 
-A branch ends at the equilibrium from which the contact jumps, and goes on where it arrives; a dashed line joins them.
-Of an event the separation is known, but not the contact fraction: there the jump begins at the state before it.
+Lines join states as `joins_of` says; a dashed line joins both ends of a jump.
 
 Persson's theory and the fitted law of the area follow from the result alone, for a half-space under compression.  The
 fitted law is drawn inside its domain.  Separations with adhesion need a ladder of loads and are left out.
@@ -10,145 +9,70 @@ fitted law is drawn inside its domain.  Separations with adhesion need a ladder 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
 import persson
 from bem.command_line.answer_table import axis_unit
-from bem.scene.result import Event, Result, State
-from bem.scene.scene_rules import surface_of
+from bem.scene.result import Result
 from persson import DiscreteSpectrum
-from validation.harness.figure_data import axes, bars, drawn, marks, semilogx, trace
+from validation.harness.figure_data import axes, bars, drawn, marks, trace
 from validation.harness.schema import Figure, Panel, Series
+from validation.report.path_states import PathState, joins_of, path_of, profile_of
 
-NEAR = 0.1  # of the smallest separation of the run: the theory is drawn down to that
-
-Point = tuple[float, float]  # of the quantity and the mean pressure, SI
-
-
-@dataclass
-class Strokes:
-    """Strokes of a path, separated by None."""
-
-    branches: dict[str, list[Point | None]] = field(default_factory=lambda: {"loading": [], "unloading": []})
-    jumps: list[Point | None] = field(default_factory=list)
+Point = tuple[float, float]
+BRANCHES = {"loading": "l", "unloading": "u", "jumps": "j"}  # line, and its letter in `joins_of`
 
 
 def curves_of(result: Result) -> Iterator[Figure]:
-    """Yield mean pressure against contact fraction and against separation, of a result that has all its states."""
-    if not result.states:
-        return
-    if all(state.status == "complete_contact" for state in result.states):
-        return  # of which area and separation are known
+    """Yield mean pressure against contact fraction; nothing where contact is complete in all states."""
+    path = path_of(result)
+    if all(point.state.status == "complete_contact" for point in path):
+        return  # of which the area is known
     theories = theories_of(result)
+    beside = f" Dashed beside it: {' and '.join(theory.label for theory in theories)}." if theories else ""
     beyond = " The fitted law of the area does not apply here." if len(theories) == 1 else ""
-    for figure, name, known in (
-        ("area", "contact_fraction", theories),
-        ("approach", "separation", [theory for theory in theories if theory.separations]),
-    ):
-        beside = f" Dashed beside it: {' and '.join(theory.label for theory in known)}.{beyond}" if known else ""
-        words = f"Mean pressure against {name.replace('_', ' ')}.{beside}"
-        yield drawn(figure, words, _panel(result, name, known))
+    yield drawn("area", f"Mean pressure against contact fraction.{beside}{beyond}", _panel(path, theories))
 
 
-def jumps(event: Event) -> bool:
-    """Return whether energy is released beyond its error: the contact goes over to another state at once."""
-    return event.energy_released is not None and event.energy_released > (event.error_estimate.energy_released or 0.0)
-
-
-def strokes_of(result: Result, value: Callable[[State], float], place: Callable[[Event], float] | None) -> Strokes:
-    """Return the path in strokes; `place` is the quantity of an event, where it is known.
-
-    A stroke ends where complete contact begins or ends: no line joins states that are nothing alike.
-    """
-    strokes, happened, branch = Strokes(), 0, ""
-    before: Point | None = None
-    joined: bool | None = None
-    for state in result.states:
-        events = result.events[happened : state.events]
-        happened = state.events
-        if math.isnan(state.mean_pressure):
-            before = None
-            continue
-        line, point = strokes.branches[state.branch], (value(state), state.mean_pressure)
-        if state.branch != branch and before is not None:
-            line += [None, before]
-        branch, last = state.branch, before
-        for event in events:
-            if place is not None and not math.isnan(event.mean_pressure) and last is not None:
-                last = place(event), event.mean_pressure
-                line.append(last)
-            if jumps(event) or event.kind == "pull_off":  # a dead tension pulls the surfaces apart without end
-                if last is not None and jumps(event):
-                    strokes.jumps += [last, point, None]
-                line.append(None)
-                break
-        complete = state.status == "complete_contact"
-        if joined is not None and complete != joined:
-            line.append(None)
-        line.append(point)
-        before, joined = point, complete
-    return strokes
-
-
-def _panel(result: Result, name: str, theories: list[Theory]) -> Panel:
-    """Draw branches, jumps, states at targets with error bars, events and pull-off, and the theory beside them."""
-    states = [state for state in result.states if not math.isnan(state.mean_pressure)]
-    lift, pressure = axis_unit(max((abs(state.mean_pressure) for state in states), default=0.0), "Pa")
-    apart = name == "separation"
-    factor, unit = axis_unit(max(state.separation for state in result.states), "m") if apart else (1.0, "")
-    highest = result.states[0].penetration + result.states[0].separation
-
-    def place(event: Event) -> float:
-        return highest - event.penetration
-
-    def line(label: str, points: list[Point | None], style: str, hue: int) -> Iterator[Series]:
-        if points:
-            x = [None if point is None or (apart and point[0] <= 0) else factor * point[0] for point in points]
-            y = [None if point is None else lift * point[1] for point in points]
-            yield trace(label, x, y, style, hue=hue)
-
-    strokes = strokes_of(result, lambda state: float(getattr(state, name)), place if apart else None)
-    series = [
-        curve
-        for hue, (branch, points) in enumerate(strokes.branches.items())
-        for curve in line(branch, points, "line", hue)
+def lines_of(path: list[PathState]) -> dict[str, list[Point | None]]:
+    """Return contact fraction and mean pressure (Pa) along each line of `BRANCHES`, with None where it is broken."""
+    points: list[Point | None] = [
+        None if math.isnan(point.state.mean_pressure) else (point.state.contact_fraction, point.state.mean_pressure)
+        for point in path
     ]
-    series += line("jumps", strokes.jumps, "dashed", 3)
-    targets = [state for state in states if state.target and (not apart or state.separation > 0)]
+    lines: dict[str, list[Point | None]] = {name: [] for name in BRANCHES}
+    letters = joins_of(path)
+    for name, letter in BRANCHES.items():
+        for k in (k for k, own in enumerate(letters) if own == letter):
+            goes_on = letters[k - 1] == letter != "j"
+            lines[name] += [points[k]] if goes_on else [None, points[k - 1], points[k]]
+    return lines
+
+
+def _panel(path: list[PathState], theories: list[Theory]) -> Panel:
+    """Draw branches, jumps, states at targets with error bars, and the theory beside them."""
+    states = [point.state for point in path if not math.isnan(point.state.mean_pressure)]
+    lift, unit = axis_unit(max((abs(state.mean_pressure) for state in states), default=0.0), "Pa")
+    series: list[Series] = []
+    for (label, points), hue, style in zip(lines_of(path).items(), (0, 1, 3), ("line", "line", "dashed"), strict=True):
+        if points:
+            x = [None if point is None else point[0] for point in points]
+            y = [None if point is None else lift * point[1] for point in points]
+            series.append(trace(label, x, y, style, hue=hue))
+    targets = [state for state in states if state.target]
     if targets:
-        x, y = [factor * getattr(state, name) for state in targets], [lift * state.mean_pressure for state in targets]
-        errors = [lift * finite(state.error_estimate.mean_pressure) for state in targets]
-        low, high = ([value + sign * e for value, e in zip(y, errors, strict=True)] for sign in (-1, 1))
-        series += [marks("states at targets", x, y, hue=5), bars("estimated error", x, low, high, hue=5)]
-    series += _pulled_off(result, factor, lift) if apart else []
+        shares, loads = ([getattr(state, name) for state in targets] for name in ("contact_fraction", "mean_pressure"))
+        errors = [finite(state.error_estimate.mean_pressure) for state in targets]
+        low, high = ([lift * (p + sign * e) for p, e in zip(loads, errors, strict=True)] for sign in (-1, 1))
+        series.append(marks("states at targets", shares, [lift * load for load in loads], hue=5))
+        series.append(bars("estimated error", shares, low, high, hue=5))
     for hue, theory in enumerate(theories):
-        places = theory.separations if apart else theory.fractions
-        closest = min((state.separation for state in states if state.separation > 0), default=0.0)
-        least = NEAR * closest if apart else 0.0
-        pairs = [(factor * x, lift * load) for x, load in zip(places, theory.loads, strict=True) if x >= least]
-        series.append(trace(theory.label, (x for x, _ in pairs), (y for _, y in pairs), "dashed", hue=2 + 2 * hue))
-    shape = semilogx if apart and any(state.separation > 0 for state in states) else axes
-    label = name.replace("_", " ") + (f" / {unit}" if unit else "")
-    return shape(label, f"mean pressure / {pressure}", *(series or [marks("no state with a pressure", [], [])]))
-
-
-def _pulled_off(result: Result, factor: float, lift: float) -> Iterator[Series]:
-    """Yield marks of the largest tension, where the pressure turns, and of the pull-off, where the separation turns."""
-    largest = result.largest_tension
-    if largest is not None:
-        yield marks("largest tension", [factor * largest.separation], [lift * largest.mean_pressure], hue=4)
-    highest = result.states[0].penetration + result.states[0].separation
-    ends = [event for event in result.events if event.kind == "pull_off" and not math.isnan(event.mean_pressure)]
-    if ends:
-        yield marks(
-            "pull-off",
-            [factor * (highest - end.penetration) for end in ends],
-            [lift * end.mean_pressure for end in ends],
-            hue=3,
-        )
+        loads = [lift * load for load in theory.loads]
+        series.append(trace(theory.label, theory.fractions, loads, "dashed", hue=2 + 2 * hue))
+    return axes("contact fraction", f"mean pressure / {unit}", *(series or [marks("no state with a pressure", [], [])]))
 
 
 def finite(error: float | None) -> float:
@@ -171,23 +95,12 @@ class Theory:
     separations: list[float]
 
 
-def spectrum_of(result: Result) -> DiscreteSpectrum | None:
-    """Return the lines of the profile of a result; None of a scan whose result does not hold them."""
-    if result.scene["profile"]["kind"] != "samples":
-        return DiscreteSpectrum.of_profile(surface_of(result.scene["profile"], None))
-    if "profile_q" not in result.fields:
-        return None
-    return DiscreteSpectrum(result.fields["profile_q"], result.fields["profile_amplitude"])
-
-
 def theories_of(result: Result) -> list[Theory]:
     """Return the theory and the fitted area; nothing on a layer, without compression, or of two flat surfaces."""
     most = max((state.mean_pressure for state in result.states if state.mean_pressure > 0), default=0.0)
     if result.scene["layer"] is not None or most == 0 or not result.groups.get("rms_slope"):
         return []
-    spectrum = spectrum_of(result)
-    if spectrum is None:
-        return []
+    spectrum = DiscreteSpectrum.of_profile(profile_of(result))
     solid, adhesion = result.scene["solid"], result.scene["adhesion"]
     given = {name: solid[name] for name in ("youngs_modulus", "poisson_ratio")}
     if adhesion is not None:

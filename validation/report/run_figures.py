@@ -1,4 +1,4 @@
-"""Figures of one run: curves with their estimated errors, these errors, shapes of the contact, a scan prepared."""
+"""Figures of one run that do not move: the area, distributions, estimated errors, a scan and its preparation."""
 
 import math
 from collections.abc import Iterator
@@ -7,14 +7,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.command_line.answer_table import axis_unit, quantity, readable
-from bem.scene.result import Result, State
+from bem.command_line.answer_table import axis_unit, readable
+from bem.scene.result import Result
+from bem.scene.state import State
 from validation.harness.figure_data import axes, drawn, semilogx, semilogy, trace
-from validation.harness.schema import Figure, Panel, Series
+from validation.harness.schema import Figure, Panel
 from validation.report.run_curves import curves_of, finite
 from validation.report.scan_figure import preparation_figure, spectrum_figure
 
-MOST_SHAPES = 8
+MOST_LINES = 8
 FEW = 4  # contacts, of which fewer have no distribution of widths
 
 Array = NDArray[Any]
@@ -30,12 +31,6 @@ def figures_of(result: Result) -> Iterator[Figure]:
         prepared = figure_of(result.fields, result.profile_preparation)
         if prepared is not None:
             yield prepared
-    yield from _shapes(result)
-
-
-def shape_states(result: Result) -> dict[str, State]:
-    """Return the states of which the shape is stored, by the k of its arrays."""
-    return {k: state for k, state in stored_states(result).items() if f"x_{k}" in result.fields}
 
 
 def stored_states(result: Result) -> dict[str, State]:
@@ -59,32 +54,9 @@ def _errors(result: Result) -> Panel:
     return semilogy("state", "estimated error", *series, trace("asked for", (1, last), (asked, asked), "dashed"))
 
 
-def _shapes(result: Result) -> Iterator[Figure]:
-    """Yield rigid profile and deformed surface above, pressure below, for the first shapes."""
-    fields = result.fields
-    for name, state in list(shape_states(result).items())[:MOST_SHAPES]:
-        x, displacement, gap, pressure = (fields[f"{key}_{name}"] for key in ("x", "displacement", "gap", "pressure"))
-        profile, carried = displacement - gap, np.nan_to_num(pressure)  # nothing outside contact
-        length, along = axis_unit(float(np.max(np.abs(x))), "m")
-        height, upward = axis_unit(float(np.nanmax(np.abs([profile, displacement]))), "m")
-        lift, unit = axis_unit(float(np.max(np.abs(carried))), "Pa")
-        where = (
-            f" at {quantity(state.mean_pressure, 'Pa')} while {state.branch}, separation "
-            f"{quantity(state.separation, 'm')}, contact fraction {state.contact_fraction:.4g}"
-        )
-        above = axes(
-            f"x / {along}",
-            f"height / {upward}",
-            _line("rigid profile", length * x, height * profile),
-            _line("deformed surface", length * x, height * displacement),
-        )
-        below = axes(f"x / {along}", f"pressure / {unit}", _line("pressure", length * x, lift * carried))
-        yield drawn(f"shape-{name}", f"Shape {name} of fields.npz{where}.", above, below)
-
-
 def distributions_of(result: Result) -> Iterator[Figure]:
     """Yield distributions: widths of contacts and gaps at targets, and pressures that were asked for."""
-    touching = [state for state in result.targets if state.n_patches >= FEW][:MOST_SHAPES]
+    touching = [state for state in result.targets if state.n_patches >= FEW][:MOST_LINES]
     if touching:
         period = result.scene["profile"]["period"]
         widths = [_widths(state, period) for state in touching]
@@ -99,7 +71,7 @@ def distributions_of(result: Result) -> Iterator[Figure]:
             "Share of the contacts and of the gaps that are not wider.",
             semilogx(f"width / {unit}", "share of their number", *series),
         )
-    fields, states = result.fields, list(stored_states(result).items())[:MOST_SHAPES]
+    fields, states = result.fields, list(stored_states(result).items())[:MOST_LINES]
     pressures = [(name, state) for name, state in states if f"sigma_{name}" in fields]
     if pressures:
         most = max(float(np.max(fields[f"sigma_{name}"])) for name, _ in pressures)
@@ -127,8 +99,3 @@ def _where(state: State) -> str:
     if math.isnan(state.mean_pressure):
         return f"complete contact, {state.branch}"
     return f"{readable(state.mean_pressure, 'Pa', 3)}, {state.branch}"
-
-
-def _line(label: str, x: Array, y: Array) -> Series:
-    """Return a curve, broken where there is no number."""
-    return trace(label, x.tolist(), [value if math.isfinite(value) else None for value in y.tolist()])

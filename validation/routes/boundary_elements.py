@@ -5,13 +5,22 @@ from typing import Any
 import numpy as np
 
 import bem
-from bem.scene.result import Event, Result, State
-from bem.scene.scene import parse_scene
+from bem.scene.result import Event, Result
+from bem.scene.state import State
 from validation.harness.arrays import FloatArray
-from validation.harness.route import Answer, Laps, Place, Problem
+from validation.harness.route import Place, Problem
 from validation.routes.scenes import contact_of
 
 LEAST_RELEASED = 1e-3  # of the work of adhesion, by a jump that counts: what a fold of rounding size releases is less
+
+
+def solve(problem: Problem, tolerance: float) -> dict[str, list[Any]]:
+    """Solve a problem at a tolerance of the solver, and return all answers."""
+    scene = scene_tables(problem) | {"accuracy": {"tolerance": tolerance}}
+    if "displacement_amplitudes" in problem.asked:
+        at = int(problem.asked["displacement_amplitudes"]["target"]) - 1
+        scene["output"] = {"spectra": [problem.targets[at]]}
+    return answers(problem, bem.solve(scene))
 
 
 def scene_tables(problem: Problem) -> dict[str, Any]:
@@ -30,29 +39,6 @@ def scene_tables(problem: Problem) -> dict[str, Any]:
     if problem.work_of_adhesion is not None:
         tables["adhesion"] = {"work_of_adhesion": problem.work_of_adhesion, "slope_term": problem.slope_term}
     return tables if problem.thickness is None else tables | {"layer": {"thickness": problem.thickness}}
-
-
-def tables(problem: Problem, tolerance: float, increment: float = 1.0) -> dict[str, Any]:
-    """Return the scene of a problem; `increment` multiplies the largest increment of its path."""
-    scene = scene_tables(problem) | {"accuracy": {"tolerance": tolerance, "max_increment": 0.05 * increment}}
-    if "displacement_amplitudes" in problem.asked:
-        at = int(problem.asked["displacement_amplitudes"]["target"]) - 1
-        scene["output"] = {"spectra": [problem.targets[at]]}
-    return scene
-
-
-def solve(problem: Problem, tolerance: float, increment: float = 1.0) -> Answer:
-    """Solve a problem at a tolerance of the solver, and return all answers."""
-    laps = Laps()
-    scene = parse_scene(tables(problem, tolerance, increment))
-    laps.end("setup")
-    result = bem.solve(scene)
-    laps.end("solve")
-    values = answers(problem, result)
-    laps.end("post")
-    counts = {"evaluations": sum(state.evaluations for state in result.states), "patches": result.targets[-1].n_patches}
-    unknowns = max(state.unknowns for state in result.states)
-    return Answer(values=values, unknowns=unknowns, counts=counts, parts=laps.parts)
 
 
 def answers(problem: Problem, result: Result) -> dict[str, list[Any]]:

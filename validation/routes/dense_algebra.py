@@ -1,22 +1,20 @@
-"""Dense algebra from the overlap of the undeformed shapes: no path, no search for contacts, the patches are given.
+"""Dense algebra next to a state of a scene, or from the overlap of the undeformed shapes on a half-space.
 
-Its knob is the number of nodes on every patch.  It shows what the discretisation alone costs, digit by digit; far from
-its answer, steps are limited to a third of the edge scale.  The equations are those of references/dense_equilibrium.py.
+The second has no path and no search for contacts: with its number of nodes on every patch it shows what the
+discretisation alone costs, digit by digit.  The equations are those of references/dense_equilibrium.py.
 """
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
-from bem.scene.result import State
 from bem.scene.scene import Scene
+from bem.scene.state import State
 from validation.harness.arrays import FloatArray
-from validation.harness.route import Answer, Laps, Problem
-from validation.references.dense import LayerKernel
+from validation.harness.route import Problem
 from validation.references.dense_equilibrium import Interface, converged, equilibrium
 from validation.references.waves import Waves
-from validation.routes.scenes import contact_of, problem_of
+from validation.routes.scenes import problem_of
 
 
 def reference(scene: Scene, state: State, refinement: int = 1) -> dict[str, float]:
@@ -44,35 +42,17 @@ def overlap(surface: Waves, penetration: float) -> FloatArray:
     return np.asarray(np.stack([starts, ends + 1], axis=1) * (surface.period / count), dtype=np.float64)
 
 
-def solve(problem: Problem, nodes: int) -> Answer:
-    """Solve for the contact at the only target, a penetration; NoReferenceError if Newton does not converge."""
-    if problem.slope_term or problem.work_of_adhesion is None:
-        raise NotImplementedError("the slope term, or no adhesion")
-    laps = Laps()
+def contact_fraction(problem: Problem, nodes: int) -> float:
+    """Return the contact fraction at the only target, a penetration; NoReferenceError if Newton does not converge."""
     (penetration,) = problem.targets
     surface = Waves(problem.period, *problem.harmonics)
     modulus, q0 = problem.youngs_modulus / (1 - problem.poisson_ratio**2), 2 * np.pi / problem.period
     rms = surface.rms_height
     profile = Waves(2 * np.pi, surface.orders, surface.amplitudes / rms, surface.phases)
-    kernel = None if problem.thickness is None else LayerKernel.of(q0 * problem.thickness, problem.poisson_ratio)
-    interface = Interface(problem.work_of_adhesion / (modulus * rms**2 * q0 / 2), profile, 0.0)
+    interface = Interface((problem.work_of_adhesion or 0.0) / (modulus * rms**2 * q0 / 2), profile, 0.0)
     depth, start = penetration / rms, overlap(surface, penetration) * q0
     count = np.full(len(start), nodes)
-    laps.end("setup")
-    left, right, state, evaluations = converged(
-        profile, start[:, 0], start[:, 1], depth, count, kernel, interface, depth, (1.0, 0.0), far=True
+    left, right, _, _ = converged(
+        profile, start[:, 0], start[:, 1], depth, count, None, interface, depth, (1.0, 0.0), far=True
     )
-    laps.end("solve")
-    edges = np.stack([left, right], axis=1) / q0
-    values: dict[str, Any] = {
-        "contact_fraction": float(np.sum(right - left)) / (2 * np.pi),
-        "mean_pressure": state.load / (2 * np.pi) * modulus * q0 * rms / 2,
-        "elastic_energy": state.elastic_energy * modulus * rms**2 / (2 * problem.period),
-    }
-    if gap := problem.asked.get("gap_at"):
-        x = np.asarray(gap["points"])
-        rigid = surface.height(x) - surface.highest + penetration
-        values["gap_at"] = contact_of(problem, edges, penetration).displacement(x) - rigid
-    laps.end("post")
-    counts = {"evaluations": evaluations, "patches": len(start)}
-    return Answer(values=problem.answered(values), unknowns=int(count.sum()), counts=counts, parts=laps.parts)
+    return float(np.sum(right - left)) / (2 * np.pi)

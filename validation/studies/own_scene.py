@@ -26,11 +26,16 @@ import numpy as np
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 import bem
+from bem.command_line.answer_table import rising_tension
+from bem.geometry.regular_file import read_regular
 from bem.scene.atomic_file import write_atomically
-from bem.scene.result import FINAL_STATUSES, Progress, Result
-from bem.scene.result_file import digest
+from bem.scene.progress import Progress
+from bem.scene.provenance import digest
+from bem.scene.result import Result
 from bem.scene.scene import SceneError, load_scene, parse_scene, read_tables
+from bem.scene.state import FINAL_STATUSES
 from validation.harness.provenance import provenance
+from validation.plugin.content import finite
 from validation.report.pages import ReportError, filled
 from validation.studies.scene_settings import BASE, SEED, SOURCES, TOLERANCE, Setting, settings_of
 
@@ -122,7 +127,7 @@ def run(path: Path, folder: Path, options: Options, say: Callable[[str], None]) 
 
     def store(**more: Any) -> None:
         stored = {name: asdict(outcome) for name, outcome in solved.items()}
-        text = json.dumps(_finite(head | {"solved": stored} | more), indent=1, allow_nan=False) + "\n"
+        text = json.dumps(finite(head | {"solved": stored} | more), indent=1, allow_nan=False) + "\n"
         folder.mkdir(parents=True, exist_ok=True)
         write_atomically(folder / FILE, text)
         if more:
@@ -149,10 +154,10 @@ def read_solved(folder: Path, sha256: str, overwrite: bool) -> dict[str, Solved]
     path = folder / FILE
     if not path.exists():
         return {}
-    if not path.is_file():
-        raise ReportError(f"{path}: is no file")
     try:
-        stored = TypeAdapter(Stored).validate_json(path.read_bytes())
+        stored = TypeAdapter(Stored).validate_json(read_regular(path))
+    except OSError as error:
+        raise ReportError(f"{path}: {error.strerror}") from error
     except ValidationError as error:
         first = error.errors()[0]
         problem = f"{'.'.join(map(str, first['loc'])) or 'the file'}: {first['msg']}"
@@ -239,7 +244,7 @@ def answers_of(result: Result) -> Iterator[Answer]:
             if value is not None and math.isfinite(value):
                 yield Answer(state.index, state.branch, quantity, float(value), _number(error))
     tension = result.largest_tension
-    if tension is not None:
+    if tension is not None and rising_tension(result) is None:
         yield Answer(
             None, "unloading", "pull-off", -tension.mean_pressure, _number(tension.error_estimate.mean_pressure)
         )
@@ -336,12 +341,3 @@ def share(relative: float | None) -> str:
 
 def _number(value: float | None) -> float | None:
     return None if value is None or not math.isfinite(value) else float(value)
-
-
-def _finite(value: Any) -> Any:
-    """Return a value in which NaN and infinity are None: JSON has neither."""
-    if isinstance(value, Mapping):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -380,6 +380,7 @@ def test_the_certificate_shares_no_code_with_the_solver(module):
         "bem.audit.displacement",
         "bem.audit.gap_depths",
         "bem.geometry.arrays",
+        "bem.geometry.minima",
         "bem.geometry.patches",
         "bem.geometry.profile",
     }

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from bem.audit import gap_certificate
-from bem.audit.gap_certificate import Levels, OpenGaps, certify_gaps
+from bem.audit.gap_certificate import certify_gaps
 from bem.elastic.layer import LayerEffect
+from bem.geometry.gaps import Gaps
 from bem.geometry.profile import Profile
 from bem.loading.complete_contact import CompleteContact
-from bem.nonadhesive.completed_body import CompletedBody
+from bem.nonadhesive.completed_body import CompletedBody, Condition
 from bem.nonadhesive.gap_series import evaluate_gaps
-from bem.nonadhesive.last_gaps import Condition, isolated_cracks, solve_gaps
+from bem.nonadhesive.last_gaps import isolated_cracks, solve_gaps
 
 DEFICITS = pytest.mark.parametrize("deficit", [0.1, 1e-4, 1e-9], ids=str)
 
@@ -33,11 +34,15 @@ def solved(profile, deficit, ratio=None):
     """The state at a deficit relative to the mean pressure of complete contact."""
     body = body_of(profile, ratio)
     condition = Condition(0.0, 1.0, 2 * np.pi * body.lowest * deficit)
-    return solve_gaps(body, condition, *isolated_cracks(body, condition)).state
+    return solve_gaps(body, condition, isolated_cracks(body, condition)).state
+
+
+def at_deficit(state):
+    """The condition that holds the deficit of a state."""
+    return Condition(0.0, 1.0, 2 * np.pi * state.deficit)
 
 
 def judged(profile, state, ratio=None, opening=None, **changed):
-    gaps = changed.pop("gaps", state.gaps)
     series = state.opening if opening is None else opening
     given = {
         "deficit": state.deficit,
@@ -45,12 +50,7 @@ def judged(profile, state, ratio=None, opening=None, **changed):
         "separation": state.separation,
         "penetration": state.penetration,
     } | changed
-    return certify_gaps(
-        profile,
-        OpenGaps(gaps.anchor, gaps.shift, gaps.half_width, series),
-        Levels(**given),
-        compliance_ratio=ratio,
-    )
+    return certify_gaps(profile, state.gaps, series, compliance_ratio=ratio, **given)
 
 
 @pytest.mark.parametrize("deficit", [0.3, 0.1, 1e-4, 1e-9, 1e-12], ids=str)
@@ -81,7 +81,7 @@ def test_every_end_moved_by_a_hundred_thousandth_and_solved_again_is_not_ok(end,
     state = solved(profile, deficit)
     outward = np.zeros(4)
     outward[end] = sign * (1e-5 + 1e-13 / deficit) * state.gaps.half_width[end % 2]
-    again = evaluate_gaps(state.body, state.gaps.moved(outward), state.deficit)
+    again = evaluate_gaps(state.body, state.gaps.moved(outward), at_deficit(state))
     reasons = judged(profile, again).reasons
     assert any("closure" in reason for reason in reasons)
 
@@ -91,10 +91,10 @@ def test_a_gap_taken_for_contact_is_tension(deficit):
     """Without the other, one of two equal gaps is in equilibrium, but contact is under tension where the other was."""
     profile = two_waves()
     state = solved(profile, deficit)
-    alone = evaluate_gaps(state.body, state.gaps.kept(np.array([True, False])), state.deficit)
+    alone = evaluate_gaps(state.body, state.gaps.kept(np.array([True, False])), at_deficit(state))
     for _ in range(30):
         ends = 2 / 3 * alone.end_values / alone.end_slopes * alone.gaps.half_width
-        alone = evaluate_gaps(state.body, alone.gaps.moved(ends), state.deficit)
+        alone = evaluate_gaps(state.body, alone.gaps.moved(ends), at_deficit(state))
     reasons = judged(profile, alone).reasons
     assert [reason.split()[0] for reason in reasons] == ["tension"]
 
@@ -134,7 +134,7 @@ def test_overlapping_surfaces_are_seen():
     profile = two_waves()
     state = solved(profile, 0.1)
     wide = replace(state.gaps, half_width=state.gaps.half_width * 1.5)
-    again = evaluate_gaps(state.body, wide, state.deficit)
+    again = evaluate_gaps(state.body, wide, at_deficit(state))
     assert any("interpenetration" in reason for reason in judged(profile, again).reasons)
 
 
@@ -148,9 +148,10 @@ def test_what_is_not_a_number_is_not_ok():
 @pytest.mark.parametrize("half_width", [[], [-0.1, 0.1], [2.0, 2.0]], ids=["none", "negative", "overlap"])
 def test_gaps_that_are_none_are_refused(half_width):
     half = np.array(half_width)
-    gaps = OpenGaps(np.arange(half.size) * 1.0, np.zeros(half.size), half, tuple(np.ones(4) for _ in half))
+    gaps = Gaps(np.arange(half.size) * 1.0, np.zeros(half.size), half)
+    given = dict.fromkeys(("deficit", "mean_pressure", "separation", "penetration"), 0.1)
     with pytest.raises(ValueError, match="at least one"):
-        certify_gaps(two_waves(), gaps, Levels(0.1, 1.0, 0.1, 0.1))
+        certify_gaps(two_waves(), gaps, tuple(np.ones(4) for _ in half), **given)
 
 
 def test_the_certificate_shares_no_code_with_the_solver():
@@ -159,5 +160,7 @@ def test_the_certificate_shares_no_code_with_the_solver():
     own = {"bem.audit.certificate", "bem.audit.displacement", "bem.audit.gap_depths"}
     assert {name for name in imported if name.startswith("bem")} <= own | {
         "bem.geometry.arrays",
+        "bem.geometry.gaps",
+        "bem.geometry.minima",
         "bem.geometry.profile",
     }

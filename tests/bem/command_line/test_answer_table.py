@@ -9,7 +9,16 @@ import pytest
 from rough_scene import ROUGH
 
 import bem
-from bem.command_line.answer_table import NO_FLAW, UNKNOWN, answer, csv_text, digits, pull_off_words, table_text
+from bem.command_line.answer_table import (
+    NO_FLAW,
+    UNKNOWN,
+    answer,
+    csv_text,
+    digits,
+    pull_off_words,
+    readable,
+    table_text,
+)
 from bem.scene.result import LargestTension, TensionError
 from bem.scene_commands import main
 
@@ -102,6 +111,19 @@ def test_the_pull_off_is_said_with_its_own_error_and_where_the_surfaces_came_apa
     words = pull_off_words(replace(rough, largest_tension=tension))
     assert "the largest tension on the way out is 280.0 Pa (± 1.0 % numerical), at a separation" in words
     assert "the surfaces come apart at" in words
+
+
+def test_a_path_that_ends_in_tension_does_not_give_an_earlier_turn_as_its_pull_off(rough):
+    """States and turns of the rough scene, up to one whose tension is above all turns before it."""
+    held = next(state for state in rough.states if state.branch == "unloading" and state.mean_pressure < 0)
+    ended = replace(rough, states=rough.states[: rough.states.index(held) + 1], events=(), largest_tension=None)
+    said = f"not reached. The way out ends in tension, {readable(-held.mean_pressure, 'Pa', 4)} at"
+    assert said in pull_off_words(ended) and pull_off_words(ended).endswith("beyond.")
+    before = LargestTension(held.mean_pressure / 2, 1e-6, 8.5e-5, "turn", TensionError(1e-3))
+    words = pull_off_words(replace(ended, largest_tension=before))
+    assert said in words and f"before that it turns at {readable(-held.mean_pressure / 2, 'Pa', 4)}" in words
+    beyond = replace(before, mean_pressure=held.mean_pressure - 1e-4)
+    assert "largest tension on the way out" in pull_off_words(replace(ended, largest_tension=beyond))
 
 
 def test_without_tension_there_is_no_pull_off(wave):

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from bem.geometry.lengths import METRES
 from bem.geometry.profile import Profile
 from bem.scans.prepare_scan import prepare
 from bem.scans.prepared_scan import DRAWN
 from bem.scans.read_scan import RawScan, read_scan
-from bem.scans.scan_keys import METRES
 from bem.scans.scan_refusal import ScanFileError
 
 COUNT, SPACING = 200, 1e-5

@@ -33,14 +33,21 @@ def refusal_of(folder, text, **values):
 
 def test_columns_are_those_that_are_named(tmp_path):
     text = rows(range(COUNT), X, H, H + 7.3)
-    scan = scan_of(tmp_path, text, columns=[2, 3], **UNITS)
+    scan = scan_of(tmp_path, text, columns=[2, 3], valid_column=0, **UNITS)
     np.testing.assert_allclose([scan.x, scan.h], [X * 1e-3, H * 1e-6], rtol=1e-12, atol=1e-18)
-    assert (scan.facts["columns"], scan.facts["columns_not_read"]) == ([2, 3], [1, 4])
-    np.testing.assert_allclose(scan_of(tmp_path, text, columns=[4], **SPACED).h, (H + 7.3) * 1e-6, rtol=1e-12)
+    assert scan.facts["columns"] == [2, 3]
+    np.testing.assert_allclose(
+        scan_of(tmp_path, text, columns=[4], valid_column=0, **SPACED).h, (H + 7.3) * 1e-6, rtol=1e-12
+    )
 
 
 def test_units_are_those_of_the_columns_read(tmp_path):
-    scan = scan_of(tmp_path, "n [1];x [mm];t [s];h [nm]\n" + rows(range(COUNT), X, H, H, delimiter=";"), columns=[2, 4])
+    scan = scan_of(
+        tmp_path,
+        "n [1];x [mm];t [s];h [nm]\n" + rows(range(COUNT), X, H, H, delimiter=";"),
+        columns=[2, 4],
+        valid_column=0,
+    )
     np.testing.assert_allclose([scan.x, scan.h], [X * 1e-3, H * 1e-9], rtol=1e-12, atol=1e-18)
 
 
@@ -61,13 +68,60 @@ def test_heights_flagged_0_are_missing(valid, at, columns, tmp_path):
     np.testing.assert_allclose(scan.h, np.where(FLAGS, H, np.nan) * 1e-6, rtol=1e-12)
 
 
-@pytest.mark.parametrize("flags", [FLAGS, 1.0 - np.array(FLAGS), np.arange(COUNT) % 3, np.arange(COUNT) % 11, UNSET])
-def test_column_that_may_be_a_flag_is_not_passed_over(flags, tmp_path):
-    text = rows(X, H, flags)
+MARKS = {  # column that marks heights, the number of valid ones
+    "1 valid": (FLAGS, 1),
+    "1 invalid": (1.0 - np.array(FLAGS), 0),
+    "-1 invalid": (2 * np.array(FLAGS) - 1, 1),
+    "quality": (0.9 * np.array(FLAGS), 0.9),
+    "codes": (np.where(FLAGS, 7, np.arange(COUNT) % 5), 7),
+    "empty": (UNSET, 1),
+}
+
+
+@pytest.mark.parametrize("name", MARKS)
+def test_heights_beside_other_numbers_than_the_valid_one_are_missing(name, tmp_path):
+    """The refusal names the numbers; the scene says which one is valid; without it 0 alone has a meaning."""
+    marks, valid = MARKS[name]
+    text, known = rows(X, H, marks), np.array([mark == valid for mark in marks])
     refusal = refusal_of(tmp_path, text, columns=[1, 2], **UNITS)
-    assert (refusal.key, "is needed: column 3 holds" in refusal.problem) == ("valid_column", True)
-    scan = scan_of(tmp_path, text, columns=[1, 2], valid_column=0, **UNITS)
+    assert (refusal.key, f"{valid:g} ({known.sum()} times)" in refusal.problem) == ("valid_column", True), refusal
+    scan = scan_of(tmp_path, text, valid_column=3, valid_value=valid, **UNITS)
+    np.testing.assert_allclose(scan.h, np.where(known, H, np.nan) * 1e-6, rtol=1e-12)
+    whole = scan_of(tmp_path, text, columns=[1, 2], valid_column=0, **UNITS)
+    np.testing.assert_allclose(whole.h, H * 1e-6, rtol=1e-12)
+    if name not in ("1 valid", "1 invalid", "quality"):
+        assert f"{valid:g} ({known.sum()} times)" in refusal_of(tmp_path, text, valid_column=3, **UNITS).problem
+
+
+@pytest.mark.parametrize(
+    "column",
+    [
+        pytest.param(np.linspace(0.95, 1, COUNT) * FLAGS, id="quality"),
+        pytest.param(H + 7.3, id="heights"),
+        pytest.param(np.sort(FLAGS), id="last ones valid"),
+    ],
+)
+def test_column_that_may_mark_heights_is_not_passed_over(column, tmp_path):
+    text = rows(X, H, column)
+    assert "column 3 holds" in refusal_of(tmp_path, text, columns=[1, 2], **UNITS).problem
+    assert scan_of(tmp_path, text, columns=[1, 2], valid_column=0, **UNITS).h.size == COUNT
+
+
+@pytest.mark.parametrize("column", [range(COUNT), -X, np.ones(COUNT), [""] * COUNT], ids=str)
+def test_axes_and_constant_columns_mark_no_heights(column, tmp_path):
+    scan = scan_of(tmp_path, rows(column, X, H), columns=[2, 3], **UNITS)
     np.testing.assert_allclose(scan.h, H * 1e-6, rtol=1e-12)
+
+
+def test_heights_on_one_line_are_a_map_of_one_row(tmp_path):
+    text = rows(*ROWS[:1].T, delimiter=" ")
+    assert "row = 0" in refusal_of(tmp_path, text, **SPACED).allowed
+    np.testing.assert_allclose(scan_of(tmp_path, text, row=0, **SPACED).h, ROWS[0] * 1e-6, rtol=1e-12)
+
+
+def test_skipped_lines_are_shown_with_what_was_read(tmp_path):
+    scan = scan_of(tmp_path, "cellsize 0.75\n\n" + ALONE, skip_lines=1, **SPACED)
+    assert scan.facts["skipped"] == "cellsize 0.75"
 
 
 @pytest.mark.parametrize("row", [1, "mean"])
@@ -176,6 +230,11 @@ ALONE = rows(H)
         pytest.param(LINE, {"valid_column": 3, **UNITS}, "valid_column", "= 3", id="flag that is not there"),
         pytest.param(ALONE, {"valid_column": 1, **SPACED}, "valid_column", "= 1 of 1", id="flag without heights"),
         pytest.param(TABLE, {"valid_column": 3, **UNITS}, "valid_column", "holds -", id="heights as flags"),
+        pytest.param(
+            TABLE, {"valid_column": 3, "valid_value": 99, **UNITS}, "valid_value", "= 99: c", id="no such flag"
+        ),
+        pytest.param(LINE, {"valid_value": 1, **UNITS}, "valid_value", "without", id="valid without a column"),
+        pytest.param(MAP, {"row": 0, "valid_value": 1, **SPACED}, "valid_value", "beside row", id="flags of a map"),
         pytest.param(LINE, {"row": 0, **UNITS}, "row", "2 columns", id="row of a line"),
         pytest.param(MAP, {"row": 6, **SPACED}, "row", "= 6", id="row that is not there"),
         pytest.param(MAP, {"row": 0, **UNITS}, "spacing", "is missing", id="map without spacing"),

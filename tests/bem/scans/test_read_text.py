@@ -8,15 +8,16 @@ import random
 import numpy as np
 import pytest
 
+from bem.geometry.lengths import METRES
 from bem.scans.prepare_scan import prepare
 from bem.scans.read_scan import read_scan
-from bem.scans.scan_keys import METRES
 from bem.scans.scan_refusal import ScanFileError
 
 COUNT = 40
 X = np.arange(COUNT) * 0.25  # mm
 H = np.round(3 * np.cos(2 * np.pi * X / 10) + 0.5 * np.sin(2 * np.pi * X), 3)  # um
 UNITS = {"unit_x": "mm", "unit_h": "um"}
+SKIPPED = {"skip_lines": 29, "missing_value": "none"}
 VENDOR = "".join(f"Parameter {k};{k * 0.5}\n" for k in range(29))
 
 
@@ -63,8 +64,8 @@ DIALECTS = {
     "latin-1": (table(";", ",", "Länge [mm];Höhe [µm]").encode("latin-1"), {}),
     "byte order mark": (b"\xef\xbb\xbf" + table(";", ",", "x [mm];h [µm]", end="\r\n").encode(), {}),
     "lines that end with CR": (table(end="\r"), UNITS),
-    "lines skipped above a heading": (VENDOR + table(";", heading="x [mm];h [um]"), {"skip_lines": 29}),
-    "lines skipped": (VENDOR + table(";"), {"skip_lines": 29, **UNITS}),
+    "lines skipped above a heading": (VENDOR + table(";", heading="x [mm];h [um]"), SKIPPED),
+    "lines skipped": (VENDOR + table(";"), SKIPPED | UNITS),
     "heights alone": (alone(), {"spacing": 0.25, **UNITS}),
     "heights alone, decimal comma": ("Höhe [µm]\n" + alone(","), {"spacing": 0.25, "decimal": ",", "unit_x": "mm"}),
 }
@@ -90,7 +91,7 @@ def test_signs_of_units_have_one_meaning(word, unit, tmp_path):
     assert scan_of(tmp_path, table(",", heading=f"x [mm],h [{word}]")).facts["unit_h"] == unit
 
 
-@pytest.mark.parametrize("word", ["NaN", "nan", "N/A", "#N/A", "--", "***", "bad", "1.#QNAN", "inf", "null", ""])
+@pytest.mark.parametrize("word", ["NaN", "nan", "N/A", "#N/A", "--", "***", "1.#QNAN", "inf", "null", ""])
 def test_words_for_a_missing_height_are_known(word, tmp_path):
     lines = table(";").splitlines()
     lines[7] = f"{X[7]};{word}"
@@ -120,8 +121,11 @@ LC = "Lc [mm];Ls [um]"
 @pytest.mark.parametrize(
     ("text", "values", "key", "problem"),
     [
-        pytest.param("", UNITS, "file", "holds 0 samples", id="empty"),
-        pytest.param("some words\nand more\n", UNITS, "file", "holds 0 samples: line 1 is 'some words'", id="words"),
+        pytest.param("", UNITS, "file", "holds no line of numbers", id="empty"),
+        pytest.param("some words\nand more\n", UNITS, "file", "lines 1 to 2 ('some words', 'and more')", id="words"),
+        pytest.param(table(end=" OK\n"), UNITS, "file", "lines 1 to 40 ('0.000000 3.000000 OK', ", id="words as marks"),
+        pytest.param(table(end=" OK\n") + "10 1 na\n", UNITS, "file", "lines 1 to 40 (", id="words above a row"),
+        pytest.param("1 2\n3 4\n", UNITS, "file", "holds 2 samples", id="two samples"),
         pytest.param(table() + "4\n", UNITS, "file", "line 41 ('4') holds 1 column", id="ragged"),
         pytest.param(table() + "4 5 6\n", UNITS, "file", "line 41 ('4 5 6') holds 3 columns", id="a third column"),
         pytest.param(table() + "11 high\n", UNITS, "file", "line 41 ('11 high') holds more", id="text"),
@@ -149,6 +153,7 @@ LC = "Lc [mm];Ls [um]"
             id="axis that looks like a heading",
         ),
         pytest.param(table(heading="x/y 0.5"), UNITS, "file", "line 1", id="number in a heading"),
+        pytest.param("0,1,25\n1,-1,50\n2,0,75\n", UNITS, "decimal", "line 1 ('0,1,25') has", id="commas of both kinds"),
         pytest.param("0,1\n1,2\n2,4\n", UNITS, "decimal", "2 columns or 1 column", id="comma of either kind"),
         pytest.param(table(), UNITS | {"skip_lines": 41}, "skip_lines", "= 41", id="more skipped than there are"),
         pytest.param(table(","), {"unit_x": "mm"}, "unit_h", "is missing", id="no unit"),
@@ -163,10 +168,52 @@ def test_wrong_file_is_refused(text, values, key, problem, tmp_path):
     assert (refusal.key, problem in refusal.problem) == (key, True), refusal
 
 
+@pytest.mark.parametrize("delimiter", ["\t", "\t\t", "\t \t", " \t"])
+@pytest.mark.parametrize("end", ["", "\t", "\t\t", " \t "])
+@pytest.mark.parametrize("begin", ["", "\t"])
+def test_tabs_part_columns(delimiter, end, begin, tmp_path):
+    """A tab more is an empty column, which no key for the decimal mark can name."""
+    text = begin + table(delimiter, end=f"{end}\n{begin}").removesuffix(begin)
+    x_column = 1 + begin.count("\t")
+    columns = [x_column, x_column + delimiter.count("\t")]
+    width = columns[1] + end.count("\t")
+    if width > 3 or (width == 3 and columns != [1, 2]):
+        assert f"the file has {max(width - 1, columns[1])} columns" in refusal_of(tmp_path, text, **UNITS).problem
+    scan = scan_of(tmp_path, text, columns=columns, **UNITS)
+    np.testing.assert_allclose([scan.x, scan.h], [X * 1e-3, H * 1e-6], rtol=1e-9, atol=1e-15)
+
+
+def test_whole_numbers_between_commas_are_columns_if_the_scene_says_so(tmp_path):
+    text = "".join(f"{k},{k * k % 7},{k * k % 5}\n" for k in range(COUNT))
+    assert refusal_of(tmp_path, text, columns=[1, 2], **UNITS).key == "decimal"
+    scan = scan_of(tmp_path, text, columns=[1, 2], valid_column=0, decimal=".", **UNITS)
+    np.testing.assert_allclose(scan.h, np.arange(COUNT) ** 2 % 7 * 1e-6, rtol=1e-12)
+
+
+@pytest.mark.parametrize("text", ["7777", ".5", "0", "0,5", "-9999.0", "1e3"])
+@pytest.mark.parametrize("skipped", [True, False])
+def test_number_above_the_heights_that_equals_a_height_is_asked_for(text, skipped, tmp_path):
+    if text == "0,5" and not skipped:
+        return  # no heading: a comma parts cells
+    value, h = float(text.replace(",", ".")), H.copy()
+    h[[5, 6, 20]] = value
+    name, keys = ("x [mm];n [1];h [um]", {"skip_lines": 2}) if skipped else (f"x [mm];no data {text};h [um]", {})
+    lines = f"points 12345;nothing seen {text}\n\n" * skipped + name + "\n"
+    lines += "".join(f"{x};{k};{height}\n" for k, (x, height) in enumerate(zip(X, h, strict=True)))
+    refusal = refusal_of(tmp_path, lines, columns=[1, 3], **keys)
+    assert (refusal.key, f": {value:g}, as {(h == value).sum()} heights" in refusal.problem) == ("missing_value", True)
+    for missing in (value, "none", 99.0):
+        scan = scan_of(tmp_path, lines, columns=[1, 3], missing_value=missing, **keys)
+        np.testing.assert_allclose(scan.h, np.where(h == missing, np.nan, h) * 1e-6, rtol=1e-12)
+
+
 def test_lines_above_the_numbers_are_shown_with_what_skips_them(tmp_path):
     refusal = refusal_of(tmp_path, "ncols 40\n\nNODATA_value -9999\n" + table(";", heading="x [mm];h [um]"))
     assert refusal.problem == "lines 1 to 4 ('ncols 40', 'NODATA_value -9999', 'x [mm];h [um]') are not numbers"
-    assert "skip_lines = 3, and what the lines say in unit_x, unit_h, spacing, columns, missing" in refusal.allowed
+    assert (
+        "if no samples stand there, skip_lines = 3, and what the lines say in unit_x, unit_h, spacing, columns, missing"
+        in refusal.allowed
+    )
 
 
 @pytest.mark.parametrize("sign", "\u2212\u2013\uff0d")

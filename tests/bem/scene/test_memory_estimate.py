@@ -1,10 +1,13 @@
 """Estimated memory and unknowns beside those of solved scenes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from bem.elastic.layer import Layer
 from bem.scene.memory_estimate import memory_estimate
-from bem.scene.scene import parse_scene
+from bem.scene.scene import SceneError, parse_scene
 from bem.solver import solve
 
 E_STAR = 5e6 / (1 - 0.49**2)
@@ -53,6 +56,12 @@ def test_unknowns_are_within_a_factor_of_two(control, target):
     scene = scene_of(300, control, target)
     solved = max(state.unknowns for state in solve(scene).states)
     assert 0.5 < memory_estimate(scene).unknowns / solved < 2
+
+
+def test_a_scene_beyond_memory_is_refused_by_name_from_python_too():
+    scene = replace(scene_of(200_000, "mean_pressure", 0.5), layer=Layer(1e-3))
+    with pytest.raises(SceneError, match=r"profile\.harmonics 200000 need about .* GB of memory; allowed: fewer"):
+        solve(scene)
 
 
 def test_a_flat_profile_has_no_unknowns():

@@ -1,0 +1,159 @@
+"""`linecontact answer`: from a measured trace to a page, by a scene in which every choice can be edited."""
+
+import json
+import tomllib
+
+import numpy as np
+import pytest
+
+import bem
+from validation.command_line.front_door import main
+
+SOLID = ("--youngs-modulus", "5e6", "--poisson-ratio", "0.49")
+SPACING = 1e-6
+
+
+def write_trace(folder, name="trace.csv", *, heading="x [mm]; h [um]\n", noise=0.0, slope=3.0, closed=False, n=400):
+    """A rough trace of n samples, of which the ends meet where it is closed."""
+    rng = np.random.default_rng(5)
+    x, orders = np.arange(n) * SPACING, np.arange(1, 60)
+    share = 1.0 if closed else 0.83
+    waves = np.cos(2 * np.pi * share * orders[:, None] * np.arange(n) / n + rng.uniform(0, 6, orders.size)[:, None])
+    h = 0.4e-6 * orders**-1.5 @ waves + 1e-3 * slope * x + rng.normal(0, 1, n) * noise
+    lines = (f"{a * 1e3:.4f};{b * 1e6:.6f}" for a, b in zip(x, h, strict=True))
+    path = folder / name
+    path.write_text(heading + "\n".join(lines) + "\n", "utf-8")
+    return path
+
+
+def answer(*words):
+    """Exit code, also where argparse ends the program."""
+    try:
+        return main(["answer", *map(str, words)])
+    except SystemExit as error:
+        return error.code
+
+
+def profile_of(folder):
+    return tomllib.loads((folder / "scene.toml").read_text("utf-8"))["profile"]
+
+
+@pytest.fixture(scope="module")
+def answered(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("answer")
+    trace = write_trace(folder)
+    words = (trace, *SOLID, "--pressure", "20e3", "1e5", "--work-of-adhesion", "0.01", "--out", folder / "out")
+    assert answer(*words, "--quiet") == 0
+    return folder / "out"
+
+
+def test_a_trace_is_answered_by_a_page(tmp_path, capsys):
+    trace = write_trace(tmp_path)
+    out = tmp_path / "out"
+    assert answer(trace, *SOLID, "--pressure", "20e3", "1e5", "--thickness", "1e-3", "--out", out) == 0
+    told = capsys.readouterr()
+    assert told.out.splitlines()[-1] == str(out / "report.html")
+    assert "three digits" in told.err
+    assert {path.name for path in out.iterdir()} >= {"scene.toml", "result.json", "report.html", "answer.csv"}
+    scene = tomllib.loads((out / "scene.toml").read_text("utf-8"))
+    assert scene["solid"] == {"youngs_modulus": 5e6, "poisson_ratio": 0.49}
+    assert (scene["layer"], scene["loading"]["targets"]) == ({"thickness": 1e-3}, [20e3, 1e5])
+    assert "adhesion" not in scene
+    assert scene["accuracy"]["tolerance"] == 1e-3
+
+
+def test_the_scene_solved_again_gives_the_same_answer(answered, tmp_path, monkeypatch):
+    monkeypatch.chdir(answered)
+    assert main(["run", "scene.toml", "--out", str(tmp_path / "again"), "--quiet"]) == 0
+    first, second = bem.read_result(answered), bem.read_result(tmp_path / "again")
+    numbers = [[(s.mean_pressure, s.contact_fraction, s.edges) for s in result.states] for result in (first, second)]
+    assert numbers[0] == numbers[1]
+    assert first.provenance["scene_sha256"] == second.provenance["scene_sha256"]
+
+
+def test_every_choice_is_a_line_of_the_scene(answered):
+    text = (answered / "scene.toml").read_text("utf-8")
+    profile = profile_of(answered)
+    assert (profile["detrend"], profile["periodic"], profile["cutoff_short"]) == ("line", "mirror", 16 * SPACING)
+    assert "the tilt of 0.00" in text
+    assert '# unit_x = "mm": stated by the file' in text
+    assert "# harmonics = " in text
+
+
+def test_the_cut_is_the_one_that_check_suggests(tmp_path, capsys):
+    """With enough noise; the trace falls below it at a wave of more than 16 samples."""
+    write_trace(tmp_path, noise=15e-9, n=3000)
+    out = tmp_path / "out"
+    assert answer(tmp_path / "trace.csv", *SOLID, "--pressure", "20e3", "--out", out, "--quiet") == 0
+    capsys.readouterr()
+    assert main(["check", "--json", str(out / "scene.toml")]) == 0
+    steps = json.loads(capsys.readouterr().out)["profile_preparation"]
+    (suggested,) = (step["suggested_cutoff"] for step in steps if step["step"] == "spectrum")
+    assert profile_of(out)["cutoff_short"] == pytest.approx(suggested, rel=1e-3)
+    assert suggested > 16 * SPACING
+
+
+def test_a_trace_whose_ends_meet_repeats_as_it_is(tmp_path):
+    trace = write_trace(tmp_path, slope=0.0, closed=True)
+    assert answer(trace, *SOLID, "--pressure", "20e3", "--out", tmp_path / "out", "--quiet") == 0
+    profile = profile_of(tmp_path / "out")
+    assert (profile["detrend"], profile["periodic"]) == ("mean", "as_is")
+
+
+def test_keys_that_are_given_are_taken(tmp_path):
+    trace = write_trace(tmp_path, heading="")
+    keys = ("--profile", "unit_x=mm", "unit_h=um", "detrend=quadratic", "harmonics=20")
+    assert answer(trace, *SOLID, "--pressure", "20e3", *keys, "--out", tmp_path / "out", "--quiet") == 0
+    profile = profile_of(tmp_path / "out")
+    assert (profile["detrend"], profile["harmonics"], profile["unit_h"]) == ("quadratic", 20, "um")
+    assert "cutoff_short" not in profile
+
+
+def test_a_trace_that_cannot_be_used_is_refused_as_check_refuses_it(tmp_path, capsys):
+    trace = write_trace(tmp_path, heading="")
+    assert answer(trace, *SOLID, "--pressure", "20e3", "--out", tmp_path / "out") == 2
+    refusal = capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+    scene = '[solid]\nyoungs_modulus = 5e6\npoisson_ratio = 0.49\n[profile]\nkind = "samples"\nfile = "trace.csv"\n'
+    scene += 'detrend = "line"\n[loading]\ncontrol = "mean_pressure"\ntargets = [20e3]\n'
+    (tmp_path / "scene.toml").write_text(scene)
+    assert main(["check", str(tmp_path / "scene.toml")]) == 2
+    assert capsys.readouterr().err == refusal
+    assert "profile.unit_x is missing" in refusal
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--pressure", "1e6", "50e3"), "--pressure: 50000 after 1e+06; allowed: numbers > 0 that rise"),
+        (("--pressure", "0"), "--pressure: 0; allowed: numbers > 0 that rise"),
+        (("--pressure", "nan"), "--pressure: nan; allowed"),
+        ((), "the following arguments are required: --pressure"),
+        (("--pressure", "1e4", "--youngs-modulus", "-5e6"), "solid.youngs_modulus"),
+        (("--pressure", "1e4", "--thickness", "0"), "layer.thickness = 0"),
+        (("--pressure", "1e4", "--work-of-adhesion", "-1"), "adhesion.work_of_adhesion = -1"),
+        (("--pressure", "1e4", "--profile", "unit_x"), "allowed: KEY=VALUE"),
+        (("--pressure", "1e4", "--profile", "hight=3"), "profile.hight"),
+    ],
+    ids=lambda value: "-" if isinstance(value, str) else " ".join(value),
+)
+def test_options_that_cannot_be_used_are_refused(tmp_path, capsys, words, told):
+    out = tmp_path / "out"
+    assert answer(write_trace(tmp_path), *SOLID, *words, "--out", out) == 2
+    assert told in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_an_answer_is_replaced_only_when_asked(answered, tmp_path, capsys):
+    trace, before = answered.parent / "trace.csv", (answered / "scene.toml").read_bytes()
+    words = (trace, *SOLID, "--pressure", "20e3", "--out", answered, "--quiet")
+    assert answer(*words) == 2
+    assert "--overwrite replaces it" in capsys.readouterr().err
+    assert (answered / "scene.toml").read_bytes() == before
+    assert answer(*words, "--overwrite") == 0
+    assert len(bem.read_result(answered).targets) == 1
+
+
+def test_a_trace_that_does_not_exist_is_named(tmp_path, capsys):
+    assert answer(tmp_path / "none.csv", *SOLID, "--pressure", "20e3", "--out", tmp_path / "out") == 2
+    assert 'profile.file = "none.csv": cannot be read' in capsys.readouterr().err

@@ -1,0 +1,108 @@
+"""Heights of the profiles, the deformed shapes of one of them, and the gain of area by faint adhesion.
+
+Heights.  Each profile is sampled on a grid that resolves its shortest wave 16 times.  The mean excess kurtosis of a sum
+of waves with independent phases, -(3/2) sum h_m^4 / (sum h_m^2)^2, tends to the Gaussian's 0 only when many waves share
+the variance.
+
+Shapes at s = 86, 48, 38 and 9.6 um: the text of the paper says 38 um where its caption says 48 um.  Seeds 0 and 1 have
+crests of 84 and 85 um, below 86 um: they do not touch there.
+
+Faint adhesion.  At every edge K = sqrt(2 E* gamma), which moves it by a length ~ sqrt(gamma) at small gamma: loading
+without adhesion is the limit.  On the way out jumps remain; the paper's statement is of loading.  Gains of area are
+means over the loads of `FAINT_AT`.
+
+Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, sections 4 and 5.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from validation.harness.arrays import FloatArray
+from validation.harness.figure_data import axes, drawn, trace
+from validation.harness.schema import Figure, Series
+from validation.paper.curves import scattered
+from validation.paper.ensemble import Ensemble, Realisation, estimate
+from validation.paper.members import FAINT_AT, FAINT_WORKS, SHAPES_AT
+from validation.paper.statements import Measured
+from validation.references.paper_problem import MODULUS, RMS_HEIGHT
+
+BOUNDS = np.linspace(-3.5, 3.5, 36)  # of h_rms
+MOST_POINTS = 2400  # of a curve in a figure
+
+
+def measured(ensemble: Ensemble) -> dict[str, Measured]:
+    """Return our numbers of heights and of faint adhesion."""
+    heights = _heights(ensemble)
+    numbers = {
+        "skewness": Measured(*estimate([np.mean(h**3) for h in heights])),
+        "fourth moment": Measured(*estimate([np.mean(h**4) for h in heights])),
+    }
+    groups = [group for work in FAINT_WORKS if (group := ensemble.whole(f"faint {work:g}"))]
+    if len(groups) == len(FAINT_WORKS):
+        areas = [
+            [[member.value_at(load, lambda state: state.contact_fraction) for load in FAINT_AT] for member in group]
+            for group in groups
+        ]
+        numbers["gain by faint adhesion"] = of_faint_adhesion(np.array(areas))
+    return numbers
+
+
+def of_faint_adhesion(areas: FloatArray) -> Measured:
+    """Return the gain by faint adhesion from areas (n_works, n_seeds, n_loads); the gain by the paper's is excluded."""
+    gains = np.mean(areas[1:] / areas[0] - 1, axis=2)
+    return Measured(*estimate(gains[0]), excluded=float(gains[1].mean()))
+
+
+def _heights(ensemble: Ensemble) -> list[FloatArray]:
+    """Return the heights of every profile, over the rms height."""
+    return [member.profile.grid[1] / RMS_HEIGHT for member in ensemble.loading]
+
+
+def figures(ensemble: Ensemble) -> Iterator[Figure]:
+    """Yield the distribution of the heights, and the deformed shapes."""
+    density = np.array([np.histogram(heights, BOUNDS, density=True)[0] for heights in _heights(ensemble)])
+    centres, smooth = ((BOUNDS[1:] + BOUNDS[:-1]) / 2).tolist(), np.linspace(BOUNDS[0], BOUNDS[-1], 141)
+    gaussian = np.exp(-(smooth**2) / 2) / np.sqrt(2 * np.pi)
+    yield drawn(
+        "height-distribution",
+        "Distribution of the heights: every profile, their mean with its standard error, the Gaussian.",
+        axes(
+            "height $h/h_{rms}$",
+            "density",
+            *scattered([(centres, row.tolist()) for row in density], centres, density),
+            trace("Gaussian", smooth, gaussian, hue=1),
+        ),
+    )
+    shapes = ensemble.whole("shapes")
+    if shapes is not None:
+        yield _shapes(*shapes)
+
+
+def _shapes(member: Realisation) -> Figure:
+    """Draw all shapes over the period, in one frame."""
+    series: list[Series] = []
+    for k, separation in enumerate(SHAPES_AT):
+        x, solid, profile = _about_highest_crest(member, k)
+        if not series:
+            series.append(trace("rigid profile", x, (profile + separation) * 1e6, "thin"))
+        state = member.result.targets[k]
+        place = f"s = {separation * 1e6:g} µm, p = {state.mean_pressure / MODULUS:.3g} E*, "
+        series.append(trace(f"{place}A/A0 = {state.contact_fraction:.3g}", x, (solid + separation) * 1e6, hue=k))
+    return drawn(
+        "shapes",
+        "Deformed shapes above one profile at the separations of the paper, in one frame; its caption has 48 µm where "
+        f"its text has 38 µm. The profile is ours: seed {member.result.scene['profile']['seed']}, highest crest at "
+        f"{member.profile.max_height * 1e6:.1f} µm.",
+        axes("distance from the highest crest / mm", "height / µm", *series),
+    )
+
+
+def _about_highest_crest(member: Realisation, k: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return places from the highest crest in mm, solid and profile in m, at target k."""
+    fields, period = member.result.fields, member.profile.period
+    crests, heights = member.profile.crests
+    place = (fields[f"x_{k}"] - crests[np.argmax(heights)] + period / 2) % period - period / 2
+    order = np.argsort(place)[:: max(1, place.size // MOST_POINTS)]
+    solid = fields[f"displacement_{k}"][order]
+    return place[order] * 1e3, solid, solid - fields[f"gap_{k}"][order]
