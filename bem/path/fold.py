@@ -1,12 +1,13 @@
 """Folds and broken symmetries: the ends of the stable part of a branch on a span of its curve, and their equations.
 
-The end of a span says which, by the number of negative eigenvalues of the Hessian and by the way the control goes:
+A fold is located ahead of a step, where the control is foreseen to turn by its two derivatives, and is then the end of
+a span like any other stand.  A step past a turn of the control is refused.  Else the end of a span says what it holds,
+by the number of negative eigenvalues of the Hessian and by the way the control goes:
 
 =========  =======  ==============================================================================================
 negative   control  content of the span
 =========  =======  ==============================================================================================
 none       onward   nothing, unless the quintic turns in between: a snap hides there, and a shorter step tells
-one        back     a fold: the control turns, and the mode that is neutral there carries the contact away
 any        any      if the control does no work on the modes that turned unstable: a symmetry broke
 others              a shorter step tells
 =========  =======  ==============================================================================================

@@ -20,8 +20,9 @@ from pathlib import Path
 import numpy as np
 
 import bem
-from bem.scene.result import Event, Result, State
+from bem.scene.result import Event, Result
 from bem.scene.scene import parse_scene
+from bem.scene.state import State
 from validation.corpus.random_scenes import draw
 from validation.references.paper_problem import Table
 
