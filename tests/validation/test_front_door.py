@@ -21,6 +21,7 @@ ROOT = Path(__file__).parents[2]
 SCENES = [name for name, (first, *_) in EXAMPLES.items() if first.endswith(".toml")]
 COMMANDS = (
     "answer",
+    "docs",
     "example",
     "fem",
     "check",
