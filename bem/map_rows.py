@@ -27,7 +27,7 @@ from bem.scene.scene import ALL_ROWS, Scene, parse_scene, read_tables
 from bem.scene.scene_error import SceneError
 from bem.solver import solve
 
-QUANTILES = (0.16, 0.5, 0.84)
+QUANTILES = (0.16, 0.5, 0.84)  # format: of the answers of all rows
 SKIPPED = ("branch", "status", "target", "certified")  # columns of the answer that are no quantities
 
 Tables = Mapping[str, Any]

@@ -14,7 +14,6 @@ A separation of exactly 0 asks for complete contact.
 from __future__ import annotations
 
 import re
-import stat
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
@@ -27,6 +26,7 @@ from numpy.typing import NDArray
 
 from bem.geometry.profile import Profile
 from bem.geometry.ranges import MOST_HARMONICS, Mistake, shown, unknown_key
+from bem.geometry.regular_file import read_regular
 from bem.geometry.scaling import Solid
 from bem.geometry.table import TableError, plain
 from bem.scans.read_bytes import BACKSLASHES
@@ -176,14 +176,10 @@ def read_tables(path: Path | str) -> dict[str, Any]:
     """Read the tables of a scene file, unchecked; SceneError if the path is no regular file or no TOML."""
     path = Path(path)
     try:
-        if not stat.S_ISREG(path.stat().st_mode):
-            raise SceneError([Mistake(str(path), "is no file", "a TOML file")])
-        text = path.read_text("utf-8-sig")
+        text = read_regular(path).decode("utf-8-sig")
         return tomllib.loads(text)
     except OSError as error:
         raise SceneError([Mistake(str(path), f"cannot be read ({error.strerror})", "a TOML file")]) from error
-    except SceneError:
-        raise
     except (ValueError, RecursionError) as error:
         escaped = str(error).startswith(("Invalid hex value", "Unescaped '\\'"))  # a name of a file under Windows
         sign = None if isinstance(error, UnicodeDecodeError) else re.search("[\u2010-\u2015\u2212]\\s*[0-9.]", text)

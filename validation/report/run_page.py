@@ -15,6 +15,7 @@ from markupsafe import Markup
 
 from bem.command_line.answer_table import Cell, Inputs, answer, csv_text, pull_off_words, quantity, share
 from bem.command_line.console import scene_text
+from bem.geometry.regular_file import read_regular
 from bem.scene.atomic_file import write_atomically
 from bem.scene.plausibility import MEANINGS
 from bem.scene.result import Result, State
@@ -66,7 +67,7 @@ def inputs_of(result: Result, folder: Path) -> dict[int, dict[str, float]]:
     Nothing where there is no study, or where it is unfinished, of another scene or of another path.
     """
     try:
-        study = json.loads((folder / STUDY).read_text("utf-8"))
+        study = json.loads(read_regular(folder / STUDY).decode())
         if study["scene_sha256"] != result.provenance["scene_sha256"] or "answers" not in study:
             return {}
         places = {state.index: k for k, state in enumerate(result.targets)}
@@ -83,7 +84,7 @@ def inputs_of(result: Result, folder: Path) -> dict[int, dict[str, float]]:
                 inputs.setdefault(place, {})[name] = math.sqrt(sum(move**2 for move in moves))
     except FileNotFoundError:
         return {}
-    except (ValueError, KeyError, TypeError, IndexError, AttributeError, RecursionError) as error:
+    except (OSError, ValueError, KeyError, TypeError, IndexError, AttributeError, RecursionError) as error:
         raise ReportError(f"{folder / STUDY}: not the study of a scene ({type(error).__name__}: {error})") from error
     return inputs
 
