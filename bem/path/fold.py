@@ -34,7 +34,7 @@ from bem.adhesive.equilibrium import Balance, System, symmetric_part
 from bem.adhesive.lowest_modes import lowest_modes
 from bem.adhesive.third_derivatives import hessian_change_times
 from bem.geometry.arrays import FloatArray
-from bem.path.locating import LOCATED, Condition, Located, Refused, Start, locate
+from bem.path.locating import LOCATED, ClosingCondition, Located, Refused, Start, locate
 from bem.path.span import MISFIT, ON_SPAN, Span
 from bem.path.stand import MODES, Row, Stand, stand_near
 
@@ -44,7 +44,7 @@ NEUTRAL = 1e-2  # eigenvalues of modes that are neutral together
 
 
 @dataclass(eq=False)
-class NeutralMode(Condition):
+class NeutralMode(ClosingCondition):
     """Condition that an eigenvalue of the scaled Hessian vanishes: mu = v . H v.
 
     The derivatives are d mu = (D_v H v) . d xi + v . H_tau v d tau.

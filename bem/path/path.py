@@ -33,7 +33,7 @@ from bem.path.branch_ends import BranchEnds, End, GoalReached
 from bem.path.fold import LimitPoint
 from bem.path.jump import Jumps, leading_patch
 from bem.path.loads import Loads
-from bem.path.locating import LOCATED, AtControl, Condition, InPlane, Located, Refused, Start, settle
+from bem.path.locating import LOCATED, AtControl, ClosingCondition, InPlane, Located, Refused, Start, settle
 from bem.path.opening import Flaw
 from bem.path.points_with_edges import Equilibrium, Point, Stretch
 from bem.path.span import Span
@@ -185,7 +185,7 @@ class Path:
         beside = [point for point in (before, after) if isinstance(point, Equilibrium)]
         return self.loads.in_last_gap(beside[0], load, self.increments.coarse.tolerance) if beside else None
 
-    def _stable(self, start: Start, on: Condition | None = None) -> Equilibrium | Failed:
+    def _stable(self, start: Start, on: ClosingCondition | None = None) -> Equilibrium | Failed:
         """Return the stable state next to edges that meets a condition, or at the value of the control of the start."""
         settled = settle(self.system.sloped, start, on or AtControl(start.value), self.increments.fine)
         if isinstance(settled, Refused) or settled[0].factor is None:
