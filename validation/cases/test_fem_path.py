@@ -47,7 +47,8 @@ def scene(k, waves=None):
                     "harmonics": waves, "seed": k},
         "layer": {"thickness": 1e-3 if thin else 5e-3},
         "accuracy": {"tolerance": TOLERANCE},
-        "loading": {"control": "total_displacement" if thin else "penetration", "targets": (TARGETS * highest * (1.6 if thin else 1.0)).tolist()},
+        "loading": {"control": "total_displacement" if thin else "penetration",
+                    "targets": (TARGETS * highest * (1.6 if thin else 1.0)).tolist()},
     }
     if rough:
         tables["loading"] = {"control": "mean_pressure", "targets": LOADS}
