@@ -11,8 +11,8 @@ Without adhesion the boundary elements list no events but first touch: there is 
 where status or number of patches differ: it is counted, its numbers are not compared, and a table states the branch of
 each code and the first jump that the two do not share.
 
-U is a statement of 95 %: of some 300 numbers fifteen are beyond it, and a table counts them. A number fails beyond twice
-the combined U, four standard deviations.
+U is a statement of 95 %: of some 300 numbers fifteen may be beyond it, and a table counts them. A number fails beyond
+twice the combined U, four standard deviations.
 """
 
 from dataclasses import dataclass
@@ -121,7 +121,7 @@ def compare_targets(rows, both, label):
 
 
 def compare_jumps(rows, both, label):
-    """Add rows for jumps of an adhesive path and the area of its hysteresis; return the first not shared, and shares."""
+    """Add rows for jumps of an adhesive path and its hysteresis; return the first jump not shared, and shares of U."""
     shares, shared = [], 0
     for k, (events, jump, at) in enumerate(zip(both.events, both.path.jumps, both.jumps, strict=False)):
         kinds = sorted(event.kind for event in events)
