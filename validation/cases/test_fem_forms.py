@@ -45,6 +45,3 @@ def test_gmsh_mesh(rows):
     ):
         pair.compare(name, np.ravel(value), np.ravel(ours), quantity=quantity, unit=unit,
                      uncertainty=(3 * np.ravel(np.abs(np.subtract(value, before))), 1e-9 * np.ravel(np.abs(ours))))
-    rows.compare("area of the triangles", 0.5 * float(np.abs(np.linalg.det(np.diff(mesh.p[:, mesh.t], axis=1).T)).sum()),
-                 0.5, of=Code.FEM, by=Code.EXACT, quantity=Quantity.POINTS, uncertainty=0.0, required=1e-12,
-                 because="rounding", unit="m^2", kind="construction")
