@@ -74,7 +74,7 @@ def _checked_row(row: int, count: int) -> int:
 
 def rows_allowed(count: int) -> str:
     """Return the allowed values of `row` in words."""
-    return f'row = 0 to {count - 1} in the order of the file, or row = "mean"'
+    return f'row = 0 to {count - 1} in the order of the file, row = "mean", or row = "all" for each'
 
 
 def map_of(table: TextTable, values: Mapping[str, Any]) -> FloatArray:
