@@ -106,9 +106,9 @@ def three_ways(rows: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
         codes = [code for code in SIDES if any(code in line for line in lines.values())]
         shared = sum(len(line) >= len(SIDES) - 1 for line in lines.values())
         if {"bem", "fem"} <= set(codes) and ("theory" in codes or shared >= SHARED):
-            numbers = [{"name": name, "unit": unit, "by": line} for (name, unit), line in lines.items()]
-            numbers.sort(key=lambda number: not {*SIDES[2:]} & {*number["by"]})  # third sides first
-            shown.append({"case": case, "codes": codes, "numbers": numbers})
+            table = [{"name": name, "unit": unit, "by": line} for (name, unit), line in lines.items()]
+            table.sort(key=lambda line: not {*SIDES[2:]} & {*line["by"]})  # third sides first
+            shown.append({"case": case, "codes": codes, "numbers": table})
     return shown
 
 
