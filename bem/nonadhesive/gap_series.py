@@ -153,10 +153,14 @@ class GapEvaluation:
             modes += np.exp(-1j * np.multiply.outer(m, center + t)) @ charge
         return np.asarray(self.body.stiffening * modes / np.pi)
 
+    @cached_property
+    def gap_before(self) -> IntArray:
+        """Index of the gap before each patch, (G,)."""
+        return np.argsort((self.gaps.center + self.gaps.half_width) % TWO_PI)
+
     def pressure(self) -> PatchPressure:
         """Return the pressure as Chebyshev series on the patches, to rounding of its largest coefficient."""
-        start = self.gaps.center + self.gaps.half_width
-        charges = [self._charge_behind(i) for i in np.argsort(start % TWO_PI)]
+        charges = [self._charge_behind(int(gap)) for gap in self.gap_before]
         return PatchPressure(self.patches.left, self.patches.right, tuple(charges))
 
     def _charge_behind(self, gap: int) -> FloatArray:
