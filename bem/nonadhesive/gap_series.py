@@ -160,6 +160,10 @@ class GapEvaluation:
 
     def pressure(self) -> PatchPressure:
         """Return the pressure as Chebyshev series on the patches, to rounding of its largest coefficient."""
+        return self._pressure
+
+    @cached_property
+    def _pressure(self) -> PatchPressure:
         charges = [self._charge_behind(int(gap)) for gap in self.gap_before]
         return PatchPressure(self.patches.left, self.patches.right, tuple(charges))
 
