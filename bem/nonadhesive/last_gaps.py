@@ -26,7 +26,7 @@ from bem.geometry.patches import TWO_PI
 from bem.loading.assessment import Assessment, Quantities
 from bem.loading.increments import MAXIMUM_ITERATIONS
 from bem.nonadhesive.completed_body import CompletedBody, Condition
-from bem.nonadhesive.gap_series import GapEvaluation, end_values, evaluate_gaps
+from bem.nonadhesive.gap_series import GapEvaluation, evaluate_gaps
 from bem.nonadhesive.tension import dips
 
 UNDERFLOW = 1e-70  # derived: of the lowest pressure of complete contact: tension on gaps whose volume underflows
@@ -106,14 +106,9 @@ def assess_gaps(state: GapEvaluation, condition: Condition) -> Assessment:
     The errors are what more nodes with one more Newton step change, and what rounding of the pressure of complete
     contact and of the control does: it acts like an error of the deficit.
     """
-    fine = evaluate_gaps(state.body, state.gaps, condition, finer=True)
-    exact = evaluate_gaps(state.body, state.gaps.moved(_end_steps(fine)), condition, finer=True)
+    exact = _after_step(state, condition, finer=True)
     rounded = state.body.rounding + condition.rounding / condition.rate(state.separation_rate)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        growth = np.where(state.end_slopes > 0, end_values(state.opening_rate) / state.end_slopes, 0.0)
-    half = np.tile(state.gaps.half_width, 2)
-    disturbed = state.gaps.moved(np.minimum(growth * half * (2 / 3) * rounded, half))
-    moved = evaluate_gaps(state.body, disturbed, Condition(0.0, 1.0, TWO_PI * (state.deficit + rounded)))
+    moved = _after_step(state, Condition(0.0, 1.0, TWO_PI * (state.deficit + rounded)))
     quantities = _quantities(state)
     parts = [_quantities(other).minus(quantities) for other in (exact, moved)]
     return Assessment(
@@ -125,6 +120,12 @@ def assess_gaps(state: GapEvaluation, condition: Condition) -> Assessment:
         stable_at_fixed_load=True,
         correction=parts[0].widened(parts[1]),
     )
+
+
+def _after_step(state: GapEvaluation, condition: Condition, finer: bool = False) -> GapEvaluation:
+    """Return the state under a condition after one Newton step of the ends."""
+    steps = _end_steps(evaluate_gaps(state.body, state.gaps, condition, finer))
+    return evaluate_gaps(state.body, state.gaps.moved(steps), condition, finer)
 
 
 def _quantities(state: GapEvaluation) -> Quantities:
