@@ -25,7 +25,7 @@ from bem.geometry.gaps import Gaps, sines
 from bem.geometry.patches import TWO_PI
 from bem.loading.assessment import Assessment, Quantities
 from bem.loading.increments import MAXIMUM_ITERATIONS
-from bem.nonadhesive.completed_body import CompletedBody, Condition
+from bem.nonadhesive.completed_body import CompletedBody, LinearControl
 from bem.nonadhesive.gap_series import GapEvaluation, evaluate_gaps
 from bem.nonadhesive.tension import dips
 
@@ -45,7 +45,7 @@ class LastGaps:
     evaluations: int
 
 
-def isolated_cracks(body: CompletedBody, condition: Condition) -> Gaps:
+def isolated_cracks(body: CompletedBody, condition: LinearControl) -> Gaps:
     """Return the gaps as if each were alone; (0,) gaps where nothing holds any open."""
     x, q = body.minima
     curvature = np.maximum(body.pressure.curvature(x), 1e-300)
@@ -75,7 +75,7 @@ def _with_cracks(gaps: Gaps, body: CompletedBody, x: FloatArray, tension: FloatA
     return gaps.joined(Gaps(x % TWO_PI, np.zeros(x.size), half))
 
 
-def solve_gaps(body: CompletedBody, condition: Condition, gaps: Gaps) -> LastGaps:
+def solve_gaps(body: CompletedBody, condition: LinearControl, gaps: Gaps) -> LastGaps:
     """Find the gaps at whose ends K = 0, from where they may be."""
     last = np.inf
     for count in range(1, MAXIMUM_ITERATIONS + 1):
@@ -100,7 +100,7 @@ def solve_gaps(body: CompletedBody, condition: Condition, gaps: Gaps) -> LastGap
     return LastGaps("not_converged", None, MAXIMUM_ITERATIONS)
 
 
-def assess_gaps(state: GapEvaluation, condition: Condition) -> Assessment:
+def assess_gaps(state: GapEvaluation, condition: LinearControl) -> Assessment:
     """Return stiffness and estimated errors of a state at K = 0, where its condition holds.
 
     The errors are what more nodes with one more Newton step change, and what rounding of the pressure of complete
@@ -108,7 +108,7 @@ def assess_gaps(state: GapEvaluation, condition: Condition) -> Assessment:
     """
     exact = _after_step(state, condition, finer=True)
     rounded = state.body.rounding + condition.rounding / condition.rate(state.separation_rate)
-    moved = _after_step(state, Condition(0.0, 1.0, TWO_PI * (state.deficit + rounded)))
+    moved = _after_step(state, LinearControl(0.0, 1.0, TWO_PI * (state.deficit + rounded)))
     quantities = _quantities(state)
     parts = [_quantities(other).minus(quantities) for other in (exact, moved)]
     return Assessment(
@@ -122,7 +122,7 @@ def assess_gaps(state: GapEvaluation, condition: Condition) -> Assessment:
     )
 
 
-def _after_step(state: GapEvaluation, condition: Condition, finer: bool = False) -> GapEvaluation:
+def _after_step(state: GapEvaluation, condition: LinearControl, finer: bool = False) -> GapEvaluation:
     """Return the state under a condition after one Newton step of the ends."""
     steps = _end_steps(evaluate_gaps(state.body, state.gaps, condition, finer))
     return evaluate_gaps(state.body, state.gaps.moved(steps), condition, finer)
