@@ -50,7 +50,7 @@ def __getattr__(name: str) -> Any:
     if name in _HOME:
         return getattr(import_module(_HOME[name]), name)
     if name == "__version__":
-        return import_module("bem.scene.result_file").installed_version()
+        return import_module("bem.scene.provenance").installed_version()
     if name == "ensemble_table":
         raise AttributeError("ensemble_table is gone: join result.to_table() of each, as example guide-ensemble does")
     raise AttributeError(f"module 'bem' has no attribute {name!r}")

@@ -20,21 +20,8 @@ from bem.loading.path_events import PathEvent, PathTension
 from bem.observables import gaps
 from bem.observables.gaps import GapStatistics
 from bem.problem import Problem
-from bem.scene.result import (
-    CLOSED,
-    ErrorEstimate,
-    Event,
-    EventError,
-    EventKind,
-    FinalStatus,
-    GapQuantiles,
-    Gaps,
-    JumpEnd,
-    LargestTension,
-    State,
-    Status,
-    TensionError,
-)
+from bem.scene.result import Event, EventError, EventKind, JumpEnd, LargestTension, TensionError
+from bem.scene.state import CLOSED, ErrorEstimate, FinalStatus, GapQuantiles, Gaps, State, Status
 
 if TYPE_CHECKING:
     from bem.nonadhesive.gap_series import GapEvaluation

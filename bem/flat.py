@@ -16,8 +16,9 @@ from bem.certified_states import EXACT
 from bem.missed import flat_apart, sentence, verdict
 from bem.record import Record
 from bem.scene.elastic_tables import elastic_effects
-from bem.scene.result import CLOSED, GapQuantiles, Gaps, Result, State
+from bem.scene.result import Result
 from bem.scene.scene import Scene
+from bem.scene.state import CLOSED, GapQuantiles, Gaps, State
 
 
 def solve_flat(scene: Scene) -> Result:

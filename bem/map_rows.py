@@ -20,14 +20,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.scene.result import FINAL_STATUSES, Result
-from bem.scene.result_file import RESULT_FILE, CorruptResultError, digest, read_result, write_result
+from bem.scene.provenance import digest
+from bem.scene.result import Result
+from bem.scene.result_file import RESULT_FILE, read_result, write_result
 from bem.scene.result_views import UNITS
 from bem.scene.scene import ALL_ROWS, Scene, parse_scene, read_tables
 from bem.scene.scene_error import SceneError
+from bem.scene.state import FINAL_STATUSES
+from bem.scene.stored_json import CorruptResultError
 from bem.solver import solve
 
-QUANTILES = (0.16, 0.5, 0.84)
+QUANTILES = (0.16, 0.5, 0.84)  # format: of the answers of all rows
 SKIPPED = ("branch", "status", "target", "certified")  # columns of the answer that are no quantities
 
 Tables = Mapping[str, Any]

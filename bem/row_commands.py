@@ -17,8 +17,9 @@ from bem.command_line.perform import DONE, FAILED
 from bem.geometry.ranges import Mistake
 from bem.map_rows import RowResults, rows_of, solve_rows
 from bem.scene.atomic_file import write_atomically
+from bem.scene.journal import JOURNAL_FILE
 from bem.scene.memory_estimate import refuse_beyond_memory
-from bem.scene.result_file import FIELDS_FILE, JOURNAL_FILE, RESULT_FILE
+from bem.scene.result_file import FIELDS_FILE, RESULT_FILE
 from bem.scene.result_views import UNITS
 from bem.scene.scene_error import SceneError
 

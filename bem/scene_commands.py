@@ -43,10 +43,11 @@ from bem.path_for import check_path
 from bem.scene.effects import effects_of
 from bem.scene.memory_estimate import memory_estimate, refuse_beyond_memory
 from bem.scene.plausibility import cautions_of, groups_of
-from bem.scene.result import FINAL_STATUSES, Caution, Result
-from bem.scene.result_file import installed_version
+from bem.scene.provenance import installed_version
+from bem.scene.result import Caution, Result
 from bem.scene.scene import Scene, SceneError, StoredStart, parse_scene, read_tables
 from bem.scene.scene_tables import TABLES
+from bem.scene.state import FINAL_STATUSES
 from bem.solver import solve
 
 CURVES = ("contact_fraction", "separation")  # against which --plot draws the mean pressure

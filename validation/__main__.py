@@ -21,8 +21,10 @@ from bem.command_line.perform import DONE, FAILED
 from bem.command_line.perform import perform as perform_command
 from bem.geometry.regular_file import read_regular
 from bem.scene.atomic_file import write_atomically
-from bem.scene.result_file import RESULT_FILE, CorruptResultError, installed_version
+from bem.scene.provenance import installed_version
+from bem.scene.result_file import RESULT_FILE
 from bem.scene.scene import SceneError
+from bem.scene.stored_json import CorruptResultError
 from validation.challenge import judge as challenge
 from validation.plugin import verify
 from validation.plugin.content import SCHEMA

@@ -11,8 +11,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from bem.scene.result import Result, State
+from bem.scene.result import Result
 from bem.scene.result_views import UNITS
+from bem.scene.state import State
 
 PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 FEWEST, MOST = 2, 4  # format: digits

@@ -16,7 +16,7 @@ from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.minima import Minima, refined
 from bem.geometry.patches import PatchPressure
 
-TENSILE = 1e-6  # of the largest pressure of a patch: less tension is rounding
+TENSILE = 1e-6  # speed: of the largest pressure of a patch: less splits no patch, but is a dip in the end
 
 
 def dips(pressure: PatchPressure) -> dict[int, Minima]:

@@ -31,7 +31,6 @@ from bem.geometry.scaling import Solid
 from bem.geometry.table import TableError, plain
 from bem.scans.read_bytes import BACKSLASHES
 from bem.scans.scan_keys import CUTOFFS, DEFAULTS, SCAN_KEYS
-from bem.scene.result import State
 from bem.scene.scene_error import SceneError
 from bem.scene.scene_rules import (
     QUESTIONS,
@@ -54,6 +53,7 @@ from bem.scene.scene_tables import (
     class_of,
     required_keys,
 )
+from bem.scene.state import State
 from bem.scene.stored_start import StoredState, other_problem, stored_start
 from bem.scene.surface import surface_of
 from bem.scene.targets import equal_target, expanded, origin

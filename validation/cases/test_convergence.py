@@ -7,8 +7,6 @@
   keeps pace and as h^(1/2) on uniform ones, whatever m (displacements are r^(1/2) at an edge); the load is an energy:
   twice.
 - Persson's diffusion towards a barrier at rest: second order in the cells, third in the steps.
-- The paper's method, which finds its edges: second order in the cells.
-- The mean area of an ensemble of rough profiles: n^-1/2.
 
 One wave, D = 100 um, period 10 mm, E = 1 MPa, nu = 0.5, Johnson's alpha 0.3.
 """
@@ -26,7 +24,6 @@ from validation.plugin.rows import Code, Quantity
 from validation.references.closed_forms import Sinusoid
 from validation.references.dense import evaluate_dense
 from validation.references.waves import Waves
-from validation.routes.scenes import solved
 
 WAVE = Sinusoid(amplitude=1e-4, wavelength=0.01, youngs_modulus=1e6, poisson_ratio=0.5, alpha=0.3)
 HALF_ORDER = "half an order tells the predicted order from its neighbours"
@@ -136,20 +133,3 @@ def test_diffusion_of_the_theory(rows):
     falling = errors > PLATEAU * floor
     rows.order("area against steps in the variance", np.array(steps)[falling], errors[falling], 3.0, of=Code.THEORY,
                required=0.5, because=HALF_ORDER, source="Runge-Kutta of third order")
-
-
-@pytest.mark.standard
-def test_mean_of_an_ensemble(rows):
-    """Does the mean area of an ensemble converge like the square root of the number of realisations?"""
-    count = 64
-    paths = (
-        solved("rough_100", profile={"harmonics": 20, "seed": k}, loading={"targets": [40e-6]}) for k in range(count)
-    )
-    areas = np.array([result.targets[-1].contact_fraction for result in paths])
-    sizes = [1, 2, 4, 8]
-    spread = [float(np.std(areas[: count // n * n].reshape(-1, n).mean(axis=1), ddof=1)) / areas.mean() for n in sizes]
-    rows.order("spread of means of n areas", sizes, spread, 0.5, of=Code.BEM, required=0.2,
-               because="two standard deviations of the fit, 1.6 / sqrt(64)",
-               source="independent realisations")
-    rows.table(f"Contact fraction at a separation of 0.8 h_rms, {count} realisations", ["mean", "standard error"],
-               [[float(areas.mean()), float(areas.std(ddof=1)) / count**0.5]])

@@ -29,9 +29,11 @@ import bem
 from bem.command_line.answer_table import rising_tension
 from bem.geometry.regular_file import read_regular
 from bem.scene.atomic_file import write_atomically
-from bem.scene.result import FINAL_STATUSES, Progress, Result
-from bem.scene.result_file import digest
+from bem.scene.progress import Progress
+from bem.scene.provenance import digest
+from bem.scene.result import Result
 from bem.scene.scene import SceneError, load_scene, parse_scene, read_tables
+from bem.scene.state import FINAL_STATUSES
 from validation.harness.provenance import provenance
 from validation.plugin.content import finite
 from validation.report.pages import ReportError, filled
