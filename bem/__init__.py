@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from bem.elastic.layer import Layer as Layer
     from bem.geometry.profile import Profile as Profile
     from bem.geometry.scaling import Solid as Solid
+    from bem.map_rows import RowResults as RowResults
+    from bem.map_rows import solve_rows as solve_rows
     from bem.scene.result import Result as Result
     from bem.scene.result_file import read_result as read_result
     from bem.scene.scene import load_scene as load_scene
@@ -29,16 +31,18 @@ _HOME = {
     "Profile": "bem.geometry.profile",
     "Solid": "bem.geometry.scaling",
     "Result": "bem.scene.result",
+    "RowResults": "bem.map_rows",
     "SceneError": "bem.scene.scene_error",
     "load_scene": "bem.scene.scene",
     "parse_scene": "bem.scene.scene",
     "read_result": "bem.scene.result_file",
     "solve": "bem.solver",
+    "solve_rows": "bem.map_rows",
 }
 
 __all__ = [
-    *("Adhesion", "ContactState", "Layer", "Profile", "Result", "SceneError", "Solid"),
-    *("load_scene", "parse_scene", "read_result", "solve"),
+    *("Adhesion", "ContactState", "Layer", "Profile", "Result", "RowResults", "SceneError", "Solid"),
+    *("load_scene", "parse_scene", "read_result", "solve", "solve_rows"),
 ]
 
 
@@ -46,7 +50,7 @@ def __getattr__(name: str) -> Any:
     if name in _HOME:
         return getattr(import_module(_HOME[name]), name)
     if name == "__version__":
-        return import_module("bem.scene.result_file").installed_version()
+        return import_module("bem.scene.provenance").installed_version()
     if name == "ensemble_table":
         raise AttributeError("ensemble_table is gone: join result.to_table() of each, as example guide-ensemble does")
     raise AttributeError(f"module 'bem' has no attribute {name!r}")

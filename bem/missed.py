@@ -11,15 +11,27 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from bem.elastic.hierarchical import IllConditionedSystemError
-from bem.scene.result import UNPHYSICAL, State, Status
 from bem.scene.result_views import UNITS
+from bem.scene.state import NotFiniteError, State, Status
+
+
+class EnergyGainedError(ArithmeticError):
+    """Error of a jump that gains energy beyond its error: an earlier event was missed, or its end cannot be reached."""
+
 
 FAILURES = {  # of a point of a path
     "not_converged": "no equilibrium was found",
     "ill_conditioned": "the gaps are too narrow, or the layer too thin, to resolve",
     "jumps_again": "the contact jumps again and again",
 }
-NUMERICAL_FAILURES = (IllConditionedSystemError, *UNPHYSICAL, FloatingPointError, np.linalg.LinAlgError, MemoryError)
+NUMERICAL_FAILURES = (
+    IllConditionedSystemError,
+    NotFiniteError,
+    EnergyGainedError,
+    FloatingPointError,
+    np.linalg.LinAlgError,
+    MemoryError,
+)
 COARSER = "fewer profile.harmonics"
 UNCERTIFIED_REMEDIES = ("half the accuracy.max_increment", "a larger accuracy.tolerance", COARSER)
 LISTED = 3  # format: targets missed whose reasons stand in the failure of a result

@@ -32,26 +32,16 @@ from bem.geometry.scaling import ATOMIC
 from bem.loading.complete_contact import CompleteContact
 from bem.loading.loading_path import LoadingPath
 from bem.loading.path_events import PathEvent
-from bem.missed import uncertified
+from bem.missed import EnergyGainedError, uncertified
 from bem.problem import Problem
 from bem.scene.effects import effects_of
 from bem.scene.plausibility import cautions_of, groups_of
-from bem.scene.result import (
-    Branch,
-    Caution,
-    EnergyGainedError,
-    Entry,
-    Event,
-    JumpEnd,
-    LargestTension,
-    Result,
-    State,
-    Status,
-    asked_for,
-)
-from bem.scene.result_file import provenance
+from bem.scene.provenance import provenance
+from bem.scene.result import Caution, Entry, Event, JumpEnd, LargestTension, Result, asked_for
+from bem.scene.result_invariants import check_result
 from bem.scene.scene import Scene
 from bem.scene.scene_tables import OUTPUTS
+from bem.scene.state import Branch, State, Status
 from bem.scene.stored_arrays import split
 
 if TYPE_CHECKING:
@@ -144,9 +134,8 @@ class Record:
         return self.entries[-1].state.events if self.entries else 0
 
     def result(self, status: Status, failure: str | None = None) -> Result:
-        """Return the result of all entries."""
-        result = self.begun.with_entries(self.entries)
-        return replace(result, status=status, failure=failure)
+        """Return the result of all entries; InvariantError, a fault of this program, where its parts do not match."""
+        return check_result(replace(self.begun.with_entries(self.entries), status=status, failure=failure))
 
 
 def entries_of(result: Result, begun: Result) -> Iterator[Entry]:

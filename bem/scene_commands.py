@@ -38,17 +38,17 @@ from bem.command_line.console import (
 from bem.command_line.folder_lock import locked
 from bem.command_line.perform import BAD_INPUT, DONE, FAILED, INTERRUPTED, perform
 from bem.geometry.ranges import Mistake
+from bem.map_rows import asks_for_rows, rows_of
 from bem.path_for import check_path
 from bem.scene.effects import effects_of
 from bem.scene.memory_estimate import memory_estimate, refuse_beyond_memory
 from bem.scene.plausibility import cautions_of, groups_of
-from bem.scene.result import FINAL_STATUSES, Caution, Result
-from bem.scene.result_file import installed_version
-from bem.scene.scene import Scene, SceneError, StoredStart, load_scene
+from bem.scene.provenance import installed_version
+from bem.scene.result import Caution, Result
+from bem.scene.scene import Scene, SceneError, StoredStart, parse_scene, read_tables
 from bem.scene.scene_tables import TABLES
+from bem.scene.state import FINAL_STATUSES
 from bem.solver import solve
-
-CURVES = ("contact_fraction", "separation")  # against which --plot draws the mean pressure
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -93,7 +93,12 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
 
 def _check(options: argparse.Namespace) -> int:
     """Print the resolved scene, its groups, effects and memory."""
-    scene = load_scene(options.scene)
+    tables = read_tables(options.scene)
+    rows = None
+    if asks_for_rows(tables):
+        rows, scene = rows_of(tables, options.scene.parent)
+    else:
+        scene = parse_scene(tables, options.scene.parent)
     refuse_beyond_memory(scene)
     check_path(scene)
     effects, groups = effects_of(scene), groups_of(scene)
@@ -104,11 +109,15 @@ def _check(options: argparse.Namespace) -> int:
         facts = {"scene": scene.resolved(), "effects": listed, "unknowns": size.unknowns, "memory": size.bytes}
         facts |= {"groups": groups}
         facts |= {"warnings": [vars(caution) for caution in cautions], "profile_preparation": scene.preparation()}
+        facts |= {} if rows is None else {"rows": list(rows)}
         print(json.dumps(facts))
     else:
         parts = (scene_text(scene.resolved()), preparation_text(scene.preparation()), groups_text(groups, cautions))
         needs = effects_text(effects) + "\n" + size_text(memory_estimate(scene))
         print("\n\n".join(part for part in (*parts, needs) if part))
+        if rows is not None:
+            each = f"{len(rows)} rows of the map, {rows[0]} to {rows[-1]}, each solved as a ridge"
+            print(f"{each}; above: row {scene.profile.row}")
     return DONE
 
 
@@ -132,7 +141,10 @@ def _schema(options: argparse.Namespace) -> int:
 
 def _run(options: argparse.Namespace) -> int:
     """Solve a scene into a folder."""
-    scene = load_scene(options.scene)
+    tables = read_tables(options.scene)
+    if asks_for_rows(tables):
+        return int(import_module("bem.row_commands").run_rows(tables, options))
+    scene = parse_scene(tables, options.scene.parent)
     _keep_start(scene, options)
     refuse_beyond_memory(scene)
     usable(options.out)
@@ -193,7 +205,7 @@ def _solved(scene: Scene, stored: Result | None, options: argparse.Namespace) ->
 def _draw(result: Result, folder: Path) -> None:
     """Draw the mean pressure against contact fraction and separation, and the stored shapes, as PNG."""
     plots = import_module("bem.scene.plots")
-    for quantity in CURVES:
+    for quantity in plots.CURVES:
         plots.curves(result.states, [quantity]).savefig(folder / f"{quantity}.png", dpi=150)
     for name in (key.removeprefix("x_") for key in result.fields if key.startswith("x_")):
         plots.shape(result.fields, name).savefig(folder / f"shape_{name}.png", dpi=150)

@@ -36,8 +36,10 @@ from bem.path_for import path_for
 from bem.problem import Problem, pose
 from bem.record import Record, Recorder, entries_of
 from bem.scene.memory_estimate import refuse_beyond_memory
-from bem.scene.result import Branch, Progress, Result, State, Status, asked_for
+from bem.scene.progress import Progress
+from bem.scene.result import Result, asked_for
 from bem.scene.scene import Scene, Table, Tables, scene_of
+from bem.scene.state import Branch, State, Status
 
 if TYPE_CHECKING:
     from bem.record import AnyPoint
@@ -175,6 +177,7 @@ class _Run:
             self._take_branch(state.branch)
             goal = None if state.index is None or state.index >= len(self.goals) else self.goals[state.index]
             if goal is not None:
+                self._meet(goal)
                 self.done = goal.index + 1
             elif state.index is not None:
                 self.met.add(self._asked_at(state.index))
@@ -219,6 +222,7 @@ class _Run:
         direction = self.path.direction(self.point, goal.value, goal.separation)
         if direction:
             self._take_branch("loading" if direction > 0 else "unloading")
+        self._meet(goal)
         self._check_reach(goal.value)
         if self._follow_to(goal, self._spacing(goal.value), index):
             return True
@@ -290,6 +294,11 @@ class _Run:
         if branch != self.branch:
             self.met.clear()
         self.branch = branch
+
+    def _meet(self, goal: Goal) -> None:
+        """Count a mean pressure asked for as met where it is a target, whose own state answers it."""
+        if self.control == "mean_pressure" and goal.target != self.scene.loading.stop_at_mean_pressure:
+            self.met.add(goal.target)
 
     def _passed(self, before: AnyPoint, after: AnyPoint, index: int) -> bool:
         """Keep the events between two points, and states where asked mean pressures are crossed, in their order.

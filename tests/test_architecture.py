@@ -2,7 +2,7 @@
 
 Packages that are compared share nothing.  Folders of a package stand in an order, and import from themselves and from
 those before them.  Imports inside functions, for type checkers, and by `import_module("name")` count like any other;
-the registry of cases, the table of studies and the faults name their modules as data, which does not.
+the registry of cases and the table of studies name their modules as data, which does not.
 
 The solver asks a path only what every path answers, never which one it is.
 """
@@ -59,16 +59,15 @@ ORDER = (
     "persson",
     "validation/harness",
     "validation/report",
-    "validation/plugin",
     "validation/references",
+    "validation/paper",
+    "validation/plugin",
     "validation/routes",
     "validation/corpus",
     "validation/challenge",
     "validation/cases",
     "validation/studies",
-    "validation/studies/faults",
     "validation/fits",
-    "validation/paper",
     "validation",
     "validation/command_line",
     "validation/command_line/examples/guide",

@@ -19,9 +19,12 @@ from bem.command_line.console import positive
 from bem.command_line.folder_lock import FolderError, locked
 from bem.command_line.perform import DONE, FAILED
 from bem.command_line.perform import perform as perform_command
+from bem.geometry.regular_file import read_regular
 from bem.scene.atomic_file import write_atomically
-from bem.scene.result_file import RESULT_FILE, CorruptResultError, installed_version
+from bem.scene.provenance import installed_version
+from bem.scene.result_file import RESULT_FILE
 from bem.scene.scene import SceneError
+from bem.scene.stored_json import CorruptResultError
 from validation.challenge import judge as challenge
 from validation.plugin import verify
 from validation.plugin.content import SCHEMA
@@ -36,7 +39,7 @@ INSTEAD = {  # of commands of earlier releases
     "stability": "linecontact verify --only hard, and python -m validation.cases.random_judge for random scenes",
     "convergence": "linecontact verify --only convergence",
     "work-precision": "linecontact verify --only cost",
-    "faults": "python -m validation.studies.faults.faults",
+    "faults": "python -m validation.studies.mutants",
     "maps": "linecontact example guide-maps",
     "baseline": "linecontact verify --only CASE --store --reason TEXT",
 }
@@ -69,9 +72,11 @@ def read_report(folder: Path) -> dict[str, Any]:
     """Return the content of a verification report; ReportError where it is missing, not JSON, or of another schema."""
     path = folder / REPORT
     try:
-        content = json.loads(path.read_text("utf-8"))
+        content = json.loads(read_regular(path).decode())
     except FileNotFoundError as error:
         raise ReportError(f"{path}: no report there, and no result of a run") from error
+    except OSError as error:
+        raise ReportError(f"{path}: {error.strerror}") from error
     except (ValueError, RecursionError) as error:
         raise ReportError(f"{path}: not JSON ({error})") from error
     if not isinstance(content, dict) or content.get("schema") != SCHEMA:

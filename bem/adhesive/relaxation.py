@@ -27,8 +27,8 @@ from bem.geometry.profile import EQUAL_HEIGHTS
 from bem.loading.control import DisplacementControl
 from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
 
-GLOBAL_STEP = 0.4  # step scales: largest trust radius; below 0.7, or the two edges of a gap may cross
-LOCAL_STEP, LOCAL_RESIDUAL = GLOBAL_STEP / 2, 1e-2  # trust radius and residual in the field of frozen patches
+LARGEST_STEP = 0.4  # step scales: largest trust radius; below 0.7, or the two edges of a gap may cross
+LOCAL_RESIDUAL = 1e-2  # residual in the field of frozen patches
 NEIGHBOURS = 4
 
 
@@ -73,8 +73,6 @@ class Cause:
         Minima of the gap at which the equilibrium at the given edges interpenetrates.
     state : Evaluation or None
         The last equilibrium, from which far patches keep their pressure while near ones move first.
-    local_step : float
-        Largest step of the near patches.
     local_tolerance : float
         Tolerance of the evaluations of near patches, if the tolerance of the equilibrium is less.
     """
@@ -82,7 +80,6 @@ class Cause:
     unstable: IntArray | None = None
     found: GapMinima | None = None
     state: Evaluation | None = None
-    local_step: float = LOCAL_STEP
     local_tolerance: float = 0.0
 
 
@@ -97,7 +94,7 @@ def relax(
     accuracy: Accuracy,
     cause: Cause = NO_CAUSE,
 ) -> Relaxed:
-    """Resolve an event at fixed target, starting from the given edges.
+    """Resolve an event at fixed target, from given edges to an equilibrium in which no gap interpenetrates.
 
     Parameters
     ----------
@@ -107,13 +104,32 @@ def relax(
         Of the equilibrium that is sought.
     cause : Cause, optional
     """
+    changes: tuple[tuple[str, float], ...] = ()
+    for _ in range(_most_rounds(system)):
+        fallen = fall(system, patches, penetration, target, accuracy, cause)
+        changes += fallen.changes
+        if fallen.balance is None or fallen.status != "converged":
+            return replace(fallen, changes=changes)
+        state = fallen.balance.state
+        closed = interpenetration(system, state, accuracy.allowed)
+        if closed.position.size == 0:
+            return replace(fallen, changes=changes)
+        patches, penetration = state.patches, state.penetration
+        cause = replace(cause, found=closed, state=state)
+    return Relaxed("not_converged", target, None, changes)
+
+
+def fall(
+    system: System, patches: Patches, penetration: float, target: float, accuracy: Accuracy, cause: Cause
+) -> Relaxed:
+    """Descend at fixed target to the next equilibrium, which may interpenetrate; parameters as of `relax`."""
     changes: list[tuple[str, float]] = []
     active, state = cause.unstable, cause.state
     if cause.found is not None:
         patches, active, formed = _with_new_contacts(system, patches, cause.found)
         changes += formed
     outside = None if system.elastic.far is None else system.elastic.far.arc.outside
-    steps = Steps(GLOBAL_STEP, ahead=CrestsAhead(system, accuracy.allowed, outside))
+    steps = Steps(LARGEST_STEP, ahead=CrestsAhead(system, accuracy.allowed, outside))
     for _ in range(_most_rounds(system)):
         if active is not None and state is not None and patches.count > 2 * (2 * NEIGHBOURS + 1):
             patches, local = _relaxed_locally(
@@ -127,14 +143,10 @@ def relax(
             patches, active, state = first_contact(system, crests), None, None
             changes += [("new_contact", float(crest)) for crest in crests]
             continue
-        if end.state is None or end.status not in ("converged", "touched"):
+        if end.touching is None or end.state is None:
             return Relaxed(end.status, target, end.balance, tuple(changes))
-        patches, state = end.patches, end.state
-        penetration = state.penetration
-        minima = interpenetration(system, state, accuracy.allowed) if end.touching is None else end.touching
-        if minima.position.size == 0:
-            return Relaxed("converged", target, end.balance, tuple(changes))
-        patches, active, formed = _with_new_contacts(system, patches, minima)
+        state, penetration = end.state, end.state.penetration
+        patches, active, formed = _with_new_contacts(system, end.patches, end.touching)
         changes += formed
     return Relaxed("not_converged", target, None, tuple(changes))
 
@@ -208,7 +220,7 @@ def _relaxed_locally(
     inner, outer = (Patches(patches.left[who], patches.right[who]) for who in (members, far))
     accuracy = replace(accuracy, tolerance=max(accuracy.tolerance, cause.local_tolerance), residual=LOCAL_RESIDUAL)
     taken = outer if system.elastic.far is None else outer.joined(system.elastic.far.arc.outside)
-    steps = Steps(cause.local_step, outer, CrestsAhead(local, accuracy.allowed, taken))
+    steps = Steps(LARGEST_STEP, outer, CrestsAhead(local, accuracy.allowed, taken))
     changes: list[tuple[str, float]] = []
     for _ in range(_most_rounds(system)):
         end = descend(local, inner, penetration, penetration, accuracy, steps)

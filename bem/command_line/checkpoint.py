@@ -1,6 +1,6 @@
 """Files of a run in progress, and the stored result that a run resumes.
 
-Every state is appended to the journal of the folder when it is found (result_file.py), so that no end of the process
+Every state is appended to the journal of the folder when it is found (journal.py), so that no end of the process
 loses it.  For whoever watches, result.json is written without fields now and then, and takes little of the time: the
 pause between two writes is at least `PAUSE` times what the last one took.  The end writes both files and removes the
 journal.
@@ -18,19 +18,13 @@ from types import FrameType
 from typing import Protocol
 
 from bem.scene.atomic_file import remove_remains
-from bem.scene.result import Entry, Result, Status
-from bem.scene.result_file import (
-    FIELDS_FILE,
-    JOURNAL_FILE,
-    RESULT_FILE,
-    CorruptResultError,
-    Journal,
-    digest,
-    read_result,
-    write_result,
-    write_states,
-)
+from bem.scene.journal import JOURNAL_FILE, Journal
+from bem.scene.provenance import digest
+from bem.scene.result import Entry, Result
+from bem.scene.result_file import FIELDS_FILE, RESULT_FILE, read_result, write_result, write_states
 from bem.scene.scene import Scene
+from bem.scene.state import Status
+from bem.scene.stored_json import CorruptResultError
 
 ANSWERS = ("answer.csv", "report.html", "contact_fraction.png", "separation.png", "shape_[0-9]*.png")
 PAUSE = 10.0  # format: times the duration of a write of result.json until the next

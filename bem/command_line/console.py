@@ -21,7 +21,8 @@ from typing import Any, Protocol, TextIO
 
 from bem.scene.memory_estimate import MemoryEstimate
 from bem.scene.plausibility import MEANINGS
-from bem.scene.result import Caution, Effect, Progress, Result
+from bem.scene.progress import Progress
+from bem.scene.result import Caution, Effect, Result
 
 LINE_SECONDS = 5.0  # format: s between lines of progress
 TARGET_SECONDS = 0.5  # format: s, the same at targets

@@ -30,7 +30,7 @@ from bem.geometry.patches import TWO_PI
 from bem.geometry.profile import Profile
 from bem.kernels import gaps
 
-SUSPICIOUS_GAP = 1e-3  # of the rms height: interpolated minima below are evaluated again
+SUSPICIOUS_GAP = 1e-3  # speed: of the rms height: interpolated minima below are evaluated; half and twice it: same
 POINTS_PER_WAVELENGTH = 10
 DOWNHILL = 10  # limit: grid cells to a minimum that has moved
 GRID_RATIO = 1.2  # speed: steps of the list of grid sizes, so that equal ones are treated together

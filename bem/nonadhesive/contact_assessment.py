@@ -20,13 +20,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from bem.elastic.collocation import Elastic, Evaluation, evaluate, finer
+from bem.elastic.collocation import ROUNDINGS, Elastic, Evaluation, evaluate, finer
 from bem.elastic.sensitivities import own_sensitivity
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.loading.assessment import UNKNOWN, Assessment, Quantities, quantities_of, stiffened, with_left_out
 from bem.loading.control import Control
-
-ABOVE_NOISE = 5.0  # times what rounding leaves of a coefficient: what is larger is a coefficient
 
 
 def assess_contact(elastic: Elastic, control: Control, state: Evaluation, value: float, tolerance: float) -> Assessment:
@@ -87,7 +85,7 @@ def _without_noise(fine: Evaluation, known: IntArray) -> tuple[Evaluation, Float
     charges, order = fine.charges(), np.arange(fine.series.shape[1])
     beyond = (order >= known[:, None]) & (order < fine.resolution.nodes[:, None])
     rounded = np.sqrt(np.sum(fine.series**2, axis=1, where=beyond) / np.sum(beyond, axis=1))
-    above = np.pi * np.abs(charges) > ABOVE_NOISE * rounded[:, None] * np.maximum(order, 1)
+    above = np.pi * np.abs(charges) > ROUNDINGS * rounded[:, None] * np.maximum(order, 1)
     above[:, 0] = True
     kept = np.maximum.accumulate(above[:, ::-1], axis=1)[:, ::-1]
     charges = np.where(kept, charges, 0.0)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bem.adhesive.equilibrium import System
-from bem.adhesive.relaxation import Relaxed, first_contact, relax
+from bem.adhesive.relaxation import first_contact, relax
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.geometry.profile import EQUAL_HEIGHTS
@@ -88,9 +88,9 @@ class BareStates:
 
     def _touched(self, value: float) -> Point:
         """Return the state into which the highest crests jump where they touch."""
-        relaxed = self._relaxed(first_contact(self.system, self.crests), value, value)
-        changes = (*(("first_touch", float(crest)) for crest in self.crests), *relaxed.changes)
-        return self.jumps.behind(FIRST_TOUCH, NO_ERROR, relaxed, changes)
+        landed = self.jumps.landed(first_contact(self.system, self.crests), value, value)
+        changes = (*(("first_touch", float(crest)) for crest in self.crests), *landed.changes)
+        return self.jumps.behind(FIRST_TOUCH, NO_ERROR, landed, changes)
 
     def _opened(self, point: Complete, goal: float) -> Point:
         """Return complete contact at the goal, or the equilibrium into which it opens on the way to the goal."""
@@ -101,7 +101,7 @@ class BareStates:
         system, highest = self.system, self.system.elastic.profile.max_height
         separation, gap = first_gap(system, self.complete, min(highest - goal, self.jumps.increments.smallest))
         value = goal if separation == highest - goal else highest - separation
-        relaxed = self._relaxed(gap, value, value)
+        relaxed = relax(system, gap, value, value, self.jumps.increments.way)
         if relaxed.balance is None or relaxed.changes:
             return Failed(value, "not_converged")
         opening = ("opening", lowest_pressure(self.complete))
@@ -122,11 +122,11 @@ class BareStates:
         if goal > value:
             return Complete(goal)
         joined = self._fully_joined(value)
-        relaxed = self._relaxed(opened_gap(system, complete, flaw, joined.load), highest, value)
+        landed = self.jumps.landed(opened_gap(system, complete, flaw, joined.load), highest, value)
         joined = replace(joined, potential=flawed_potential(system, complete, flaw, value, fine.tolerance))
         rounding = opening_rounding(system, flaw, fine.tolerance)
         error = replace(NO_ERROR, value=system.control.load_weight * rounding, load=rounding)
-        return self.jumps.behind(joined, error, relaxed, (("opening", flaw.center), *relaxed.changes))
+        return self.jumps.behind(joined, error, landed, (("opening", flaw.center), *landed.changes))
 
     def _fully_joined(self, value: float) -> EventNumbers:
         """Return the numbers of complete contact at a value of the control.
@@ -137,7 +137,3 @@ class BareStates:
         value = value if control.load_weight else highest
         potential = complete_potential(self.system, self.complete, value)
         return EventNumbers(value, highest, control.load(highest, value), potential)
-
-    def _relaxed(self, start: Patches, penetration: float, value: float) -> Relaxed:
-        """Follow the forces from edges that touch or open."""
-        return relax(self.system, start, penetration, value, self.jumps.increments.way)

@@ -10,20 +10,20 @@ place is an event if it releases more than the error stated.  Dimensionless.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from bem.adhesive.branch import after_step, moving_patches, numbers_of, outward_motion, unstable_patches
 from bem.adhesive.equilibrium import Balance, System, balance
-from bem.adhesive.relaxation import Cause, Relaxed, relax
+from bem.adhesive.relaxation import NO_CAUSE, Cause, Relaxed, fall, interpenetration
 from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import Patches
 from bem.loading.complete_contact import CompleteContact
-from bem.loading.increments import SAFETY, Increments
+from bem.loading.increments import MAXIMUM_ITERATIONS, SAFETY, Increments
 from bem.loading.path_events import EventNumbers, PathEvent, path_events
 from bem.loading.points_without_edges import Complete, Failed, Separated
 from bem.path.fold import LimitPoint
@@ -34,7 +34,15 @@ from bem.path.stand import LONGEST_MOTION
 from bem.path.symmetry import EQUAL
 from bem.path.touch import Touch
 
+NEARLY = 1e-3  # speed: residual from which on Newton goes on, where it is not far from the end of a descent
 FORCES = 1e-2, 1e-4, 1e-6  # of the work of adhesion: forces that a push from a fold shall meet, tried in turn
+
+
+@dataclass(frozen=True, eq=False)
+class Landed(Relaxed):
+    """End of a jump: `balance` where the descent ended, and the minimum there; None where none is located."""
+
+    minimum: Located | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,8 +63,8 @@ class Jumps:
     def from_touch(self, touch: Touch) -> Point:
         """Return the state behind the touch of a crest."""
         state, at = touch.at.balance.state, touch.at
-        relaxed = self._relaxed(state, state.patches, at.numbers.value, touching=touch.touching)
-        return self.behind(at.numbers, at.error, relaxed, relaxed.changes)
+        landed = self._landed(state, state.patches, at.numbers.value, touching=touch.touching)
+        return self.behind(at.numbers, at.error, landed, landed.changes)
 
     def from_fold(self, limit: LimitPoint) -> Point | None:
         """Return the state behind a fold; None where no force is felt along its mode that leads on."""
@@ -67,11 +75,11 @@ class Jumps:
         for part in np.minimum(length, longest):
             if not self._is_felt(patches.moved(part * mode), state.penetration, at.numbers.value, mode):
                 continue
-            relaxed = self._relaxed(state, patches.moved(part * mode), at.numbers.value, moving_patches(patches, mode))
-            if self._returned(patches, relaxed, part * mode):
+            landed = self._landed(state, patches.moved(part * mode), at.numbers.value, moving_patches(patches, mode))
+            if self._returned(patches, landed, part * mode):
                 continue
-            changes = relaxed.changes or (("bifurcation", leading_patch(patches, mode)),)
-            return self.behind(at.numbers, at.error, relaxed, changes, surely=bool(relaxed.changes))
+            changes = landed.changes or (("bifurcation", leading_patch(patches, mode)),)
+            return self.behind(at.numbers, at.error, landed, changes, surely=bool(landed.changes))
         return None
 
     def from_broken_symmetry(self, at: Located, other: Patches) -> Point | None:
@@ -86,11 +94,11 @@ class Jumps:
         """
         patches, state = at.patches, at.balance.state
         outward = outward_motion(patches, other)
-        relaxed = self._relaxed(state, patches.moved(outward), at.numbers.value, moving_patches(patches, outward))
-        if self._returned(patches, relaxed, outward):
+        landed = self._landed(state, patches.moved(outward), at.numbers.value, moving_patches(patches, outward))
+        if self._returned(patches, landed, outward):
             return None
-        changes = (("bifurcation", leading_patch(patches, outward)), *relaxed.changes)
-        return self.behind(at.numbers, at.error, relaxed, changes)
+        changes = (("bifurcation", leading_patch(patches, outward)), *landed.changes)
+        return self.behind(at.numbers, at.error, landed, changes)
 
     def unlocated(self, balance: Balance, start: float, value: float) -> Point:
         """Return the state at `value` behind an end of the branch that was not located.
@@ -98,19 +106,19 @@ class Jumps:
         The contact jumps from the last good edges before this end.
         """
         state, width = balance.state, abs(value - start)
-        relaxed = self._relaxed(state, state.patches, value, unstable_patches(balance))
+        landed = self._landed(state, state.patches, value, unstable_patches(balance))
         control, stiffness = self.system.control, balance.stiffness
         deeper = abs(2 * width / (control.penetration_weight + control.load_weight * stiffness))
         error = EventNumbers(width, deeper, deeper * abs(stiffness), deeper * abs(stiffness) * width)
-        changes = relaxed.changes or (("bifurcation", float(state.patches.center[unstable_patches(balance)[0]])),)
+        changes = landed.changes or (("bifurcation", float(state.patches.center[unstable_patches(balance)[0]])),)
         at = after_step(self.system, balance, start, np.zeros(2 * state.patches.count), value - start)
-        return self.behind(at, error, relaxed, changes, bool(relaxed.changes))
+        return self.behind(at, error, landed, changes, bool(landed.changes))
 
     def behind(
         self,
         at: EventNumbers,
         error: EventNumbers,
-        relaxed: Relaxed,
+        landed: Landed,
         changes: tuple[tuple[str, float], ...],
         surely: bool = True,
     ) -> Point:
@@ -120,17 +128,16 @@ class Jumps:
         ----------
         at, error : EventNumbers
             The state from which the contact jumps, and its errors.
-        relaxed : Relaxed
+        landed : Landed
             End of the jump.
         changes : tuple of (kind, position)
             Changes of the contact, in order.
         surely : bool
             True if something surely happened; else the energy released must exceed its error.
         """
-        if relaxed.balance is None:
-            return self._without_edges(at, error, relaxed, changes)
-        value, balance = relaxed.target, relaxed.balance
-        minimum = self._minimum(balance, value)
+        if landed.balance is None:
+            return self._without_edges(at, error, landed, changes)
+        value, balance, minimum = landed.target, landed.balance, landed.minimum
         if minimum is None:
             patches, after, uncertain = balance.state.patches, numbers_of(balance, value), np.inf
         else:
@@ -145,8 +152,8 @@ class Jumps:
         happened = surely or not np.isfinite(doubt) or released > SAFETY * doubt
         stated = doubt + self._coarseness(balance)
         events = path_events(changes, at, error, released, stated) if happened else ()
-        if relaxed.status != "converged":
-            return _failed(relaxed, events)
+        if landed.status != "converged":
+            return _failed(landed, events)
         return Equilibrium(value, balance, patches, after.load, events=events)
 
     def _coarseness(self, balance: Balance) -> float:
@@ -171,33 +178,33 @@ class Jumps:
         force = -float(forces.gradient @ motion) / float(forces.work @ np.abs(motion))
         return force > SAFETY * self.increments.way.residual
 
-    def _returned(self, start: Patches, relaxed: Relaxed, outward: FloatArray) -> bool:
+    def _returned(self, start: Patches, landed: Landed, outward: FloatArray) -> bool:
         """Return whether edges that were pushed outward fell back to an equilibrium."""
-        if relaxed.balance is None or relaxed.changes:
+        if landed.balance is None or landed.changes:
             return False
-        moved = np.abs(outward_motion(start, relaxed.balance.state.patches)) / start.edge_scale
+        moved = np.abs(outward_motion(start, landed.balance.state.patches)) / start.edge_scale
         return float(moved.max()) <= 2 * float(np.max(np.abs(outward) / start.edge_scale))
 
     def _without_edges(
-        self, at: EventNumbers, error: EventNumbers, relaxed: Relaxed, changes: tuple[tuple[str, float], ...]
+        self, at: EventNumbers, error: EventNumbers, landed: Landed, changes: tuple[tuple[str, float], ...]
     ) -> Separated | Complete | Failed:
         """Return the point behind a jump that leaves no edges, or did not end."""
         released, doubt = np.nan, error.potential
-        if relaxed.status == "separated":
+        if landed.status == "separated":
             changes = (*changes[:-1], ("pull_off", changes[-1][1]))
             if self.system.control.penetration_weight:  # a dead tension falls for ever
                 released = at.potential
                 doubt += self._moved_by_error(at, error, at.penetration, 0.0)
-        elif relaxed.status == "complete_contact":
-            released = at.potential - complete_potential(self.system, self.complete, relaxed.target)
+        elif landed.status == "complete_contact":
+            released = at.potential - complete_potential(self.system, self.complete, landed.target)
             highest = self.system.elastic.profile.max_height
-            doubt += self._moved_by_error(at, error, highest, self.system.control.load(highest, relaxed.target))
+            doubt += self._moved_by_error(at, error, highest, self.system.control.load(highest, landed.target))
         events = path_events(changes, at, error, released, doubt)
-        if relaxed.status == "separated":
-            return Separated(relaxed.target, events=events)
-        if relaxed.status == "complete_contact":
-            return Complete(relaxed.target, events=events)
-        return _failed(relaxed, events)
+        if landed.status == "separated":
+            return Separated(landed.target, events=events)
+        if landed.status == "complete_contact":
+            return Complete(landed.target, events=events)
+        return _failed(landed, events)
 
     def _moved_by_error(self, at: EventNumbers, error: EventNumbers, penetration: float, load: float) -> float:
         """Return the change of the energy released if the control of the jump is off by its error.
@@ -207,25 +214,50 @@ class Jumps:
         works = self.system.control.penetration_weight > 0  # the load does work, or the penetration
         return error.value * (abs(at.load - load) if works else abs(at.penetration - penetration))
 
-    def _relaxed(
+    def _landed(
         self,
         before: Evaluation,
         patches: Patches,
         value: float,
         unstable: IntArray | None = None,
         touching: GapMinima | None = None,
-    ) -> Relaxed:
+    ) -> Landed:
         """Follow the forces from edges to the end of a jump."""
         cause = Cause(unstable, touching, before, local_tolerance=self.increments.coarse.tolerance)
-        return relax(self.system, patches, before.penetration, value, self.increments.way, cause)
+        return self.landed(patches, before.penetration, value, cause)
+
+    def landed(self, patches: Patches, penetration: float, value: float, cause: Cause = NO_CAUSE) -> Landed:
+        """Follow the forces from edges to the next equilibrium, and locate it.
+
+        The descent ends where Newton goes on; where Newton leads elsewhere, or a gap closes on the way, it continues.
+        """
+        way, changes = self.increments.way, tuple[tuple[str, float], ...]()
+        accuracy = replace(way, residual=max(way.residual, NEARLY))
+        for _ in range(MAXIMUM_ITERATIONS):
+            fallen = fall(self.system, patches, penetration, value, accuracy, cause)
+            changes += fallen.changes
+            balance = fallen.balance
+            minimum = None if balance is None else self._minimum(balance, value)
+            if balance is None or fallen.status != "converged":
+                return Landed(fallen.status, value, balance, changes, minimum)
+            state = balance.state if minimum is None else minimum.balance.state
+            closed = interpenetration(self.system, state, way.allowed)
+            if closed.position.size == 0 and (minimum is not None or accuracy == way):
+                return Landed(fallen.status, value, balance, changes, minimum)
+            patches, penetration = state.patches, state.penetration
+            if closed.position.size == 0:
+                cause, accuracy = NO_CAUSE, way
+            else:
+                cause = Cause(None, closed, state, local_tolerance=self.increments.coarse.tolerance)
+        return Landed("not_converged", value, None, changes, None)
 
 
-def _failed(relaxed: Relaxed, events: tuple[PathEvent, ...] = ()) -> Failed:
+def _failed(landed: Landed, events: tuple[PathEvent, ...] = ()) -> Failed:
     """Return the failure of a jump that does not end in a state, with the events until then."""
     status: Literal["not_converged", "ill_conditioned"] = "not_converged"
-    if relaxed.status == "ill_conditioned":
+    if landed.status == "ill_conditioned":
         status = "ill_conditioned"
-    return Failed(relaxed.target, status, events=events)
+    return Failed(landed.target, status, events=events)
 
 
 def leading_patch(patches: Patches, outward: FloatArray) -> float:

@@ -85,13 +85,13 @@ class Loads:
                 return Equilibrium.of(settled[1], settled[0], settled=True)
         return None
 
-    def point(self, span: Span, s: float) -> Stand | None:
-        """Return the point of the curve at a parameter of a span, evaluated so near that its tangent is right."""
+    def point(self, span: Span, s: float, near: float = SHORT) -> Stand | None:
+        """Return the point of the curve at a parameter of a span, within so many units of where it is evaluated."""
         if s in (0.0, 1.0):
             return span.first if s == 0 else span.last
         (patches, value), penetration = span.at(s), span.first.numbers.penetration
         point, last = None, np.inf
-        while point is None or SHORT < point.off < last:
+        while point is None or near < point.off < last:
             last = np.inf if point is None else point.off
             balance = evaluated(self.system.sloped, Start(patches, penetration, value), self.on_way)
             point = None if isinstance(balance, Refused) else stand_near(self.system, balance, value, span.normal, 1.0)
@@ -112,30 +112,32 @@ class Loads:
         if turn is not None and turn[0] < reach:
             yield turn
 
-    def least_on(self, span: Span, reach: float, below: float, level: float) -> float | None:
-        """Return the parameter up to a limit at which the load is least on a span, if it may be below a load there."""
+    def least_on(self, span: Span, reach: float, below: float, level: float) -> Stand | None:
+        """Return the point up to a parameter at which the load is least on a span, if it may be below a load there."""
         ends, rates = self._ends(span)
         bottom = extremes(ends, rates)[1]
         if not rates[0] < 0 < rates[1] or min(ends) - 2 * (min(ends) - bottom) >= below:
             return None
-        turn = self._turn(span, rates, level)
-        return None if turn is None or turn[0] >= reach else turn[0]
+        turn = self._turn(span, rates, level, LAST)
+        return None if turn is None or turn[0] >= reach else turn[1]
 
     def _ends(self, span: Span) -> tuple[tuple[float, float], tuple[float, float]]:
         """Return the loads at both ends of a span, and their rates by its parameter."""
         first, last = span.first, span.last
         return (first.numbers.load, last.numbers.load), (self._rate(span, first), self._rate(span, last))
 
-    def _turn(self, span: Span, rates: tuple[float, float], level: float) -> tuple[float, Stand] | None:
+    def _turn(
+        self, span: Span, rates: tuple[float, float], level: float, near: float = SHORT
+    ) -> tuple[float, Stand] | None:
         """Return the parameter and the point at which the rate of the load vanishes, by the Illinois secant.
 
-        The rate vanishes to a level of its change on the span.
+        The rate vanishes to a level of its change on the span, in states within `near` of their evaluation.
         """
         (low, high), (rate_low, rate_high) = (0.0, 1.0), rates
         allowed = level * abs(rate_low - rate_high)
         for _ in range(MAXIMUM_ITERATIONS):
             s = low - rate_low * (high - low) / (rate_high - rate_low)
-            point = self.point(span, s)
+            point = self.point(span, s, near)
             if point is None:
                 return None
             rate = self._rate(span, point)

@@ -45,12 +45,11 @@ class LeastLoad:
 
 def turn_of_load(system: System, loads: Loads, span: Span, reach: float, below: float) -> Located | Refused | None:
     """Return the state of least load on a span up to a parameter; None where the load is not below `below`."""
-    place = loads.least_on(span, reach, below, TURNED)
-    if place is None:
+    point = loads.least_on(span, reach, below, TURNED)
+    if point is None:
         return None
-    patches, value = span.at(place)
-    start = Start(patches, span.first.numbers.penetration, value)
-    return locate(system, start, InPlane(patches, span.normal), loads.on_way)
+    start = Start(point.patches, point.numbers.penetration, point.value)
+    return locate(system, start, InPlane(point.patches, span.normal), loads.on_way)
 
 
 def behind_jump(system: System, point: Equilibrium, error: EventNumbers, tolerance: float) -> Located | Refused:

@@ -7,9 +7,9 @@ no mark is not text.
 from __future__ import annotations
 
 import codecs
-import stat
 from pathlib import Path
 
+from bem.geometry.regular_file import read_regular
 from bem.scans.scan_refusal import refused
 
 MARKS = (
@@ -26,8 +26,7 @@ TEXT_OR_INSTRUMENT = "a text file, or a file of an instrument"
 def content_of(path: Path) -> bytes:
     """Return the bytes of a file; ScanFileError if the file cannot be read or is not a regular file."""
     try:
-        mode = path.stat().st_mode
-        content = path.read_bytes() if stat.S_ISREG(mode) else b""
+        return read_regular(path)
     except OSError as error:
         reason = f"cannot be read: {error.strerror or error}"
         if not str(path).isprintable():  # TOML reads the backslash and the t of C:\temp as a tab
@@ -35,10 +34,6 @@ def content_of(path: Path) -> bytes:
         raise refused("file", reason, TEXT_OR_INSTRUMENT) from error
     except ValueError as error:  # a zero byte in the name
         raise refused("file", f"is no name of a file: {error}", TEXT_OR_INSTRUMENT) from error
-    if not stat.S_ISREG(mode):
-        kind = "is a folder" if stat.S_ISDIR(mode) else "is a device or a pipe"
-        raise refused("file", kind, TEXT_OR_INSTRUMENT)
-    return content
 
 
 def text_of(content: bytes) -> tuple[str, str] | None:

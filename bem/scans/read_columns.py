@@ -16,7 +16,7 @@ import numpy as np
 
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.scans.read_map import (
-    FEWEST,
+    FEWEST_SAMPLES,
     ScanLines,
     map_of,
     refuse_axes,
@@ -39,6 +39,7 @@ class TableLine(NamedTuple):
     lines: IntArray | None = None  # line of the file of each sample, (n,)
     columns: tuple[int | None, int | None] = (None, None)  # of positions and heights, from 0
     rows: slice = slice(None)  # of the table
+    map_rows: int | None = None  # rows of the map that holds the line
 
 
 def line_of(table: TextTable, values: Mapping[str, Any]) -> TableLine:
@@ -48,10 +49,11 @@ def line_of(table: TextTable, values: Mapping[str, Any]) -> TableLine:
         raise refused("valid_column", f"= {flag} of {width}", "0 for none, or a column of the file besides the heights")
     points = None if flag in (1, 2) else scan_lines(table.values)
     if points is None and row is not None:
-        return TableLine(None, row_of(map_of(table, values), row))
-    if table.lines.size < FEWEST:
+        heights = map_of(table, values)
+        return TableLine(None, row_of(heights, row), map_rows=heights.shape[0])
+    if table.lines.size < FEWEST_SAMPLES:
         problem = f"holds {table.lines.size} sample{'s' * (table.lines.size != 1)}, one on each line"
-        allowed = f"at least {FEWEST} of them; if a line holds many heights, row = 0 and their spacing"
+        allowed = f"at least {FEWEST_SAMPLES} of them; if a line holds many heights, row = 0 and their spacing"
         raise refused("file", problem, allowed)
     x_column, h_column = _columns(table, points, values)
     refuse_axes(table, ("first line", "last line"))
@@ -69,12 +71,13 @@ def line_of(table: TextTable, values: Mapping[str, Any]) -> TableLine:
     elif x_column is None and heights[0] == heights.size - 1:
         problem = f"line {table.lines[0]} holds {heights[0]:g}, the number of heights that follow"
         raise refused("file", problem, f"heights alone: skip_lines = {table.lines[0]}")
+    map_rows = None if points is None else len(points[1])
     lines = table.lines[rows]
     x = None if x_column is None else table.values[rows, x_column]
     if x is not None and np.isnan(x).any():
         problem = f"line {lines[int(np.argmax(np.isnan(x)))]} has no position"
         raise refused("file", problem, "a position in every line: only heights may be missing")
-    return TableLine(x, heights, None if row == "mean" else lines, (x_column, h_column), rows)
+    return TableLine(x, heights, None if row == "mean" else lines, (x_column, h_column), rows, map_rows)
 
 
 def _columns(table: TextTable, points: ScanLines | None, values: Mapping[str, Any]) -> tuple[int | None, int]:

@@ -20,7 +20,7 @@ from bem.geometry.lengths import METRES
 from bem.scans.read_bytes import content_of, text_of
 from bem.scans.read_columns import TableLine, line_of
 from bem.scans.read_instrument import RASTER_TEXT, read_instrument
-from bem.scans.read_map import row_of, without_missing
+from bem.scans.read_map import row_of, rows_allowed, without_missing
 from bem.scans.read_text import DELIMITERS, LISTED, read_table
 from bem.scans.read_units import resolved_units
 from bem.scans.scan_keys import SCAN_KEYS, TEXT_KEYS
@@ -94,6 +94,7 @@ def _from_text(text: str, encoding: str, values: Mapping[str, Any]) -> RawScan:
     if values.get("skip_lines"):
         skipped = (text[:40] for number, text in table.above[:LISTED] if number <= values["skip_lines"])
         facts["skipped"] = " | ".join(skipped)
+    facts |= {} if line.map_rows is None else {"rows": line.map_rows}
     stated = {axis: table.units[column] for axis, column in zip("xh", line.columns, strict=True) if column is not None}
     raw = _in_metres(line, stated, f"line {table.heading}", facts, values)
     x_column, metres = line.columns[0], METRES[raw.facts["unit_x"]]
@@ -127,10 +128,10 @@ def _from_instrument(path: Path, content: bytes, values: Mapping[str, Any]) -> R
         _refuse_keys(values, ["row"], "of a line scan")
     elif "row" not in values:
         rows = heights.shape[0]
-        allowed = f'row = 0 to {rows - 1}, or row = "mean"'
+        allowed = rows_allowed(rows)
         raise refused("row", f"is needed: the file holds a map of {rows} rows", allowed)
     else:
-        heights = row_of(heights, values["row"])
+        heights, scan.facts["rows"] = row_of(heights, values["row"]), heights.shape[0]
     if scan.x is not None:
         _refuse_keys(values, ["spacing"], "beside the lengths in the file")
     stated = dict.fromkeys("xh" if scan.x is not None else "h", scan.unit)

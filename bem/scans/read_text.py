@@ -26,12 +26,11 @@ from bem.geometry.ranges import MOST
 from bem.scans.read_units import heading_units
 from bem.scans.scan_refusal import Refusal, ScanFileError, refused
 
-Row = tuple[float, ...]
-Line = tuple[int, str]  # its number as editors count, and its text
+Numbers = tuple[float, ...]
+NumberedLine = tuple[int, str]  # its number as editors count, and its text
 
 SHOWN = 3  # format: mistakes of one sort that are spelt out
 LISTED = 12  # format: lines above the numbers that are spelt out
-JUDGED = 2000  # format: lines that tell how a file is to be read
 DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma", "": "blanks"}
 MISSING = {"", "-", "--", "---", "***", "na", "n/a", "#n/a", "null", "none"}
 MISSING |= {"nan", "-nan", "nan(ind)", "-nan(ind)", "1.#qnan", "-1.#ind", "inf", "+inf", "-inf"}
@@ -39,7 +38,6 @@ NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 THOUSANDS = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")  # or a decimal comma
 MINUS = re.compile("[\u2010-\u2015\u2212\ufe63\uff0d]")  # hyphens, dashes and minus signs of Unicode
 WORDS = "words that mark heights become numbers, as 1 and 0 in a column that valid_column names"
-ORDINARY = frozenset("0123456789+-.eE,; \t")  # characters of rows that are read all at once
 
 
 class Reading(NamedTuple):
@@ -54,7 +52,7 @@ class Reading(NamedTuple):
             return re.split("[ \t]+", line.strip(" \t"))
         return [cell.strip(" \t").strip('"').strip(" \t") for cell in line.split(self.delimiter)]
 
-    def row(self, line: str) -> Row | None:
+    def row(self, line: str) -> Numbers | None:
         """Return the numbers of a line, NaN for a missing one; None if a cell is neither."""
         values = []
         for cell in self.cells(line):
@@ -85,7 +83,7 @@ class TextTable:
     units: tuple[str, ...]  # of each column, "" where none is stated
     heading: int  # line of these units, from 1; 0 without a heading
     reading: Reading
-    above: tuple[Line, ...]  # lines above the first row, skipped or not
+    above: tuple[NumberedLine, ...]  # lines above the first row, skipped or not
 
 
 def read_table(text: str, skip_lines: int = 0, decimal: str | None = None) -> TextTable:
@@ -113,11 +111,10 @@ def read_table(text: str, skip_lines: int = 0, decimal: str | None = None) -> Te
     if not body:
         told = f": {_quoted(above)} not numbers alone" if above else ""
         raise refused("file", f"holds no line of numbers{told}", f"a text file with lines of numbers; {WORDS}")
-    reading, width = _reading_of(body, readings)
+    reading, read = _rows_of(body, readings)
+    width = len(reading.cells(body[0][1]))
     units = _heading_of(above, width)
-    values = _read_at_once(body, reading, width)
-    if values is None:
-        values = _read_one_by_one(body, reading, width)
+    values = _numbers(body, reading, read, width)
     if reading.delimiter and np.isnan(values[:, -1]).all() and width > 1:
         values = values[:, :-1]
     if decimal is None:
@@ -127,7 +124,7 @@ def read_table(text: str, skip_lines: int = 0, decimal: str | None = None) -> Te
     return TextTable(values, np.array(numbers), rows, units, heading, reading, (*skipped, *above))
 
 
-def _heading_of(above: Sequence[Line], width: int) -> tuple[str, ...]:
+def _heading_of(above: Sequence[NumberedLine], width: int) -> tuple[str, ...]:
     """Return the units in the lines above the numbers; ScanFileError for lines that are no heading."""
     if not above:
         return ("",) * width
@@ -144,14 +141,14 @@ def _heading_of(above: Sequence[Line], width: int) -> tuple[str, ...]:
     raise refused("file", f"{_quoted(above)} not numbers", f"{allowed}columns, missing_value, valid_column; {WORDS}")
 
 
-def _quoted(lines: Sequence[Line]) -> str:
+def _quoted(lines: Sequence[NumberedLine]) -> str:
     """Return the numbers and the texts of lines, as the subject of a sentence with its verb."""
     texts = ", ".join(repr(line[:40]) for _, line in lines[:LISTED]) + ", .." * (len(lines) > LISTED)
     first, last = lines[0][0], lines[-1][0]
     return f"line {first} ({texts}) is" if len(lines) == 1 else f"lines {first} to {last} ({texts}) are"
 
 
-def _are_names(lines: Sequence[Line], units: int, width: int) -> bool:
+def _are_names(lines: Sequence[NumberedLine], units: int, width: int) -> bool:
     """Return whether a line holds a name for each column and stands right above the line of their units."""
     return any(
         number == units - 1 and len(names) == width and not any(re.match("[-+.]?[0-9]", name) for name in names)
@@ -160,28 +157,48 @@ def _are_names(lines: Sequence[Line], units: int, width: int) -> bool:
     )
 
 
-def _reading_of(body: Sequence[Line], readings: Iterable[Reading]) -> tuple[Reading, int]:
-    """Return the reading in which most lines are rows as long as the first; ScanFileError for two unlike decimals."""
-    judged = body[:JUDGED]
+def _rows_of(body: Sequence[NumberedLine], readings: Iterable[Reading]) -> tuple[Reading, list[Numbers | None]]:
+    """Return the reading in which most lines are rows as long as the first, and the rows, None for other lines.
+
+    ScanFileError for readings with unlike decimal marks that give unlike numbers.
+    """
     fits = []
     for reading in readings:
         if reading.has_number(body[0][1]):
+            read = [reading.row(line) for _, line in body]
             width = len(reading.cells(body[0][1]))
-            read = [reading.row(line) for _, line in judged]
             rows = [row if row and len(row) == width else None for row in read]
             fits.append(((len(rows) - rows.count(None), -read.count(None)), reading, width, rows))
     most = max(fit[0] for fit in fits)
     (_, reading, width, rows), *others = (fit for fit in fits if fit[0] == most)
     for _, other, columns, values in (fit for fit in others if fit[1].decimal != reading.decimal):
-        for (number, line), row, value in zip(judged, rows, values, strict=True):
+        for (number, line), row, value in zip(body, rows, values, strict=True):
             if repr(row) != repr(value):  # NaN is unequal to NaN
                 columns_read = " or ".join(f"{count} column{'s' * (count != 1)}" for count in (width, columns))
                 allowed = f'decimal = "{reading.decimal}" for the first, decimal = "{other.decimal}" for the second'
                 raise refused("decimal", f"is needed: line {number} ({line[:40]!r}) may be {columns_read}", allowed)
-    return reading, width
+    return reading, rows
 
 
-def _refuse_commas(body: Sequence[Line], reading: Reading, values: FloatArray) -> None:
+def _numbers(body: Sequence[NumberedLine], reading: Reading, rows: Sequence[Numbers | None], width: int) -> FloatArray:
+    """Return the numbers of all rows, (n_rows, width); ScanFileError for lines that are no rows."""
+    wrong = []
+    for (number, line), row in zip(body, rows, strict=True):
+        if row is None:
+            _refuse_minus((number, line), [reading])
+            count = len(reading.cells(line))
+            parted = f"{count} column{'s' * (count != 1)}, the first row {width}"
+            parted = "more than numbers" if count == width else parted
+            wrong.append(f"line {number} ({line[:40]!r}) holds {parted}")
+    if wrong:
+        allowed = f"{width} numbers up to {MOST:g}, or NaN for a missing one, with decimal mark {reading.decimal!r}, "
+        allowed += f"and {DELIMITERS[reading.delimiter]} between columns: correct the line; {WORDS}"
+        rest = [f"and {len(wrong) - SHOWN} more lines like that"] * (len(wrong) > SHOWN)
+        raise ScanFileError([Refusal("file", text, allowed) for text in (*wrong[:SHOWN], *rest)])
+    return np.array(rows, dtype=np.float64)
+
+
+def _refuse_commas(body: Sequence[NumberedLine], reading: Reading, values: FloatArray) -> None:
     """Raise ScanFileError if commas may be another mark: decimal marks (`0,1,25`), or between thousands (`12,345`)."""
     decimals = reading.delimiter == "," and values.shape[1] > 2 and (values[:, 1:] >= 0).all(axis=0).any()
     if decimals and not any("." in line for _, line in body):
@@ -201,44 +218,9 @@ def _refuse_commas(body: Sequence[Line], reading: Reading, values: FloatArray) -
     raise refused("decimal", problem, allowed)
 
 
-def _refuse_minus(line: Line, readings: Iterable[Reading]) -> None:
+def _refuse_minus(line: NumberedLine, readings: Iterable[Reading]) -> None:
     """Raise ScanFileError for a line of numbers whose minus signs are another character than "-"."""
     sign = MINUS.search(line[1])
     if sign is not None and any(reading.has_number(MINUS.sub("-", line[1])) for reading in readings):
         problem = f"line {line[0]} ({line[1][:40]!r}) has the minus sign {sign[0]!r} (U+{ord(sign[0]):04X})"
         raise refused("file", problem, 'the hyphen "-" (U+002D) before negative numbers: replace it')
-
-
-def _read_at_once(body: Sequence[Line], reading: Reading, width: int) -> FloatArray | None:
-    """Return all rows, where each is plain numbers; None where the lines have to be read one by one."""
-    text = "\n".join(line for _, line in body)
-    if not ORDINARY.issuperset(text.replace("\n", "")) or (reading.decimal == "," and "." in text):
-        return None
-    rows = (text.replace(",", ".") if reading.decimal == "," else text).split("\n")
-    try:
-        values = np.loadtxt(rows, delimiter=reading.delimiter or None, ndmin=2, comments=None)
-    except ValueError:
-        return None
-    return values if values.shape == (len(body), width) and (np.abs(values) <= MOST).all() else None
-
-
-def _read_one_by_one(body: Sequence[Line], reading: Reading, width: int) -> FloatArray:
-    """Return the rows, (n_rows, width); ScanFileError for lines that are none."""
-    rows, wrong = [], []
-    for number, line in body:
-        row = reading.row(line)
-        if row is not None and len(row) == width:
-            rows.append(row)
-            continue
-        _refuse_minus((number, line), [reading])
-        count = len(reading.cells(line))
-        parted = f"{count} column{'s' * (count != 1)}, the first row {width}" if count != width else "more than numbers"
-        wrong.append(f"line {number} ({line[:40]!r}) holds {parted}")
-    if wrong:
-        allowed = (
-            f"{width} numbers up to {MOST:g}, or NaN for a missing one, with decimal mark {reading.decimal!r} and "
-        )
-        allowed += f"{DELIMITERS[reading.delimiter]} between columns: correct the line; {WORDS}"
-        rest = [f"and {len(wrong) - SHOWN} more lines like that"] * (len(wrong) > SHOWN)
-        raise ScanFileError([Refusal("file", text, allowed) for text in (*wrong[:SHOWN], *rest)])
-    return np.array(rows)

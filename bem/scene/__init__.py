@@ -14,6 +14,7 @@ A scene file becomes a problem for the solver in this order.
 Beside this way, effects.py lists the active effects, plausibility.py the warnings and memory_estimate.py the memory,
 for `check` and for the result.
 
-A `Result` (result.py) is written and read by result_file.py, with stored_arrays.py for its arrays and atomic_file.py
-for files that are never half written; result_views.py and plots.py show it.
+A `Result` (result.py) holds states (state.py), events and arrays; result_views.py and plots.py show it.  The solver's
+result and a read result pass result_invariants.py alike.  result_file.py writes and reads a finished result, journal.py
+a run in the making; both use stored_json.py, stored_arrays.py, provenance.py and atomic_file.py.
 """

@@ -1,25 +1,22 @@
-"""States, events and results of a loading path, with the meaning and the unit of every number.
+"""Result of a loading path: states, events, warnings, largest tension and arrays, with what was solved.
 
-Units: m, Pa, J/m^2 of nominal area, Pa m^1/2, Pa/m, s.  A `Number` is NaN where none exists; files hold null there.
-The files: result_file.py.
+Units: m, Pa, J/m^2 of nominal area.  A number that does not exist is NaN, and null in files.  state.py has the states,
+result_invariants.py what holds in every result, result_file.py and journal.py the files.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal
 
 from numpy.typing import NDArray
-from pydantic import BeforeValidator, Field, PlainValidator
+from pydantic import PlainSerializer, PlainValidator
 
-from bem.audit.certificate import Certificate
 from bem.scene.result_views import Views
+from bem.scene.state import FINAL_STATUSES, FinalStatus, MaybeNan, State, Status
+from bem.scene.stored_arrays import decoded, encoded
 
-Branch = Literal["loading", "unloading"]
-FinalStatus = Literal["converged", "separated", "complete_contact"]
-Status = Literal[FinalStatus, "unreachable", "not_converged", "interrupted"]
 EventKind = Literal[
     "first_touch",
     "new_contact",
@@ -30,26 +27,7 @@ EventKind = Literal[
     "opening",
     "bifurcation",
 ]
-FINAL_STATUSES: tuple[str, ...] = get_args(FinalStatus)
-STATUSES: tuple[str, ...] = get_args(Status)
-
-
-def _nan_of_null(value: Any) -> Any:
-    return math.nan if value is None else value
-
-
-Number = Annotated[float, BeforeValidator(_nan_of_null)]
-
-
-class NotFiniteError(ArithmeticError, ValueError):
-    """Error of a state with a number that is NaN or infinite: such a state does not exist."""
-
-
-class EnergyGainedError(ArithmeticError):
-    """Error of a jump that gains energy beyond its error: an earlier event was missed, or its end cannot be reached."""
-
-
-UNPHYSICAL = NotFiniteError, EnergyGainedError
+Arrays = Annotated[dict[str, NDArray[Any]], PlainValidator(decoded), PlainSerializer(encoded)]  # base64 of an npz file
 
 
 @dataclass(frozen=True)
@@ -71,155 +49,6 @@ class Caution:
 
 
 @dataclass(frozen=True)
-class ErrorEstimate:
-    """Estimated absolute error of every number a state reports, in the unit of that number; None: not estimated."""
-
-    mean_pressure: float | None = None
-    contact_fraction: float | None = None
-    penetration: float | None = None
-    separation: float | None = None
-    total_displacement: float | None = None
-    elastic_energy: float | None = None
-    adhesion_energy: float | None = None
-    total_energy: float | None = None
-    stress_intensity_max: float | None = None
-    contact_stiffness: float | None = None
-
-
-@dataclass(frozen=True)
-class GapQuantiles:
-    """Heights below which the gap lies on 10, 25, 50, 75 and 90 % of the open length, m."""
-
-    p10: float
-    p25: float
-    p50: float
-    p75: float
-    p90: float
-
-
-@dataclass(frozen=True)
-class Gaps:
-    """Gap between the surfaces at a target, m (bem/observables/gaps.py).
-
-    Attributes
-    ----------
-    mean_open : float
-        Mean over the open length: the separation over `open_fraction`.
-    mean_cubic_root : float
-        Cubic root of the mean of g^3 over the period: the flow along the ridges is that of a channel of this height.
-    quantiles : GapQuantiles
-    widest_channel : float
-        Widest interval without contact; the period where the surfaces are apart.
-    open_fraction : float
-        Share of the period that is open.
-    """
-
-    mean_open: float
-    mean_cubic_root: float
-    quantiles: GapQuantiles
-    widest_channel: float
-    open_fraction: float
-
-
-CLOSED = Gaps(0.0, 0.0, GapQuantiles(0.0, 0.0, 0.0, 0.0, 0.0), 0.0, 0.0)
-
-
-@dataclass(frozen=True, repr=False, kw_only=True)
-class State:
-    """Equilibrium on the path; energies in J/m^2 of nominal area, edges in m, `contact_stiffness` in Pa/m.
-
-    The defaults are those of surfaces apart.  Every number is finite, with two exceptions.  An estimated error is
-    infinite where the corrected edges overlap.  `mean_pressure` is NaN where any pressure would do: in complete contact
-    under a prescribed separation.  `total_displacement` is None there on a compressible layer.
-
-    A target that was not met has a row too, with status `unreachable` or `not_converged`, and `certificate.reasons`
-    say why.  Its numbers are those of surfaces apart where no contact carries the tension asked for; elsewhere the
-    quantity under control is a number, and all others are NaN.
-
-    Attributes
-    ----------
-    target : bool
-        Whether the scene asks for this state.
-    index : int or None
-        Index of the target: in loading.targets, then in loading.at_mean_pressures, then stop_at_mean_pressure
-        (`asked_for`).  None between targets.
-    stored : int or None
-        The k of its arrays x_k, ... in fields.npz; None where none are stored.
-    events : int
-        Number of events up to this state.
-    peak_pressure, largest_gap : float or None
-        Pa and m, of samples of pressure and gap; known at targets alone.  There is no peak without contact.
-    gaps : Gaps or None
-        Known at targets alone.
-    unknowns, evaluations, cpu_seconds
-        Unknowns of the system; evaluations and CPU seconds since the state before.
-
-    Raises
-    ------
-    NotFiniteError
-        Another number is NaN or infinite.
-    """
-
-    branch: Branch = "loading"
-    target: bool = False
-    index: int | None = None
-    status: Status
-    penetration: Number
-    separation: Number
-    total_displacement: float | None = None
-    mean_pressure: Number = 0.0
-    contact_fraction: Number = 0.0
-    n_patches: int = 0
-    edges: tuple[tuple[float, float], ...] = ()
-    elastic_energy: Number = 0.0
-    adhesion_energy: Number = 0.0
-    total_energy: Number = 0.0
-    stress_intensity_max: float | None = None
-    contact_stiffness: float | None = None
-    stable_at_fixed_load: bool | None = None
-    peak_pressure: float | None = None
-    largest_gap: float | None = None
-    gaps: Gaps | None = None
-    error_estimate: ErrorEstimate = field(default_factory=ErrorEstimate)
-    certificate: Certificate = field(default_factory=Certificate)
-    events: int = 0
-    stored: int | None = None
-    unknowns: int = 0
-    evaluations: int = 0
-    cpu_seconds: float = 0.0
-
-    def __repr__(self) -> str:
-        if not self.found:
-            return f"<State {self.status}: {'; '.join(self.certificate.reasons)}>"
-        judged = "certified" if self.certificate.ok else "not certified"
-        return (
-            f"<State {self.status} ({self.branch}): separation {self.separation:.6g} m, {self.mean_pressure:.6g} Pa, "
-            f"contact fraction {self.contact_fraction:.6g}, patches {self.n_patches}, {judged}>"
-        )
-
-    @property
-    def found(self) -> bool:
-        """Existence of the state: False in the row of a target that was not met."""
-        return self.status != "unreachable" and not math.isnan(self.contact_fraction)
-
-    def __post_init__(self) -> None:
-        unknown = math.isnan(self.contact_fraction) and not self.edges
-        if unknown and self.status in ("unreachable", "not_converged"):
-            return
-        numbers = {name: value for name, value in vars(self).items() if isinstance(value, float)}
-        if self.status in ("complete_contact", "unreachable") and math.isnan(self.mean_pressure):
-            del numbers["mean_pressure"]
-        numbers |= {f"edges[{i}]": a + b for i, (a, b) in enumerate(self.edges)}
-        numbers |= {f"certificate.{name}": value for name, value in vars(self.certificate).items()}
-        for name, value in numbers.items():
-            if isinstance(value, float) and not math.isfinite(value):
-                raise NotFiniteError(f"{name} is {value}")
-        for name, value in vars(self.error_estimate).items():
-            if value is not None and math.isnan(value):
-                raise NotFiniteError(f"error_estimate.{name} is {value}")
-
-
-@dataclass(frozen=True)
 class EventError:
     """Estimated absolute error of the numbers of an event, in their units."""
 
@@ -234,7 +63,7 @@ class JumpEnd:
 
     status: FinalStatus
     penetration: float
-    mean_pressure: Number
+    mean_pressure: MaybeNan
     edges: tuple[tuple[float, float], ...] = ()
 
 
@@ -250,7 +79,7 @@ class Event:
 
     kind: EventKind
     penetration: float
-    mean_pressure: Number
+    mean_pressure: MaybeNan
     position: float | None
     energy_released: float | None
     error_estimate: EventError
@@ -297,31 +126,9 @@ class Entry:
 
     events: tuple[Event, ...]
     state: State
-    fields: dict[str, NDArray[Any]] = field(default_factory=dict)
+    fields: Arrays = field(default_factory=dict)
     warnings: tuple[Caution, ...] = ()
     tension: LargestTension | None = None
-
-
-@dataclass(frozen=True)
-class Progress:
-    """Progress of a solution; pressure in Pa, `target_index` counts from 0, `value` is the value of the control."""
-
-    mean_pressure: float
-    contact_fraction: float
-    n_patches: int
-    increments_accepted: int
-    increments_rejected: int
-    evaluations: int
-    target_index: int
-    n_targets: int
-    value: float = math.nan
-
-
-def _refused(value: Any) -> Any:
-    raise ValueError("arrays are not stored here but in fields.npz")
-
-
-Arrays = Annotated[dict[str, NDArray[Any]], Field(exclude=True), PlainValidator(_refused)]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -355,13 +162,13 @@ class Result(Views):
 
     scene: dict[str, Any]
     effects: tuple[Effect, ...]
-    provenance: dict[str, Any]
+    provenance: dict[str, str]
     states: tuple[State, ...]
     events: tuple[Event, ...]
     status: Status
     fields: Arrays = field(default_factory=dict)
     failure: str | None = None
-    groups: dict[str, Number] = field(default_factory=dict)
+    groups: dict[str, MaybeNan] = field(default_factory=dict)
     warnings: tuple[Caution, ...] = ()
     profile_preparation: tuple[dict[str, Any], ...] = ()
     largest_tension: LargestTension | None = None

@@ -14,7 +14,6 @@ A separation of exactly 0 asks for complete contact.
 from __future__ import annotations
 
 import re
-import stat
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
@@ -27,11 +26,11 @@ from numpy.typing import NDArray
 
 from bem.geometry.profile import Profile
 from bem.geometry.ranges import MOST_HARMONICS, Mistake, shown, unknown_key
+from bem.geometry.regular_file import read_regular
 from bem.geometry.scaling import Solid
 from bem.geometry.table import TableError, plain
 from bem.scans.read_bytes import BACKSLASHES
 from bem.scans.scan_keys import CUTOFFS, DEFAULTS, SCAN_KEYS
-from bem.scene.result import State
 from bem.scene.scene_error import SceneError
 from bem.scene.scene_rules import (
     QUESTIONS,
@@ -54,6 +53,7 @@ from bem.scene.scene_tables import (
     class_of,
     required_keys,
 )
+from bem.scene.state import State
 from bem.scene.stored_start import StoredState, other_problem, stored_start
 from bem.scene.surface import surface_of
 from bem.scene.targets import equal_target, expanded, origin
@@ -63,13 +63,14 @@ if TYPE_CHECKING:
     from bem.elastic.layer import Layer
     from bem.scans.prepared_scan import Scan, Step
 
+ALL_ROWS = "all"  # profile.row of a map whose rows are solved each (bem/map_rows.py)
 IN_MEMORY = "arrays in memory"  # the name of the file of samples that are given as arrays
 LISTED = 12  # format: targets listed in an error
 
 __all__ = ["Loading", "Mistake", "Scene", "SceneError", "StoredStart", "load_scene", "parse_scene", "scene_of"]
 
 Table = Mapping[str, Any]
-Arrays = tuple[NDArray[Any], NDArray[Any]]
+Samples = tuple[NDArray[Any], NDArray[Any]]
 
 
 class Tables(TypedDict, total=False):
@@ -175,14 +176,10 @@ def read_tables(path: Path | str) -> dict[str, Any]:
     """Read the tables of a scene file, unchecked; SceneError if the path is no regular file or no TOML."""
     path = Path(path)
     try:
-        if not stat.S_ISREG(path.stat().st_mode):
-            raise SceneError([Mistake(str(path), "is no file", "a TOML file")])
-        text = path.read_text("utf-8-sig")
+        text = read_regular(path).decode("utf-8-sig")
         return tomllib.loads(text)
     except OSError as error:
         raise SceneError([Mistake(str(path), f"cannot be read ({error.strerror})", "a TOML file")]) from error
-    except SceneError:
-        raise
     except (ValueError, RecursionError) as error:
         escaped = str(error).startswith(("Invalid hex value", "Unescaped '\\'"))  # a name of a file under Windows
         sign = None if isinstance(error, UnicodeDecodeError) else re.search("[\u2010-\u2015\u2212]\\s*[0-9.]", text)
@@ -282,7 +279,7 @@ def parse_scene(data: Mapping[str, Any], base_dir: Path | str = ".") -> Scene:
     return _resolved(data.get("title", ""), made, scan, start)
 
 
-def _without_arrays(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], Arrays | None]:
+def _without_arrays(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], Samples | None]:
     """Return the tables with a name in place of the arrays x and h of a profile of samples, and the arrays."""
     profile = data.get("profile")
     if not isinstance(profile, Mapping) or "file" in profile:
@@ -316,12 +313,15 @@ def _made(name: str, raw: Any) -> tuple[Any, dict[str, Any], list[Mistake]]:
 
 
 def _scan(
-    profile: Mapping[str, Any], given: set[str], base_dir: Path, arrays: Arrays | None
+    profile: Mapping[str, Any], given: set[str], base_dir: Path, arrays: Samples | None
 ) -> tuple[Scan | None, list[Mistake]]:
     """Return the prepared samples of profile.file or of arrays, if the keys of [profile] for reading are valid."""
     wrong = [key for key in given.intersection((*SCAN_KEYS, *DEFAULTS, *CUTOFFS)) if key not in profile]
     if profile.get("kind") != "samples" or "file" not in profile or wrong:
         return None, []
+    if profile.get("row") == ALL_ROWS:
+        allowed = 'a row, or "mean"; all are solved by linecontact run, and by bem.solve_rows in Python'
+        return None, [Mistake("profile.row", f'= "{ALL_ROWS}" is many scenes', allowed)]
     from bem.scans.prepare_scan import prepare
     from bem.scans.read_scan import read_scan, scan_of_arrays
     from bem.scans.scan_refusal import ScanFileError

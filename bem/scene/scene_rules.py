@@ -61,6 +61,8 @@ def profile_mistakes(values: Mapping[str, Any], given: Collection[str]) -> Itera
     for key in given:
         if key in values and key not in used:
             yield Mistake(f"profile.{key}", f"= {shown(values[key])}", f'kind = "{kind}" uses {", ".join(used)} only')
+    if "every" in values and values.get("row") != "all":
+        yield Mistake("profile.every", f"= {shown(values['every'])}", 'row = "all" beside it, or leave it out')
     if kind == "self_affine" and values.get("harmonics") == "all":
         yield Mistake("profile.harmonics", '= "all"', "an integer >= 1: only samples have a last one")
     if kind != "harmonics":

@@ -56,7 +56,8 @@ class ProfileTable:
     valid_column: Natural | None = None
     valid_value: Number | None = None
     spacing: Length | None = None
-    row: Natural | Literal["mean"] | None = None
+    row: Natural | Literal["mean", "all"] | None = None
+    every: Annotated[int | None, Field(ge=1)] = None
     channel: Natural | None = None
     dropouts: Literal["missing", "keep"] | None = None
     missing: Literal["refuse", "interpolate"] | None = None

@@ -1,20 +1,21 @@
-"""Arrays of fields.npz: bytes of an npz file and back, with every name, shape and type checked.
+"""Arrays of a result: bytes of an npz file and back, and the name, length and type of each.
 
-Arrays are stored as they are: an archive that is compressed, or whose headers promise more than it holds, is refused
-before anything is unpacked.
+Arrays are stored as they are: a compressed archive, which may unpack to any size, is refused, and nothing is unpickled.
 """
 
 from __future__ import annotations
 
+import base64
 import io
-import math
 import re
 import zipfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterator, Mapping, Set
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from bem.geometry.ranges import shown
 
 FIELDS = {  # name without the k of a state: what it runs along, and its unit
     **dict.fromkeys(("x", "displacement", "gap"), ("point_{k}", "m")),
@@ -45,9 +46,7 @@ GROUPS = (  # arrays that are stored together, those of a state each named with 
     ("profile_q", "profile_amplitude", "profile_phase"),
 )
 OF_STATES = GROUPS[:3]
-WHOLE, MAYBE_NAN = ("patch",), ("pressure", "scan_h")  # outside contact; where a sample is missing
-NUMBERS = "if"  # kinds of arrays that a result holds
-LONGEST_NAME = 64  # format: characters of the name of an array
+WHOLE, WITH_NAN = ("patch",), ("pressure", "scan_h")  # outside contact; where a sample is missing
 
 
 class CorruptArraysError(ValueError):
@@ -64,40 +63,66 @@ def packed(arrays: Mapping[str, NDArray[Any]]) -> bytes:
 
 
 def unpacked(raw: bytes) -> dict[str, NDArray[Any]]:
-    """Return the arrays of an npz file, after checking what the archive and the headers of its arrays promise.
-
-    Raises
-    ------
-    CorruptArraysError
-        Not such an archive: which array, and why.
-    """
+    """Return the arrays of an npz file; CorruptArraysError says why the bytes are none."""
     if not raw:
         return {}
     try:
         with zipfile.ZipFile(io.BytesIO(raw)) as archive:
-            return {member.filename.removesuffix(".npy"): _array(archive, member) for member in archive.infolist()}
-    except (ValueError, EOFError, zipfile.BadZipFile, NotImplementedError, RuntimeError) as error:
-        raise CorruptArraysError(str(error)) from error
+            for member in archive.infolist():
+                if member.compress_type != zipfile.ZIP_STORED or not member.filename.endswith(".npy"):
+                    raise CorruptArraysError(f"{shown(member.filename)} is compressed or no array")
+        with np.load(io.BytesIO(raw), allow_pickle=False) as stored:
+            return {name: np.asarray(stored[name]) for name in stored.files}
+    except CorruptArraysError:
+        raise
+    except Exception as error:  # whatever the parsers of zip and of NumPy's headers meet in foreign bytes
+        raise CorruptArraysError(f"no arrays of numbers ({error})") from error
 
 
-def check_arrays(arrays: Mapping[str, NDArray[Any]], stored: Iterable[int]) -> None:
-    """Raise CorruptArraysError unless arrays belong to the states `stored` and have matching lengths."""
-    states, sizes = {str(k) for k in stored}, dict[str, tuple[str, int]]()
+def encoded(arrays: Mapping[str, NDArray[Any]]) -> str:
+    """Return arrays as the base64 text of an npz file."""
+    return base64.b64encode(packed(arrays)).decode()
+
+
+def decoded(text: Any) -> dict[str, NDArray[Any]]:
+    """Return the arrays of the base64 text of an npz file; ValueError where the text is none."""
+    if not isinstance(text, str):
+        raise CorruptArraysError("no text of base64")
+    return unpacked(base64.b64decode(text, validate=True))
+
+
+def array_mistakes(arrays: Mapping[str, NDArray[Any]], states: Set[str]) -> Iterator[tuple[str, Any, str]]:
+    """Yield the name of each wrong array, what is wrong, and the allowed values.
+
+    Parameters
+    ----------
+    arrays : mapping of arrays
+    states : set of str
+        Each k of `State.stored`.  A result without any array is one whose fields are not written yet.
+    """
+    sizes = dict[str, tuple[str, int]]()
     for name, values in arrays.items():
         stem, k = split(name)
         group: tuple[str, ...] = next((names for names in GROUPS if stem in names), ())
         if not group or (k not in states if group in OF_STATES else k):
-            raise CorruptArraysError(f"{name} is no array of a state of this result")
+            yield name, "an unknown name", "arrays of the stored states of this result"
+            continue
+        dimension = FIELDS[stem][0].format(k=k)
+        first, size = sizes.setdefault(dimension, (name, values.size))
+        kind = np.int64 if stem in WHOLE else np.float64
+        if values.dtype != kind:
+            yield name, f"of type {values.dtype}", kind.__name__
+        elif values.ndim != bool(dimension) or values.size == 0:
+            yield name, f"of shape {values.shape}", "a row of numbers" if dimension else "a number"
+        elif dimension and values.size != size:
+            yield name, f"of {values.size} values", f"{size}, as {first} has"
+        elif stem not in WITH_NAN and not np.all(np.isfinite(values)):
+            yield name, "not finite", "finite numbers"
         for other in [f"{other}_{k}" if k else other for other in group] + ["q"] * (stem == "C_u"):
             if other not in arrays:
-                raise CorruptArraysError(f"holds {name} without {other}")
-        dimension = FIELDS[stem][0].format(k=k)
-        _check_values(name, stem, values)
-        first, size = sizes.setdefault(dimension, (name, values.size))
-        if dimension and values.size != size:
-            raise CorruptArraysError(f"{name} has {values.size} values, {first} has {size}")
-    for k in states - {split(name)[1] for name in arrays}:
-        raise CorruptArraysError(f"holds no array of the stored state {k}")
+                yield other, "missing", f"an array beside {name}"
+    for k in sorted(states - {split(name)[1] for name in arrays}) if arrays else ():
+        yield f"x_{k}", "missing", f"x_{k}, C_u_{k} or sigma_{k}, as a state has stored = {k}"
 
 
 def split(name: str) -> tuple[str, str]:
@@ -110,35 +135,3 @@ def split(name: str) -> tuple[str, str]:
     """
     match = re.fullmatch(r"(.+)_([0-9]+)", name)
     return (match[1], match[2]) if match else (name, "")
-
-
-def _check_values(name: str, stem: str, values: NDArray[Any]) -> None:
-    """Raise CorruptArraysError where an array is empty, or not of the type and dimension that it should be."""
-    if values.dtype.kind != ("i" if stem in WHOLE else "f"):
-        raise CorruptArraysError(f"{name} is of type {values.dtype}")
-    if stem not in MAYBE_NAN and not np.all(np.isfinite(values)):
-        raise CorruptArraysError(f"{name} has values that are not finite")
-    if values.ndim != bool(FIELDS[stem][0]):
-        raise CorruptArraysError(f"{name} has the shape {values.shape}")
-    if values.size == 0:
-        raise CorruptArraysError(f"{name} is empty")
-
-
-def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[Any]:
-    """Return an array of an archive; ValueError where it is compressed, not named or not as large as it says."""
-    name = member.filename.removesuffix(".npy")
-    if name == member.filename or not name.isascii() or not name.isidentifier() or len(name) > LONGEST_NAME:
-        raise ValueError(f"{member.filename[:LONGEST_NAME]!r} is no name of an array")
-    if member.compress_type != zipfile.ZIP_STORED or member.file_size != member.compress_size:
-        raise ValueError(f"{member.filename} is compressed")
-    raw = archive.read(member)
-    stream = io.BytesIO(raw)
-    versions = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
-    version = np.lib.format.read_magic(stream)
-    if version not in versions:
-        raise ValueError(f"{member.filename} has a format of version {version}")
-    shape, _, kind = versions[version](stream)
-    if kind.kind not in NUMBERS or math.prod(shape) * kind.itemsize != len(raw) - stream.tell():
-        raise ValueError(f"{member.filename}: its bytes are not numbers of shape {shape} and type {kind}")
-    stream.seek(0)
-    return np.asarray(np.lib.format.read_array(stream, allow_pickle=False))

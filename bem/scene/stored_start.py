@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from bem.geometry.ranges import Mistake, shown
-from bem.scene.result import FINAL_STATUSES, State
-from bem.scene.result_file import CorruptResultError, read_result
+from bem.scene.result_file import read_result
 from bem.scene.scene_rules import QUESTIONS
+from bem.scene.state import FINAL_STATUSES, State
+from bem.scene.stored_json import CorruptResultError
 
 
 @dataclass(frozen=True)

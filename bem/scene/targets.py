@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-SAME = 1e-9  # values closer than this, relative to the largest one, are one target
+SAME = 1e-9  # format: values closer than this, relative to the largest one, are one target
 
 
 def expanded(start: float, stop: float, count: int, then_back_to: float | None = None) -> tuple[float, ...]:

@@ -9,8 +9,8 @@ import pytest
 from extreme_scenes import extreme_scenes, parsed
 from rough_surfaces import rough_scene
 
-from bem.scene.result import FINAL_STATUSES, STATUSES
 from bem.scene.scene import SceneError
+from bem.scene.state import FINAL_STATUSES, STATUSES
 from bem.solver import solve
 
 SECONDS = 0.3  # after which a scene is interrupted, as by Ctrl-C: some take long, none may crash

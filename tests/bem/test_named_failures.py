@@ -1,17 +1,20 @@
 """Every failure has a name: what cannot be reached, computed or certified ends in a status, never in an exception."""
 
+from contextlib import nullcontext
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from rough_surfaces import rough_scene
 from stored_states import stored_state
 
-from bem import certified_states, record, solver
 from bem.audit.certificate import Certificate
-from bem.elastic.hierarchical import IllConditionedSystemError
-from bem.missed import NUMERICAL_FAILURES, no_point, sentence, verdict
-from bem.record import Record
+from bem.certified_states import event_of
+from bem.loading.complete_contact import complete_contact
+from bem.loading.path_events import EventNumbers, PathEvent
+from bem.missed import NUMERICAL_FAILURES, EnergyGainedError, no_point, sentence, verdict
+from bem.path_for import path_for
+from bem.problem import pose
+from bem.record import Record, Recorder
 from bem.solver import solve
 
 TARGETS = [70e-6, 50e-6, 60e-6]
@@ -88,99 +91,48 @@ def test_what_to_try_is_told_in_order(control, has_history, remedies):
     assert said.endswith("fewer profile.harmonics")
 
 
+def raising(failure, at):
+    """Return a progress function that raises a failure on the way to a target."""
+
+    def progress(report):
+        if report.target_index == at:
+            raise failure
+
+    return progress
+
+
 @pytest.mark.parametrize("failure", [kind for kind in NUMERICAL_FAILURES if kind is not MemoryError])
-def test_numerical_failures_miss_the_target_by_name(failure, monkeypatch):
-    described = record.equilibrium_state
-
-    def failing(*arguments):
-        state = described(*arguments)
-        if state.separation < 55e-6:
-            raise failure("reported here")
-        return state
-
-    monkeypatch.setattr(record, "equilibrium_state", failing)
-    result = solve(rough_scene(TARGETS))
+def test_numerical_failures_miss_the_target_by_name(failure):
+    result = solve(rough_scene(TARGETS), progress=raising(failure("reported here"), 1))
     assert result.status == "not_converged"
     assert f"target 2 of 3, separation = 5e-05 m: {failure.__name__}: reported here" in result.failure
     assert [state.status for state in result.targets] == ["converged", "not_converged", "converged"]
     assert result.events
 
 
-@pytest.mark.parametrize(("errors", "ends"), [(0.9, False), (1.1, True)], ids=["within its error", "beyond it"])
-def test_a_jump_that_gains_energy_ends_the_path_by_name(errors, ends, monkeypatch):
-    described, detachments = record.event_of, []
-
-    def gaining(problem, event):
-        found = described(problem, event)
-        if found.kind != "detachment" or detachments:
-            return found
-        detachments.append(replace(found, energy_released=-errors * found.error_estimate.energy_released))
-        return detachments[0]
-
-    monkeypatch.setattr(record, "event_of", gaining)
-    result = solve(rough_scene(TARGETS))
-    assert (detachments[0] in result.events) == (not ends)
-    assert result.status == ("not_converged" if ends else "converged")
-    if ends:  # what lies behind the jump is not kept
-        assert "EnergyGainedError: detachment at a penetration of " in result.failure
-        assert [state.found for state in result.targets[:3]] == [True, True, False]
-
-
-def test_a_fault_of_the_program_is_not_called_a_numerical_failure(monkeypatch):
-    def faulty(*_):
-        raise IndexError("a fault")
-
-    monkeypatch.setattr(record, "equilibrium_state", faulty)
+def test_a_fault_of_the_program_is_not_called_a_numerical_failure():
     with pytest.raises(IndexError, match="a fault"):
-        solve(rough_scene(TARGETS))
+        solve(rough_scene(TARGETS), progress=raising(IndexError("a fault"), 1))
 
 
-@pytest.mark.parametrize("adhesion", [None, 0.03])
-def test_a_failure_before_the_first_state_has_a_name_too(adhesion, monkeypatch):
-    def failing(*_):
-        raise IllConditionedSystemError("reported here")
-
-    monkeypatch.setattr(solver, "complete_contact", failing)
-    result = solve(rough_scene(TARGETS, adhesion=adhesion))
-    assert (result.status, result.states, result.failure) == (
-        "not_converged",
-        (),
-        "IllConditionedSystemError: reported here",
-    )
+@pytest.fixture
+def recorder():
+    """Recorder of a path at which nothing is recorded yet."""
+    scene = rough_scene(TARGETS)
+    problem = pose(scene, scene.surface())
+    complete = complete_contact(problem.profile, problem.law, None)
+    return Recorder(scene, problem, complete, path_for(scene, problem, complete), Record(scene), None)
 
 
-def test_no_state_is_converged_with_nan(monkeypatch):
-    judged = certified_states.certificate.certify
-
-    def open_gap(*arguments, **options):
-        found = judged(*arguments, **options)
-        return replace(found, min_gap=np.nan)
-
-    monkeypatch.setattr(certified_states.certificate, "certify", open_gap)
-    result = solve(rough_scene(TARGETS))
-    assert result.status == "not_converged"
-    assert [state.found for state in result.states] == [False] * len(TARGETS)
-    assert result.failure.count("NotFiniteError: certificate.min_gap is nan") == len(TARGETS)
-
-
-def test_what_is_not_certified_is_not_called_converged(monkeypatch):
-    """The path continues, its other states are good; who reads any status sees it."""
-    judged = certified_states.certificate.certify
-
-    def strict(profile, pressure, penetration, adhesion, **options):
-        closure = 1e-30 if pressure.left.size == 3 else 1e-8
-        demands = replace(options.pop("demands"), closure=closure, intensity_rounding=None)
-        return judged(profile, pressure, penetration, adhesion, **options, demands=demands)
-
-    monkeypatch.setattr(certified_states.certificate, "certify", strict)
-    result = solve(rough_scene(TARGETS))
-    assert result.status == "not_converged"
-    assert len(result.targets) == len(TARGETS)
-    for state in result.states:
-        assert state.status == ("not_converged" if state.n_patches == 3 else "converged")
-        assert state.certificate.ok == (state.status == "converged")
-    assert "states at targets are not certified, the first at a separation of" in result.failure
-    assert "exceeds 1e-30 at an edge of patch" in result.failure
+@pytest.mark.parametrize(("errors", "ends"), [(0.9, False), (1.1, True)], ids=["within its error", "beyond it"])
+def test_a_jump_that_gains_energy_beyond_its_error_is_refused_by_name(errors, ends, recorder):
+    at, error = EventNumbers(0.1, 0.2, 0.1, 0.3), EventNumbers(0.0, 0.0, 0.0, 0.0)
+    event = PathEvent("detachment", 1.0, at, error, 0.0, 1e-6)
+    doubt = event_of(recorder.problem, event).error_estimate.energy_released
+    gained = -errors * doubt / recorder.problem.scales.energy_per_area
+    with pytest.raises(EnergyGainedError, match="detachment at a penetration of ") if ends else nullcontext():
+        recorder.note((replace(event, energy_released=gained),))
+    assert len(recorder.record.ahead) == (not ends)
 
 
 def test_a_state_between_targets_that_is_not_certified_is_a_warning_and_targets_decide():

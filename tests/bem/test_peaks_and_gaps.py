@@ -6,7 +6,7 @@ from rough_scene import ROUGH
 
 import bem
 from bem.observables.pressure_distribution import patch_branches
-from bem.scene.result import CLOSED
+from bem.scene.state import CLOSED
 
 PERIOD, HEIGHT, MODULUS = 0.01, 1e-4, 1e6 / 0.75
 WAVE = {

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from bem.audit.certificate import Certificate
-from bem.scene.result import ErrorEstimate, State
+from bem.scene.state import ErrorEstimate, State
 
 
 def stored_state(**changes):

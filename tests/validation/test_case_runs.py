@@ -106,7 +106,8 @@ LEVELS = "".join(f"@pytest.mark.{level}\n" + case(AGREES, f"test_{level}") for l
 
 
 @pytest.mark.parametrize(
-    ("options", "ran"), [((), 1), (("--level", "standard"), 2), (("--level", "full"), 3), (("-k", "full"), 1)]
+    ("options", "ran"),
+    [((), 1), (("--level", "standard"), 2), (("--level", "full"), 3), (("-k", "full"), 1), (("test_a.py",), 3)],
 )
 def test_a_level_runs_its_cases_and_those_below_and_a_pattern_any(run, options, ran):
     result = run(LEVELS, *options)

@@ -71,6 +71,7 @@ def test_submitted_answers_that_are_no_numbers_fail(tmp_path, answer):
     [
         (("--solver", "mine"), "--solver mine: write MODULE:FUNCTION"),
         (("--solver", "mine:solve", "--only", "no"), "--only no: no problem matches"),
+        (("--solver", "mine:solve", "--only", ","), "--only ,: no problem matches"),
         (("--submission", "absent.json"), "--submission absent.json: "),
     ],
 )

@@ -9,8 +9,8 @@ import pytest
 from stored_states import stored_state
 
 import bem
-from bem.scene.result import ErrorEstimate
 from bem.scene.result_file import write_result
+from bem.scene.state import ErrorEstimate
 from validation.command_line.comparison import LIMIT, Apart, _numbers, compare_reports, compare_results
 from validation.command_line.front_door import main
 from validation.plugin.content import content_of

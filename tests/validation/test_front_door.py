@@ -21,6 +21,7 @@ ROOT = Path(__file__).parents[2]
 SCENES = [name for name, (first, *_) in EXAMPLES.items() if first.endswith(".toml")]
 COMMANDS = (
     "answer",
+    "docs",
     "example",
     "fem",
     "check",
@@ -136,6 +137,7 @@ GUIDE = {  # what each script prints: words, and a number behind them with what 
     "guide-ensemble": (r"20 kPa: contact fraction ([\d.]+) \+- 0\.0079", 0.6558, 6e-5),
     "guide-own-scan": (r"100 harmonics keep 100% of the rms slope: contact fraction ([\d.]+)", 0.2077, 6e-5),
     "guide-map": (r"H = 0\.3: ([\d.]+) Pa", 104.0, 6e-2),  # four digits are printed
+    "guide-sweep": (r"200000\.0 +([\d.]+)", 0.8980, 6e-5),
     "guide-fem": (r"mean_pressure: [\d.]+ \+- \S+ and [\d.]+ \+- \S+, ([\d.]+) of both", 0.0, 1.0),  # measured 0.12
 }
 

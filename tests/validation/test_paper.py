@@ -221,9 +221,9 @@ FIGURE = Figure(
 def test_csv_of_a_figure_has_every_point():
     lines = list(csv.reader(io.StringIO(table_of(FIGURE))))
     assert lines[1:] == [
-        ["solution", "line", "1.0", "3.0", ""],
-        ["solution", "line", "2.0", "4.0", ""],
-        ["solution", "band", "1.0", "2.0", "5.0"],
+        ["line", "1.0", "3.0", ""],
+        ["line", "2.0", "4.0", ""],
+        ["band", "1.0", "2.0", "5.0"],
     ]
 
 

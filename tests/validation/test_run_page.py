@@ -272,11 +272,20 @@ def test_a_study_of_other_numbers_is_not_used(result, tmp_path):
     assert run_page.inputs_of(result, tmp_path) == {}
 
 
-def test_a_file_that_is_no_study_is_told(result, tmp_path, capsys):
+@pytest.mark.parametrize(
+    ("answers", "key"),
+    [
+        ([{}], "answers.0.quantity"),
+        ([{"quantity": "mean pressure", "target": 99, "value": 1.0, "moved": {}}], "answers.0.target is 99"),
+        ([{"quantity": "mean pressure", "target": 0, "value": 1.0, "moved": {"cut": -1.0}}], "answers.0.moved.cut"),
+    ],
+)
+def test_a_file_that_is_no_study_is_told_by_its_key(answers, key, result, tmp_path, capsys):
     write_result(result, tmp_path)
-    (tmp_path / "study.json").write_text("[]")
+    study = {"scene_sha256": result.provenance["scene_sha256"], "answers": answers}
+    (tmp_path / "study.json").write_text(json.dumps(study))
     assert main(["report", str(tmp_path)]) == 2
-    assert "study.json: not the study of a scene" in capsys.readouterr().err
+    assert f"study.json: not the study of a scene: {key}" in capsys.readouterr().err
 
 
 def test_many_events_are_folded(result, page):

@@ -1,6 +1,7 @@
 """The command line: exit codes, reports rendered again, and what is said of commands that are gone."""
 
 import json
+import os
 import sys
 
 import pytest
@@ -49,6 +50,14 @@ def test_a_foreign_report_is_one_sentence(tmp_path, capsys, text, message):
     assert message in capsys.readouterr().err
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes of POSIX")
+@pytest.mark.parametrize("words", [("report",), ("challenge", "judge", "--out", "x", "--submission")])
+def test_a_pipe_in_place_of_a_file_is_one_sentence_at_once(tmp_path, capsys, words):
+    os.mkfifo(tmp_path / "report.json")
+    assert main([*words, str(tmp_path / "report.json" if "--out" in words else tmp_path)]) == 2
+    assert "is a folder, a pipe or a device" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("change", [{"rows": [{}]}, {"cases": [1]}, {"counts": 3}, {"provenance": []}])
 def test_a_tampered_report_is_one_sentence(report, capsys, change):
     content = json.loads((report / "report.json").read_text())
@@ -61,7 +70,7 @@ def test_a_tampered_report_is_one_sentence(report, capsys, change):
     ("words", "message"),
     [
         (("study", "stability", "--out", "x"), "use linecontact verify --only hard"),
-        (("study", "faults", "--out", "x"), "use python -m validation.studies.faults"),
+        (("study", "faults", "--out", "x"), "use python -m validation.studies.mutants"),
         (("study", "scene", "--out", "x"), "required: SCENE"),
         (("baseline", "check"), "use linecontact verify --only CASE --store --reason TEXT"),
     ],

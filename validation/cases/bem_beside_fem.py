@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import bem
-from bem.scene.result import State
 from bem.scene.scene import Scene
+from bem.scene.state import State
 from fem_reference import Resolution, Result
 from validation.harness.arrays import FloatArray
 from validation.plugin.rows import Code, Quantity, Rows

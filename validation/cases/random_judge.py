@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 
 import bem
-from bem.scene.result import State
 from bem.scene.scene import Scene, SceneError, parse_scene
+from bem.scene.state import State
 from validation.corpus.random_scenes import Drawn, draw
 from validation.plugin.rows import Code, Quantity, Rows
 from validation.plugin.study_report import Part, write_study

@@ -15,7 +15,7 @@ import pytest
 
 import bem
 from bem.scene.result_file import write_result
-from validation.cases.hard_scenes import LOW, PERIOD, SCENES, WAVE, rough, scene, sticky
+from validation.cases.hard_scenes import LOW, PERIOD, SCENES, WAVE, scene, sticky
 from validation.plugin.rows import Code, Quantity
 from validation.references.closed_forms import Sinusoid, full_contact_amplitudes
 from validation.references.dense import LayerKernel, dense_nodes, evaluate_dense, layer_nodes
@@ -248,55 +248,6 @@ def test_many_samples(rows, tmp_path):
     result = bem.solve(posed)
     identities(rows, posed, result)
     by_dense_algebra(rows, posed, [state for state in result.targets if state.edges])
-
-
-def copies():
-    """Return the rough scene asked in other ways: its tables, factors of pressure, and what differs."""
-    tables, surface = sticky(30, "separation", LOW), bem.parse_scene(sticky(30, "separation", LOW)).surface()
-
-    def profile(phases):
-        lists = {
-            "orders": surface.orders.tolist(),
-            "amplitudes": surface.amplitudes.tolist(),
-            "phases": phases.tolist(),
-        }
-        return {"kind": "harmonics", "period": PERIOD} | lists
-
-    def in_units(length, modulus):
-        return {
-            "title": "other units",
-            "solid": {"youngs_modulus": 1e6 * modulus, "poisson_ratio": 0.5},
-            "profile": rough(30, rms_height=50e-6 * length) | {"period": PERIOD * length},
-            "loading": {"control": "separation", "targets": [target * length for target in LOW]},
-            "adhesion": {"work_of_adhesion": 0.03 * length * modulus, "slope_term": True},
-        }
-
-    return {
-        "shifted": (tables | {"profile": profile(surface.phases + surface.orders)}, 1.0),
-        "mirrored": (tables | {"profile": profile(-surface.phases)}, 1.0),
-        "units a million times larger": (in_units(1e6, 1e6), 1e6),
-        "units a million times smaller": (in_units(1e-6, 1e-6), 1e-6),
-        "increments ten times too large": (tables | {"accuracy": {"max_increment": 0.5}}, 1.0),
-        "another Poisson's ratio at equal E*": (
-            tables | {"solid": {"youngs_modulus": 1e6 / 0.75, "poisson_ratio": 0.0}}, 1.0),
-        "last target alone": (scene(rough(30), "separation", LOW[1:]), 1.0),
-    }
-
-
-@pytest.mark.parametrize("name", copies())
-def test_asked_another_way(rows, name):
-    """Does a scene give the same states when it is asked another way?"""
-    tables, factor = copies()[name]
-    dry = "adhesion" not in tables  # without adhesion no history
-    original = bem.solve(bem.parse_scene(scene(rough(30), "separation", LOW) if dry else sticky(30, "separation", LOW)))
-    other = bem.solve(bem.parse_scene(tables)).targets
-    states = original.targets[-len(other) :]
-    for quantity, column in (("contact_fraction", Quantity.AREA), ("mean_pressure", Quantity.PRESSURE)):
-        divisor = factor if quantity == "mean_pressure" else 1.0
-        values = [getattr(state, quantity) / divisor for state in other]
-        known = np.array([getattr(state, quantity) for state in states])
-        rows.compare(quantity.replace("_", " "), values, known, of=Code.BEM, by=Code.IDENTITY, quantity=column,
-                     kind="construction", required=1e-9 * np.abs(known), because="tolerance of the scene")
 
 
 def test_restart(rows, tmp_path):

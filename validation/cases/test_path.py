@@ -1,4 +1,4 @@
-"""Paths: independent of the increment, the first of several states at a load, patches that stand beside a detachment.
+"""Paths: the first of several states at a load, and patches that stand beside a detachment.
 
 Rough profile of 100 harmonics (Hurst exponent 0.7, h_rms = 50 um, period 10 mm, E = 1 MPa, nu = 0.5), loaded and
 unloaded.
@@ -22,36 +22,8 @@ import bem
 from validation.plugin.rows import Code, Quantity
 from validation.routes.scenes import edge_scale, solved, values
 
-INCREMENTS = (0.05, 0.0125)  # rms heights
 STEP, LARGEST, STEPS, NEWTON = 0.2, 0.05, 5000, 4  # of the motion: times l force / w, at most so many l
 AT_REST, GONE = 1e-4, 1e-3
-
-
-@pytest.mark.quick
-def test_increment(rows):
-    """Are states at targets and events independent of the increment on the way?"""
-    coarse, fine = (solved("rough_100", accuracy={"max_increment": increment}) for increment in INCREMENTS)
-    assert [event.kind for event in coarse.events] == [event.kind for event in fine.events]
-    finer = rows.between(Code.BEM, Code.IDENTITY, "increments a quarter as long", "construction")
-    for place, states, others, names in (
-        ("target", coarse.targets, fine.targets,
-         {"contact_fraction": (Quantity.AREA, ""), "mean_pressure": (Quantity.PRESSURE, "Pa"),
-          "n_patches": (Quantity.COUNT, "")}),
-        ("event", coarse.events, fine.events,
-         {"penetration": (Quantity.LENGTH, "m"), "mean_pressure": (Quantity.PRESSURE, "Pa"),
-          "energy_released": (Quantity.ENERGY, "J/m^2")}),
-    ):
-        for name, (quantity, unit) in names.items():
-            value, reference = (np.nan_to_num(values(each, name)) for each in (states, others))
-            words = name.replace("n_patches", "patches").replace("_", " ")
-            finer.compare(f"{words} of every {place}", value, reference, quantity=quantity, unit=unit,
-                          required=1e-9 * np.max(np.abs(reference)),
-                          because="nine digits: events are located, not stepped over")
-    rows.count("evaluations", sum(state.evaluations for state in coarse.states), of=Code.BEM)
-    rows.curves("Contact fraction at targets for two increments", "separation / um", "contact fraction",
-                {f"increment {increment} rms heights": (values(result.targets, "separation") * 1e6,
-                                                        values(result.targets, "contact_fraction"))
-                 for increment, result in zip(INCREMENTS, (coarse, fine), strict=True)})
 
 
 @pytest.mark.quick

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from bem.geometry.regular_file import read_regular
 from validation.plugin.rows import Code, Quantity, Rows
 from validation.plugin.study_report import Part, write_study
 from validation.report.pages import ReportError
@@ -111,7 +112,7 @@ def solved(solver: str, name: str, folder: Path, limit: float) -> dict[str, Any]
 def submitted(path: Path) -> dict[str, dict[str, Any]]:
     """Return the answers of a file {problem: {quantity: number or list}}."""
     try:
-        content = json.loads(path.read_text("utf-8-sig"))
+        content = json.loads(read_regular(path).decode("utf-8-sig"))
     except (OSError, ValueError) as error:
         raise ReportError(f"--submission {path}: {error}") from error
     unknown = [name for name in content if name not in names()] if isinstance(content, dict) else []
@@ -124,7 +125,8 @@ def submitted(path: Path) -> dict[str, dict[str, Any]]:
 
 
 def _judge(options: argparse.Namespace) -> int:
-    chosen = [name for name in names() if not options.only or any(part in name for part in options.only.split(","))]
+    texts = [""] if options.only is None else [text for text in options.only.split(",") if text]
+    chosen = [name for name in names() if any(text in name for text in texts)]
     if not chosen:
         raise ReportError(f"--only {options.only}: no problem matches; problems: {', '.join(names())}")
     if options.solver and not all(options.solver.partition(":")):

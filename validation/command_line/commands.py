@@ -5,6 +5,7 @@
 
 import argparse
 import json
+import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
@@ -14,7 +15,9 @@ import bem
 import validation.__main__ as harness
 from bem import scene_commands as scenes
 from bem.command_line.perform import BAD_INPUT, DONE, FAILED
+from bem.scene.atomic_file import write_atomically
 from validation.command_line import comparison, examples, fem_answer, trace_answer
+from validation.report.documents import TOPICS, UnknownTopicError, contents, documents_page, topic_text
 
 SHELLS = ("bash", "zsh", "tcsh")
 
@@ -36,6 +39,12 @@ def _parser() -> argparse.ArgumentParser:
     example.add_argument("name", nargs="?", choices=examples.NAMES, metavar="NAME", help=", ".join(examples.NAMES))
     example.set_defaults(command=_example, perform=harness.perform)
 
+    docs = commands.add_parser("docs", help="methods and keys, as this package was built: topics, or one topic")
+    docs.add_argument("topic", nargs="*", metavar="TOPIC", help=f"{', '.join(TOPICS)}, or words of a heading")
+    docs.add_argument("--html", type=Path, metavar="FILE", help="write all of them as one page, which needs no network")
+    docs.add_argument("--overwrite", action="store_true", help="replace FILE")
+    docs.set_defaults(command=_docs, perform=harness.perform)
+
     scenes.add_commands(commands)
     trace_answer.add_command(commands)
     fem_answer.add_command(commands, harness.perform)
@@ -55,6 +64,22 @@ def _example(options: argparse.Namespace) -> int:
         return DONE
     for path in examples.write_example(options.name, Path()):
         print(path)
+    return DONE
+
+
+def _docs(options: argparse.Namespace) -> int:
+    """Print the topics or a topic, or write all of them as a page and print its path."""
+    try:
+        if options.html is None:
+            print(topic_text(" ".join(options.topic)) if options.topic else contents())
+            return DONE
+    except UnknownTopicError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return BAD_INPUT
+    if options.html.exists() and not options.overwrite:
+        raise FileExistsError(17, "is there already, nothing is written; --overwrite replaces it", str(options.html))
+    write_atomically(options.html, documents_page(bem.__version__))
+    print(options.html)
     return DONE
 
 

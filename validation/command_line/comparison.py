@@ -13,8 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from bem.certified_states import ROUNDING
-from bem.scene.result import ErrorEstimate, Event, EventError, Result, State
+from bem.scene.result import Event, EventError, Result
 from bem.scene.result_file import RESULT_FILE, read_result
+from bem.scene.state import ErrorEstimate, State
 from validation.__main__ import read_report
 from validation.report.pages import ReportError
 from validation.report.verification_page import REPORT

@@ -25,6 +25,7 @@ EXAMPLES = {  # in the order in which they are listed: a scene, a script or own 
     "guide-ensemble": ("ensemble.py",),
     "guide-own-scan": ("own_scan.py", "own-scan.csv"),
     "guide-map": ("map.py",),
+    "guide-sweep": ("sweep.py",),
     "guide-fem": ("boundary_and_finite_elements.py",),
     OWN: tuple(f"{OWN}/{file}" for file in ("test_own_wave.py", "case_one_wave.toml", "own_solver.py")),
 }

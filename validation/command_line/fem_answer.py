@@ -23,7 +23,7 @@ import numpy as np
 
 import fem_reference
 from bem.scene.atomic_file import write_atomically
-from bem.scene.result_file import provenance
+from bem.scene.provenance import provenance
 from bem.scene.scene import Scene, load_scene
 from fem_reference import InvalidProblemError, Resolution, Result, SingularSystemError
 from fem_reference.export import write_fields

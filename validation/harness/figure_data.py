@@ -40,20 +40,15 @@ semilogy = partial(axes, yscale="log")
 loglog = partial(axes, xscale="log", yscale="log")
 
 
-def drawn(name: str, caption: str, solution: Panel, error: Panel | None = None) -> Figure:
-    """Return a figure with a name unique in the report: a solution and, if given, its signed error below."""
-    return Figure(id=name, caption=caption, solution=solution, error=error)
+def drawn(name: str, caption: str, solution: Panel) -> Figure:
+    """Return a figure with a name unique in the report."""
+    return Figure(id=name, caption=caption, solution=solution)
 
 
 def table(caption: str, columns: Mapping[str, Iterable[Any]]) -> Table:
     """Return a table from its columns, all of one length, by their headings."""
     rows: list[Cells] = [list(line) for line in zip(*columns.values(), strict=True)]
     return Table(caption=caption, columns=list(columns), rows=rows)
-
-
-def digits(values: Iterable[float], count: int) -> list[float]:
-    """Round numbers to so many significant digits, as tables show them."""
-    return [float(f"{value:.{count}g}") for value in values]
 
 
 def _numbers(values: Values) -> list[float | None]:

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 Text = Annotated[str, Field(min_length=1)]
-ID = r"[A-Za-z0-9][A-Za-z0-9._-]*"
-Id = Annotated[str, Field(pattern=f"^{ID}$")]  # of elements of the page, and of files
-Beside = Annotated[str, Field(pattern=f"^{ID}(/{ID})*$")]  # path of a file in the folder of the report
+Id = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$")]  # of elements of the page, and of files
 Cells = list[str | float | int | None]  # of a line of a table
 DRAWN = 1e250  # largest number of a figure: beyond it the margins of axes are no numbers
 
@@ -23,16 +20,15 @@ class _Strict(BaseModel):
 class Series(_Strict):
     """Curve or set of points; a `band` or error `bars` lie between `y` and `upper`, `thin` curves stay behind.
 
-    Series of one `hue` share a colour; without it, each takes the next one. `notes` stand beside the points.
+    Series of one `hue` share a colour; without it, each takes the next one.
     """
 
     label: str
     x: list[float | None]
     y: list[float | None]
-    style: Literal["line", "points", "dots", "dashed", "band", "bars", "thin", "grey"] = "line"
+    style: Literal["line", "points", "dashed", "band", "bars", "thin"] = "line"
     upper: list[float | None] | None = None
     hue: int | None = Field(None, ge=0)
-    notes: list[str] = []
 
     @model_validator(mode="after")
     def _of_one_length(self) -> Series:
@@ -40,16 +36,10 @@ class Series(_Strict):
             raise ValueError(f"series {self.label!r}: {len(self.x)} values of x for {len(self.y)} of y")
         if (self.style in ("band", "bars")) != (self.upper is not None):
             raise ValueError(f"series {self.label!r}: a band or bars have an upper side, and nothing else has")
-        if self.notes and len(self.notes) != len(self.x):
-            raise ValueError(f"series {self.label!r}: {len(self.notes)} notes for {len(self.x)} points")
         for value in (*self.x, *self.y, *(self.upper or ())):
             if value is not None and DRAWN < abs(value) < math.inf:
                 raise ValueError(f"series {self.label!r}: {value:g}, at most {DRAWN:g} can be drawn")
         return self
-
-    def noted(self, notes: Iterable[object]) -> Series:
-        """Return the series with a text beside each point."""
-        return self.model_copy(update={"notes": [str(note) for note in notes]})
 
 
 class Panel(_Strict):
@@ -58,24 +48,21 @@ class Panel(_Strict):
     xlabel: str
     ylabel: str
     xscale: Literal["linear", "log"] = "linear"
-    yscale: Literal["linear", "log", "symlog"] = "linear"
+    yscale: Literal["linear", "log"] = "linear"
     series: list[Series] = Field(min_length=1)
 
 
 class Figure(_Strict):
-    """A solution above, and its signed error below where there is one; `files` lie beside the report, by their path."""
+    """A figure with its caption."""
 
     id: Id
     caption: Text
     solution: Panel
-    error: Panel | None = None
-    files: list[Beside] = []
 
 
 class Table(_Strict):
-    """A table of numbers and texts; its `id` begins with its place on the first screen, where it has one."""
+    """A table of numbers and texts."""
 
-    id: Id | Literal[""] = ""
     caption: Text
     columns: list[str]
     rows: list[Cells]

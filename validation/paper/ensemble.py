@@ -26,8 +26,11 @@ from threadpoolctl import threadpool_limits
 import bem
 import persson
 from bem.geometry.profile import Profile
-from bem.scene.result import Result, State
-from bem.scene.result_file import CorruptResultError, digest, read_result, write_result
+from bem.scene.provenance import digest
+from bem.scene.result import Result
+from bem.scene.result_file import read_result, write_result
+from bem.scene.state import State
+from bem.scene.stored_json import CorruptResultError
 from bem.scene.surface import surface_of
 from persson import AdhesiveContact, DiscreteSpectrum, NonadhesiveContact
 from validation.harness.arrays import FloatArray

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 import persson
-from bem.scene.result import State
+from bem.scene.state import State
 from validation.harness.arrays import FloatArray
 from validation.harness.figure_data import axes, drawn, semilogx, trace
 from validation.harness.schema import Figure, Series

@@ -68,10 +68,10 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Deselect cases above the level, unless they are named, and cases that are kept from an earlier run."""
+    """Deselect cases above the level, unless they or their file are named, and cases kept from an earlier run."""
     orphans = orphans_of(config, items)
     highest, only = LEVELS.index(config.option.level), (config.option.only or "").lower()
-    named = any("::" in str(argument) for argument in config.args) or bool(config.option.keyword)
+    named = names_files(config) or bool(config.option.keyword)
     chosen, others = list[pytest.Item](), list[pytest.Item]()
     for item in items:
         runs = named or LEVELS.index(level_of(item)) <= highest
@@ -81,6 +81,11 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if others:
         config.hook.pytest_deselected(items=others)
     items[:] = orphans + chosen
+
+
+def names_files(config: pytest.Config) -> bool:
+    """Return True if an argument of pytest is a file, or a case in a file."""
+    return any(Path(str(argument).partition("::")[0]).is_file() for argument in config.args)
 
 
 class Orphans(pytest.Item):
@@ -99,8 +104,7 @@ def orphans_of(config: pytest.Config, items: list[pytest.Item]) -> list[pytest.I
     The list is empty if files or names of cases were chosen, or while numbers are stored.
     """
     option = config.option
-    files = any(Path(str(argument).partition("::")[0]).is_file() for argument in config.args)
-    if files or option.keyword or option.only or option.store:
+    if names_files(config) or option.keyword or option.only or option.store:
         return []
     cases: dict[Path, set[str]] = {}
     for item in items:

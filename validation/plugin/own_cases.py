@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 
+from bem.geometry.regular_file import read_regular
 from validation.plugin.case_rows import rows_of
 from validation.plugin.rows import Code, Quantity
 
@@ -44,7 +45,7 @@ class SceneFile(pytest.File):
     def collect(self) -> Iterable[pytest.Item]:
         """Return its case."""
         try:
-            tables = tomllib.loads(self.path.read_text("utf-8"))
+            tables = tomllib.loads(read_regular(self.path).decode())
             expected = checked(tables.pop("expected", {}))
         except (ValueError, OSError) as error:  # TOML, UTF-8 and ours
             raise self.CollectError(f"{self.path.name}: {error}") from error

@@ -1,9 +1,9 @@
-"""Figures drawn from the numbers of the report alone, solution above, signed error below: as inline SVG, and as files.
+"""Figures drawn from the numbers of the report alone: as inline SVG, and as files.
 
 Text stays text, ids are unique on the page, and equal numbers give equal SVG.  What is written into a page is the tree
 of the SVG, every text and value of it escaped; a text that cannot be drawn as mathematics is drawn as it is written.
-Files are SVG and PDF as they are in the report, and the numbers behind them as CSV, one line for each point: panel
-(`solution` or `error`), series, x, y, and upper for bands.
+Files are SVG and PDF as they are in the report, and the numbers behind them as CSV, one line for each point: series, x,
+y, and upper for bands.
 """
 
 from __future__ import annotations
@@ -30,9 +30,7 @@ if TYPE_CHECKING:
 KINDS = ("svg", "pdf", "csv")  # of files
 COLOURS = ("#0b5fa5", "#c8511b", "#2b7a4b", "#7a3e9d", "#8a6d00", "#444444")  # distinguished by colour-blind readers
 MARKERS = ("o", "s", "^", "D", "v", "x")
-LOW = 2.9  # inches: the height of a panel that stands beside another
 MOST_INSIDE = 7  # series in a legend within the axes; more are listed below them
-MOST_BESIDE = 3  # the same of two axes one above the other, the lower one logarithmic
 SETTINGS: Any = {
     "svg.fonttype": "none",
     "svg.hashsalt": "linecontact",
@@ -58,34 +56,16 @@ def styled(**settings: Any) -> AbstractContextManager[None]:
     return own_settings(**SETTINGS | settings)
 
 
-def canvas_of(figure: Figure, height: float = 3.9) -> Canvas:
-    """Draw a figure; `height` in inches applies to a single panel without a legend below it."""
+def canvas_of(figure: Figure) -> Canvas:
+    """Draw a figure."""
     from matplotlib.figure import Figure as Canvas
 
     with styled():
-        if figure.error is None:
-            count = len(figure.solution.series)
-            rows = -(-count // 2) if count > MOST_INSIDE else 0
-            canvas = Canvas(figsize=(6.4, height + 0.19 * rows), layout="constrained")
-            _draw(canvas.subplots(), figure.solution, small=height == LOW)
-            return canvas
-        tall = figure.error.yscale == "log"
-        canvas = Canvas(figsize=(6.4, 6.6 if tall else 5.6), layout="constrained")
-        above, below = canvas.subplots(2, 1, height_ratios=(1, 1) if tall else (2, 1))
-        _draw(above, figure.solution, MOST_BESIDE if tall else MOST_INSIDE)
-        _draw(below, figure.error, MOST_BESIDE if tall else MOST_INSIDE)
-        if figure.error.yscale != "log":
-            below.axhline(0.0, color="#888888", linewidth=0.8)
-        if figure.error.yscale == "linear":
-            below.ticklabel_format(axis="y", style="sci", scilimits=(-3, 3))
+        count = len(figure.solution.series)
+        rows = -(-count // 2) if count > MOST_INSIDE else 0
+        canvas = Canvas(figsize=(6.4, 3.9 + 0.19 * rows), layout="constrained")
+        _draw(canvas.subplots(), figure.solution)
     return canvas
-
-
-def panels_of(figure: Figure, prefix: str) -> Markup:
-    """Return the panels of a figure as separate SVG elements of low height, to be placed side by side."""
-    parts = [figure.solution] if figure.error is None else [figure.solution, figure.error]
-    singles = [figure.model_copy(update={"solution": panel, "error": None}) for panel in parts]
-    return Markup("").join(svg_of(single, f"{prefix}-{k}", LOW) for k, single in enumerate(singles))
 
 
 def save(canvas: Canvas, path: Path) -> None:
@@ -122,12 +102,12 @@ def _make_drawable(canvas: Canvas) -> None:
                 text.set_parse_math(False)
 
 
-def svg_of(figure: Figure, prefix: str, height: float = 3.9) -> Markup:
+def svg_of(figure: Figure, prefix: str) -> Markup:
     """Return a figure as an SVG element with a role, a title (its caption) and a description (its axes and curves).
 
     The prefix makes its ids unique on the page.
     """
-    return inline_svg(canvas_of(figure, height), prefix, figure.caption, described(figure))
+    return inline_svg(canvas_of(figure), prefix, figure.caption, described(figure))
 
 
 def inline_svg(canvas: Canvas, prefix: str, title: str, description: str) -> Markup:
@@ -174,12 +154,12 @@ def described(figure: Figure) -> str:
     >>> described(Figure(id="one", caption="One point.", solution=panel))
     'load against x: a & b.'
     """
-    panels = filter(None, (figure.solution, figure.error))
-    named = ((panel, ", ".join(filter(None, (series.label for series in panel.series)))) for panel in panels)
-    return " ".join(f"{panel.ylabel} against {panel.xlabel}: {names}." for panel, names in named)
+    panel = figure.solution
+    names = ", ".join(series.label for series in panel.series if series.label)
+    return f"{panel.ylabel} against {panel.xlabel}: {names}."
 
 
-def _draw(axes: Axes, panel: Panel, most_inside: int = MOST_INSIDE, small: bool = False) -> None:
+def _draw(axes: Axes, panel: Panel) -> None:
     from validation.report.tick_labels import label_plainly
 
     for index, series in enumerate(panel.series):
@@ -191,10 +171,10 @@ def _draw(axes: Axes, panel: Panel, most_inside: int = MOST_INSIDE, small: bool 
     label_plainly(axes.xaxis, axes.yaxis)
     if not axes.get_legend_handles_labels()[1]:
         return
-    if len(panel.series) > most_inside:
+    if len(panel.series) > MOST_INSIDE:
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, fontsize=8.0)
     else:
-        axes.legend(fontsize=7.5 if small else None)
+        axes.legend()
 
 
 def _scale(asked: str, values: list[float | None]) -> str:
@@ -213,29 +193,10 @@ def _draw_series(axes: Axes, series: Series, colour: str, marker: str) -> None:
     elif series.style == "thin":
         shade = {"color": "#9aa0a6"} if series.hue is None else {"color": colour, "alpha": 0.35}
         axes.plot(x, y, "-", linewidth=0.5, zorder=1.5, label=series.label, **shade)
-    elif series.style == "dots":
-        axes.plot(x, y, ".", color=colour, markersize=1.8, alpha=0.45, linestyle="none", label=series.label)
-    elif series.style in ("points", "grey"):  # grey: over points of the same place
-        shade = {"color": colour} if series.style == "points" else {"color": "#b8b8b8", "zorder": 3}
-        axes.plot(x, y, marker, markersize=3.6, linestyle="none", label=series.label, **shade)
+    elif series.style == "points":
+        axes.plot(x, y, marker, color=colour, markersize=3.6, linestyle="none", label=series.label)
     else:
         axes.plot(x, y, "--" if series.style == "dashed" else "-", color=colour, linewidth=1.4, label=series.label)
-    for place, note in zip(np.column_stack([x, y]), series.notes, strict=False):  # none, or one for each point
-        if np.isfinite(place).all():
-            axes.annotate(note, place, xytext=(3, 3), textcoords="offset points", fontsize=6.0, color=colour)
-
-
-def linked(figure: Figure, folder: str) -> Figure:
-    """Return the figure with the paths of its files, relative to the report.
-
-    Examples
-    --------
-    >>> from validation.harness.schema import Panel, Series
-    >>> panel = Panel(xlabel="x", ylabel="y", series=[Series(label="one", x=[0.0], y=[1.0])])
-    >>> linked(Figure(id="area", caption="One point.", solution=panel), "figures").files
-    ['figures/area.svg', 'figures/area.pdf', 'figures/area.csv']
-    """
-    return figure.model_copy(update={"files": [f"{folder}/{figure.id}.{kind}" for kind in KINDS]})
 
 
 def write_figure(figure: Figure, folder: Path) -> None:
@@ -252,7 +213,7 @@ def write_files(canvas: Canvas, path: Path, table: str) -> None:
 
 def table_of(figure: Figure) -> str:
     """Return the numbers of a figure as CSV."""
-    return csv_text(["panel", "series", "x", "y", "upper"], _lines(figure))
+    return csv_text(["series", "x", "y", "upper"], _lines(figure.solution))
 
 
 def csv_text(head: Sequence[str], lines: Iterable[Sequence[str | float | None]]) -> str:
@@ -264,10 +225,9 @@ def csv_text(head: Sequence[str], lines: Iterable[Sequence[str | float | None]])
     return stream.getvalue()
 
 
-def _lines(figure: Figure) -> Iterable[list[str | float | None]]:
-    for name, panel in (("solution", figure.solution), ("error", figure.error)):
-        for series in panel.series if panel is not None else ():
-            upper = series.upper or [None] * len(series.x)
-            for x, y, high in zip(series.x, series.y, upper, strict=True):
-                if x is not None:
-                    yield [name, series.label, x, y, high]
+def _lines(panel: Panel) -> Iterable[list[str | float | None]]:
+    for series in panel.series:
+        upper = series.upper or [None] * len(series.x)
+        for x, y, high in zip(series.x, series.y, upper, strict=True):
+            if x is not None:
+                yield [series.label, x, y, high]

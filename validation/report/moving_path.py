@@ -17,7 +17,8 @@ import numpy as np
 from markupsafe import Markup
 
 from bem.command_line.answer_table import UNKNOWN, axis_unit, digits, fixed, readable
-from bem.scene.result import Event, Result, State
+from bem.scene.result import Event, Result
+from bem.scene.state import State
 from validation.harness.arrays import FloatArray
 from validation.report.path_states import (
     Fields,

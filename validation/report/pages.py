@@ -29,7 +29,7 @@ def filled(template: str, filters: Mapping[str, Callable[..., Any]] | None = Non
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"number": number, "subscripts": subscripts, "counted": counted, "judgement": judgement}
+    environment.filters |= {"number": number, "subscripts": subscripts, "counted": counted}
     environment.filters |= {"sorted_by": sorted_by, "printable": printable} | dict(filters or {})
     style, script = Markup(asset("style.css")), Markup(asset("sort.js"))
     return printable(environment.get_template(template).render(style=style, script=script, **values))

@@ -20,7 +20,8 @@ from numpy.polynomial import chebyshev
 import bem
 from bem.geometry.scaling import Scales
 from bem.loading.complete_contact import complete_contact
-from bem.scene.result import ErrorEstimate, Event, JumpEnd, Result, State
+from bem.scene.result import Event, JumpEnd, Result
+from bem.scene.state import ErrorEstimate, State
 from bem.scene.surface import surface_of
 from validation.harness.arrays import FloatArray
 

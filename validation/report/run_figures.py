@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem.command_line.answer_table import axis_unit, readable
-from bem.scene.result import Result, State
+from bem.scene.result import Result
+from bem.scene.state import State
 from validation.harness.figure_data import axes, drawn, semilogx, semilogy, trace
 from validation.harness.schema import Figure, Panel
 from validation.report.run_curves import curves_of, finite

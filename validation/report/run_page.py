@@ -3,22 +3,24 @@
 The uncertainty of the input is that of a study of the same scene, where its study.json lies beside the result.
 """
 
-import json
 import math
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 from markupsafe import Markup
+from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 
 from bem.command_line.answer_table import Cell, Inputs, answer, csv_text, pull_off_words, quantity, share
 from bem.command_line.console import scene_text
+from bem.geometry.regular_file import read_regular
 from bem.scene.atomic_file import write_atomically
 from bem.scene.plausibility import MEANINGS
-from bem.scene.result import Result, State
+from bem.scene.result import Result
 from bem.scene.result_file import read_result
+from bem.scene.state import State
 from validation.report.figures import svg_of
 from validation.report.moving_path import moving_path
 from validation.report.pages import PAGE, ReportError, asset, filled, judgement, number
@@ -52,6 +54,26 @@ WORST_BELOW = ("min_gap", "min_eigenvalue")  # of which the least is the worst
 UNITS = {"min_gap": "m", "mean_gap_error": "m", "rms_height": "m", "pressure_scale": "Pa"}  # of what is no ratio
 
 
+@dataclass(frozen=True)
+class StudiedAnswer:
+    """Answer in a study.json; `moved` holds its relative moves by source."""
+
+    quantity: str
+    target: int | None
+    value: float
+    moved: dict[str, Annotated[float, Field(ge=0)]]
+
+
+@dataclass(frozen=True)
+class Study:
+    """Part of a study.json that a page shows; an unfinished study has no answers."""
+
+    __pydantic_config__ = ConfigDict(strict=True, extra="ignore", allow_inf_nan=False)
+
+    scene_sha256: str
+    answers: list[StudiedAnswer] | None = None
+
+
 def write_run_page(folder: Path) -> Result:
     """Render the result of a folder (`read_result`) into report.html and answer.csv beside it; the result."""
     result = read_result(folder)
@@ -65,26 +87,33 @@ def inputs_of(result: Result, folder: Path) -> dict[int, dict[str, float]]:
 
     Nothing where there is no study, or where it is unfinished, of another scene or of another path.
     """
+    path = folder / STUDY
     try:
-        study = json.loads((folder / STUDY).read_text("utf-8"))
-        if study["scene_sha256"] != result.provenance["scene_sha256"] or "answers" not in study:
-            return {}
-        places = {state.index: k for k, state in enumerate(result.targets)}
-        inputs: dict[int, dict[str, float]] = {}
-        for row in study["answers"]:
-            if row["quantity"] not in STUDIED:
-                continue
-            place, name = places[row["target"]], STUDIED[row["quantity"]]
-            state = result.targets[place]
-            if name != "open_gap_mean" and abs(row["value"] - getattr(state, name)) > SAME * abs(row["value"]):
-                return {}
-            moves = [move for source, move in row["moved"].items() if source != "numerical"]
-            if moves:
-                inputs.setdefault(place, {})[name] = math.sqrt(sum(move**2 for move in moves))
+        study = TypeAdapter(Study).validate_json(read_regular(path))
     except FileNotFoundError:
         return {}
-    except (ValueError, KeyError, TypeError, IndexError, AttributeError, RecursionError) as error:
-        raise ReportError(f"{folder / STUDY}: not the study of a scene ({type(error).__name__}: {error})") from error
+    except OSError as error:
+        raise ReportError(f"{path}: not the study of a scene: {error.strerror}") from error
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        key = ".".join(map(str, first["loc"])) or "the file"
+        raise ReportError(f"{path}: not the study of a scene: {key}: {first['msg']}") from error
+    if study.scene_sha256 != result.provenance["scene_sha256"] or study.answers is None:
+        return {}
+    places = {state.index: k for k, state in enumerate(result.targets)}
+    inputs: dict[int, dict[str, float]] = {}
+    for k, row in enumerate(study.answers):
+        if row.quantity not in STUDIED:
+            continue
+        if row.target not in places:
+            raise ReportError(f"{path}: not the study of a scene: answers.{k}.target is {row.target}, no target")
+        place, name = places[row.target], STUDIED[row.quantity]
+        state = result.targets[place]
+        if name != "open_gap_mean" and abs(row.value - getattr(state, name)) > SAME * abs(row.value):
+            return {}
+        moves = [move for source, move in row.moved.items() if source != "numerical"]
+        if moves:
+            inputs.setdefault(place, {})[name] = math.sqrt(sum(move**2 for move in moves))
     return inputs
 
 

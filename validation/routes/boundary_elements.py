@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 
 import bem
-from bem.scene.result import Event, Result, State
+from bem.scene.result import Event, Result
+from bem.scene.state import State
 from validation.harness.arrays import FloatArray
 from validation.harness.route import Place, Problem
 from validation.routes.scenes import contact_of

@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from bem.scene.result import State
 from bem.scene.scene import Scene
+from bem.scene.state import State
 from validation.harness.arrays import FloatArray
 from validation.harness.route import Problem
 from validation.references.dense_equilibrium import Interface, converged, equilibrium

@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import bem
-from bem.scene.result import Result, State
+from bem.scene.result import Result
 from bem.scene.scene import Scene, parse_scene
+from bem.scene.state import State
 from validation.harness.arrays import FloatArray
 from validation.harness.route import Problem
 

@@ -1,1 +1,1 @@
-"""Studies: of one scene (own_scene.py), and of faults put into the code (faults)."""
+"""Studies: of one scene (own_scene.py), and of random slips put into the code (mutants.py)."""

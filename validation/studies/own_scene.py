@@ -27,10 +27,13 @@ from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 import bem
 from bem.command_line.answer_table import rising_tension
+from bem.geometry.regular_file import read_regular
 from bem.scene.atomic_file import write_atomically
-from bem.scene.result import FINAL_STATUSES, Progress, Result
-from bem.scene.result_file import digest
+from bem.scene.progress import Progress
+from bem.scene.provenance import digest
+from bem.scene.result import Result
 from bem.scene.scene import SceneError, load_scene, parse_scene, read_tables
+from bem.scene.state import FINAL_STATUSES
 from validation.harness.provenance import provenance
 from validation.plugin.content import finite
 from validation.report.pages import ReportError, filled
@@ -151,10 +154,10 @@ def read_solved(folder: Path, sha256: str, overwrite: bool) -> dict[str, Solved]
     path = folder / FILE
     if not path.exists():
         return {}
-    if not path.is_file():
-        raise ReportError(f"{path}: is no file")
     try:
-        stored = TypeAdapter(Stored).validate_json(path.read_bytes())
+        stored = TypeAdapter(Stored).validate_json(read_regular(path))
+    except OSError as error:
+        raise ReportError(f"{path}: {error.strerror}") from error
     except ValidationError as error:
         first = error.errors()[0]
         problem = f"{'.'.join(map(str, first['loc'])) or 'the file'}: {first['msg']}"

@@ -16,7 +16,7 @@ from stored_states import stored_state
 from bem.command_line.checkpoint import Checkpoint
 from bem.command_line.console import LineReporter, TimeLeft, reporter
 from bem.record import Record
-from bem.scene.result import Progress
+from bem.scene.progress import Progress
 from bem.scene.result_file import read_result
 from bem.scene.scene import load_scene
 from bem.scene_commands import main
@@ -243,7 +243,8 @@ def test_every_state_is_in_the_journal_and_now_and_then_in_the_result(scene, tmp
     checkpoint, record = Checkpoint(tmp_path, clock=lambda: next(times)), Record(load_scene(scene))
     kept, shown = [], []
     for separation in (6e-5, 5.8e-5, 5.6e-5, 5.4e-5):
-        record.add(stored_state(separation=separation, penetration=1e-4 - separation, events=0), {})
+        between = {"target": False, "index": None, "events": 0}
+        record.add(stored_state(separation=separation, penetration=1e-4 - separation, **between), {})
         checkpoint.keep(record)
         kept.append(len(read_result(tmp_path).states))
         shown.append(len(json.loads((tmp_path / "result.json").read_text())["states"]))

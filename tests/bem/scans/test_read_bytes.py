@@ -41,9 +41,9 @@ def test_zero_byte_amid_text_is_told_by_its_line(place, tmp_path):
 @pytest.mark.parametrize(
     ("name", "reason"),
     [
-        ("/dev/zero", "is a device or a pipe"),
-        ("pipe", "is a device or a pipe"),
-        (".", "is a folder"),
+        ("/dev/zero", "a pipe or a device"),
+        ("pipe", "a pipe or a device"),
+        (".", "is a folder, "),
         ("a\0b", "is no name of a file"),
         ("nowhere", "cannot be read"),
     ],

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from stored_states import stored_state
 
+from bem.scene.provenance import provenance
 from bem.scene.result import Result
 from bem.scene.result_file import write_result
 from bem.scene.scene import SceneError, load_scene, parse_scene, read_tables
@@ -324,7 +325,7 @@ def test_file_that_is_no_scene_is_told(content, tmp_path):
 def test_a_scene_that_is_no_file_is_refused_at_once(tmp_path):
     os.mkfifo(tmp_path / "pipe.toml")
     for path in (tmp_path / "pipe.toml", "/dev/zero", tmp_path):
-        with pytest.raises(SceneError, match="is no file; allowed: a TOML file"):
+        with pytest.raises(SceneError, match=r"a pipe or a device\); allowed: a TOML file"):
             load_scene(path)
 
 
@@ -335,10 +336,10 @@ def test_a_byte_order_mark_is_no_part_of_a_scene(tmp_path):
 
 def stored_result(folder, tables=None, **changes):
     """A result of BASE and more tables with one state, in folder/before."""
-    state = replace(STATE, **changes)
-    write_result(
-        Result(parse_scene(BASE | (tables or {})).resolved(), (), {}, (state,), (), "converged"), folder / "before"
-    )
+    scene, state = parse_scene(BASE | (tables or {})).resolved(), replace(STATE, **changes)
+    failure = None if state.certificate.ok else "not certified"
+    ending = "converged" if state.certificate.ok else "not_converged"
+    write_result(Result(scene, (), provenance(scene), (state,), (), ending, failure=failure), folder / "before")
     return scene_with("loading.initial", {"result": "before", "state": 0})
 
 
@@ -347,11 +348,14 @@ def test_path_from_a_stored_state_begins_there(tmp_path):
     assert (scene.origin, scene.start_state.separation) == (20e-6, 20e-6)
 
 
+REFUSED = {"status": "not_converged", "certificate": replace(STATE.certificate, ok=False, reasons=("a gap",))}
+
+
 @pytest.mark.parametrize(
     ("state", "changes", "where"),
     [
         pytest.param(1, {}, "loading.initial.state", id="beyond the last"),
-        pytest.param(0, {"status": "not_converged"}, "loading.initial.state", id="not converged"),
+        pytest.param(0, REFUSED, "loading.initial.state", id="not converged"),
     ],
 )
 def test_stored_state_that_cannot_be_used_is_told(state, changes, where, tmp_path):

@@ -1,0 +1,208 @@
+"""Rows of a map, each solved as a ridge of its own, and the median and scatter of their answers.
+
+With profile.row = "all" a scene is solved for the rows 0, n, 2 n, .. of its map, profile.every = n.  A row is solved as
+if it stood alone in the scene, so that results do not depend on the number of worker processes.  A row that is refused
+or does not converge is named with its reason and takes no part in the statistics.
+
+Of each answer at each target: the median over rows, and the scatter, half of the distance between the 16 % and 84 %
+quantiles, which is the standard deviation of a normal distribution.  Limits: a ridge model; neighbouring rows of a map
+are alike, and the scatter is of rows, not the error of a two-dimensional contact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bem.scene.provenance import digest
+from bem.scene.result import Result
+from bem.scene.result_file import RESULT_FILE, read_result, write_result
+from bem.scene.result_views import UNITS
+from bem.scene.scene import ALL_ROWS, Scene, parse_scene, read_tables
+from bem.scene.scene_error import SceneError
+from bem.scene.state import FINAL_STATUSES
+from bem.scene.stored_json import CorruptResultError
+from bem.solver import solve
+
+QUANTILES = (0.16, 0.5, 0.84)  # format: of the answers of all rows
+SKIPPED = ("branch", "status", "target", "certified")  # columns of the answer that are no quantities
+
+Tables = Mapping[str, Any]
+Shared = tuple[Tables, Path, Path | None]  # tables, folder of file names, folder of results
+Outcome = tuple[Result | None, str]  # of a row: the result, and the reason where there is no answer
+
+
+@dataclass(frozen=True)
+class RowResults:
+    """Results of the rows of a map by their numbers, and the reasons of rows without an answer."""
+
+    results: dict[int, Result]
+    failures: dict[int, str]
+
+    def to_table(self) -> dict[str, NDArray[Any]]:
+        """Return median and scatter of each quantity at each target, one array a column, as pandas takes them."""
+        columns: dict[str, list[Any]] = {
+            name: [] for name in ("target", "branch", "quantity", "unit", "rows", "median", "scatter")
+        }
+        for (target, branch, name), values in self._answers().items():
+            low, median, high = np.quantile(values, QUANTILES)
+            entry = (target, branch, name, UNITS.get(name, ""), len(values), median, (high - low) / 2)
+            for column, value in zip(columns.values(), entry, strict=True):
+                column.append(value)
+        return {name: np.array(values) for name, values in columns.items()}
+
+    def _answers(self) -> dict[tuple[float, str, str], list[float]]:
+        """Return the known values of each quantity over the rows, by target and branch."""
+        answers: dict[tuple[float, str, str], list[float]] = {}
+        for result in self.results.values():
+            table = result.to_table("targets")
+            names = [name for name in table if name not in SKIPPED and not name.startswith("error_estimate_")]
+            for k, (target, branch) in enumerate(zip(table["target"], table["branch"], strict=True)):
+                for name in names:
+                    values = answers.setdefault((float(target), str(branch), name), [])
+                    if np.isfinite(table[name][k]):
+                        values.append(float(table[name][k]))
+        return {key: values for key, values in answers.items() if values}
+
+
+def rows_of(tables: Tables, base: Path) -> tuple[range, Scene]:
+    """Return the rows that a scene with row = "all" asks for, and the scene of the first row that can be solved.
+
+    Raises
+    ------
+    SceneError
+        No row can be solved: the mistakes of the first.
+    """
+    first: SceneError | None = None
+    row, count = 0, 1
+    while row < count:
+        try:
+            scene = parse_scene(tables_of_row(tables, row), base)
+        except SceneError as error:
+            first, count = first or error, _count(tables, base, error)
+            row += int(tables["profile"].get("every", 1))
+            continue
+        assert scene.scan is not None
+        return range(0, scene.scan.steps[0]["rows"], tables["profile"].get("every", 1)), scene
+    assert first is not None
+    raise first
+
+
+def _count(tables: Tables, base: Path, error: SceneError) -> int:
+    """Return the number of rows of the map of a scene whose row cannot be solved; raise the error if none is read."""
+    from bem.scans.read_scan import read_scan
+    from bem.scans.scan_refusal import ScanFileError
+
+    try:
+        raw = read_scan(base / tables["profile"]["file"], tables_of_row(tables, 0)["profile"])
+    except (ScanFileError, KeyError, TypeError) as unread:
+        raise error from unread
+    return int(raw.facts["rows"])
+
+
+def tables_of_row(tables: Tables, row: int) -> dict[str, Any]:
+    """Return the tables of the scene of a row."""
+    profile = {key: value for key, value in tables["profile"].items() if key != "every"}
+    return {**tables, "profile": profile | {"row": row}}
+
+
+def asks_for_rows(tables: Tables) -> bool:
+    """Return whether a scene asks for all rows of a map."""
+    profile = tables.get("profile")
+    return isinstance(profile, Mapping) and profile.get("row") == ALL_ROWS
+
+
+def folder_of_row(folder: Path, row: int) -> Path:
+    """Return the folder of the result of a row."""
+    return folder / f"row-{row:04d}"
+
+
+def solve_rows(
+    scene: Path | str | Tables,
+    jobs: int = 1,
+    folder: Path | None = None,
+    progress: Callable[[int, str], None] | None = None,
+) -> RowResults:
+    """Solve the rows of a map.
+
+    Parameters
+    ----------
+    scene : path or mapping
+        Scene file or tables, with profile.row = "all" and perhaps profile.every.
+    jobs : int
+        Worker processes; results do not depend on it.  ChildProcessError if one is killed.
+    folder : Path, optional
+        Every row is written into a folder of it when it is solved, and rows that the folder holds are not solved again.
+    progress : callable, optional
+        Called with each row and its status.
+
+    Raises
+    ------
+    SceneError
+        A scene of other rows, or no row that can be solved.
+    """
+    tables, base = (scene, Path()) if isinstance(scene, Mapping) else (read_tables(scene), Path(scene).parent)
+    if not asks_for_rows(tables):
+        parse_scene(tables, base)
+        raise TypeError('solve_rows: the scene is of one profile; bem.solve solves it, profile.row = "all" has rows')
+    rows, _ = rows_of(tables, base)
+    results, failures = {}, {}
+    for row, (result, reason) in zip(rows, _outcomes((tables, base, folder), rows, jobs), strict=True):
+        if result is not None and result.status == "interrupted":
+            raise KeyboardInterrupt
+        if reason or result is None:
+            failures[row] = reason
+        else:
+            results[row] = result
+        if progress is not None:
+            progress(row, reason or results[row].status.replace("_", " "))
+    return RowResults(results, failures)
+
+
+def _outcomes(shared: Shared, rows: range, jobs: int) -> Iterator[Outcome]:
+    """Yield the outcomes of rows in their order, by worker processes if there are jobs for several."""
+    size = min(jobs, len(rows))
+    if size == 1:
+        yield from (solved_row(shared, row) for row in rows)
+        return
+    workers = import_module("bem.loading.workers").Workers(size, shared)
+    try:
+        outcomes: Iterable[Outcome] = workers.each(solved_row, rows)
+        yield from outcomes
+    finally:
+        workers.end()
+
+
+def solved_row(shared: Shared, row: int) -> Outcome:
+    """Return the outcome of a row, stored or solved."""
+    tables, base, folder = shared
+    try:
+        scene = parse_scene(tables_of_row(tables, row), base)
+    except SceneError as error:
+        return None, "; ".join(map(str, error.mistakes))
+    try:
+        result = None if folder is None else _stored(scene, folder_of_row(folder, row))
+    except CorruptResultError as error:
+        return None, f"{error}; --overwrite solves all rows again"
+    if result is None:
+        result = solve(scene)
+        if folder is not None and result.status != "interrupted":
+            write_result(result, folder_of_row(folder, row))
+    if result.answered:
+        return result, ""
+    return result, f"{result.status.replace('_', ' ')}: {result.failure or 'a target was not met'}"
+
+
+def _stored(scene: Scene, folder: Path) -> Result | None:
+    """Return the finished result of a scene in a folder; None without one."""
+    if not (folder / RESULT_FILE).exists():
+        return None
+    result = read_result(folder)
+    same = digest(result.scene) == digest(scene.resolved())
+    return result if same and result.status in FINAL_STATUSES else None

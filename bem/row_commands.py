@@ -1,0 +1,94 @@
+"""Runs of all rows of a map: a folder for each row, and the median and scatter of every answer in answer.csv."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shutil
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from bem.command_line.answer_table import QUANTITIES, quantity, readable
+from bem.command_line.checkpoint import ANSWERS, OutputFolderError, remove_answers, usable
+from bem.command_line.folder_lock import locked
+from bem.command_line.perform import DONE, FAILED
+from bem.geometry.ranges import Mistake
+from bem.map_rows import RowResults, rows_of, solve_rows
+from bem.scene.atomic_file import write_atomically
+from bem.scene.journal import JOURNAL_FILE
+from bem.scene.memory_estimate import refuse_beyond_memory
+from bem.scene.result_file import FIELDS_FILE, RESULT_FILE
+from bem.scene.result_views import UNITS
+from bem.scene.scene_error import SceneError
+
+TABLE, ROW_FOLDERS = ANSWERS[0], "row-[0-9]*"
+DIGITS = 3  # format: of a median and its scatter
+
+
+def run_rows(tables: Mapping[str, Any], options: argparse.Namespace) -> int:
+    """Solve the rows of a map into a folder; a row without an answer is named, and the exit code is 1."""
+    rows, first = rows_of(tables, options.scene.parent)
+    refuse_beyond_memory(first)
+    if options.plot:
+        raise SceneError([Mistake("--plot", "with all rows of a map", "a scene of one row, as in profile.row = 0")])
+    usable(options.out)
+    with locked(options.out) as new:
+        _prepare(options, new)
+        count = 0
+
+        def told(row: int, status: str) -> None:
+            nonlocal count
+            count += 1
+            if not options.quiet:
+                print(f"row {row}: {status} ({count} of {len(rows)})", file=sys.stderr, flush=True)
+
+        outcome = solve_rows(options.scene, options.jobs, options.out, told)
+        write_atomically(options.out / TABLE, csv_text(outcome))
+    failures = {str(row): reason for row, reason in outcome.failures.items()}
+    if options.json:
+        facts = {"rows": len(rows), "answered": len(outcome.results), "failures": failures, "out": str(options.out)}
+        print(json.dumps(facts))
+    else:
+        print("\n".join(table_lines(outcome, first.loading.control)))
+        print(f"{len(outcome.results)} of {len(rows)} rows answered, each a ridge -> {options.out}")
+    for row, reason in failures.items():
+        print(f"FAILED: row {row}: {reason}", file=sys.stderr)
+    return FAILED if failures else DONE
+
+
+def _prepare(options: argparse.Namespace, new: bool) -> None:
+    """Raise OutputFolderError unless the folder may be used; remove what --overwrite replaces."""
+    folder: Path = options.out
+    if not (new or options.resume or options.overwrite):
+        raise OutputFolderError(f"{folder}: exists; --resume continues from what it holds, --overwrite replaces it")
+    if options.resume and (folder / RESULT_FILE).exists():
+        raise OutputFolderError(f"{folder}: holds the result of one profile; choose another folder, or --overwrite")
+    if options.overwrite:
+        for name in (RESULT_FILE, FIELDS_FILE, JOURNAL_FILE):
+            (folder / name).unlink(missing_ok=True)
+        for path in folder.glob(ROW_FOLDERS):
+            shutil.rmtree(path)
+    remove_answers(folder)
+
+
+def csv_text(outcome: RowResults) -> str:
+    """Return median and scatter of each quantity at each target as comma-separated values in SI units."""
+    columns = outcome.to_table()
+    lines = [",".join(columns)]
+    for entry in zip(*(values.tolist() for values in columns.values()), strict=True):
+        lines.append(",".join(value if isinstance(value, str) else f"{value:.17g}" for value in entry))
+    return "\n".join(lines) + "\n"
+
+
+def table_lines(outcome: RowResults, control: str) -> list[str]:
+    """Return the answer for a terminal: a line for each quantity at each target."""
+    columns = outcome.to_table()
+    lines = []
+    for target, branch, name, unit, rows, median, scatter in zip(*columns.values(), strict=True):
+        if name in QUANTITIES and name != control:
+            held = f"{control.replace('_', ' ')} {quantity(float(target), UNITS[control])}, {branch}"
+            numbers = " ± ".join(readable(float(value), str(unit), DIGITS) for value in (median, scatter))
+            lines.append(f"{held}: {name.replace('_', ' ')} {numbers} (median and scatter of {rows} rows)")
+    return lines

@@ -1,0 +1,162 @@
+"""Invariants of a result: what holds between its scene, states, events and arrays, besides the types of each.
+
+`check_result` judges alike what the solver has computed (bem/record.py) and what a file holds (result_file.py,
+journal.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain
+from typing import Any
+
+from bem.geometry.ranges import Mistake, shown
+from bem.geometry.table import TableError, plain
+from bem.scene.provenance import digest
+from bem.scene.result import Event, LargestTension, Result
+from bem.scene.scene_rules import REQUIRED
+from bem.scene.scene_tables import REQUIRED_TABLES, TABLES, WITH_DEFAULTS, class_of
+from bem.scene.state import FINAL_STATUSES, State
+from bem.scene.stored_arrays import array_mistakes
+
+SUM_ROUNDING = 1e-9  # derived: of a period or a sum of energies; rounding, with a margin
+MISSED = ("unreachable", "not_converged")
+ENDINGS = ("converged", *MISSED, "interrupted")
+
+
+class InvariantError(ValueError):
+    """Result whose parts do not match; `mistake` is the first wrong key, with its value and the allowed values."""
+
+    def __init__(self, mistake: Mistake) -> None:
+        super().__init__(str(mistake))
+        self.mistake = mistake
+
+
+def check_result(result: Result) -> Result:
+    """Return a result in which everything holds; raise InvariantError for the first mistake."""
+    parts = (_scene_mistakes(result.scene), _path_mistakes(result), _part_mistakes(result), _whole_mistakes(result))
+    for mistake in chain(*parts):
+        raise InvariantError(mistake)
+    return result
+
+
+def _unless(holds: bool, key: str, value: Any, allowed: str) -> Iterator[Mistake]:
+    """Yield a mistake unless a condition holds."""
+    if not holds:
+        yield Mistake(key, f"is {shown(value)}", allowed)
+
+
+def _scene_mistakes(scene: Mapping[str, Any]) -> Iterator[Mistake]:
+    """Yield mistakes of a resolved scene: every table is there, with all its keys and allowed values."""
+    yield from _unless(isinstance(scene.get("title"), str), "scene.title", scene.get("title"), "a text")
+    for name in TABLES:
+        table = scene.get(name)
+        if table is None and name in scene and name not in (*REQUIRED_TABLES, *WITH_DEFAULTS):
+            continue
+        if name not in scene:
+            yield Mistake(f"scene.{name}", "is missing", "a table or null")
+        yield from _unless(isinstance(table, dict), f"scene.{name}", table, "a table")
+        yield from _table_mistakes(name, {**scene[name]})
+
+
+def _table_mistakes(name: str, stored: dict[str, Any]) -> Iterator[Mistake]:
+    """Yield mistakes of a resolved table, which is made anew of what is stored."""
+    given = {key: value for key, value in stored.items() if (name, key) != ("profile", "sha256")}
+    if isinstance(given.get("initial"), dict):
+        given["initial"] = {key: value for key, value in given["initial"].items() if key != "penetration"}
+    try:
+        needed = [*plain(class_of(name)(**given))]
+    except TableError as error:
+        yield from (Mistake(f"scene.{wrong.path}", wrong.found, wrong.allowed) for wrong in error.mistakes)
+        return
+    for key in (*needed, *(("period", *REQUIRED[stored["kind"]]) if name == "profile" else ())):
+        if key not in stored:
+            yield Mistake(f"scene.{name}.{key}", "is missing", "a resolved scene has every key")
+
+
+def _whole_mistakes(result: Result) -> Iterator[Mistake]:
+    """Yield mistakes of the status, the failure, the provenance and the largest tension."""
+    status, failure, tension = result.status, result.failure, result.largest_tension
+    yield from _unless(status in ENDINGS, "status", status, ", ".join(ENDINGS))
+    met = all(state.found and state.certificate.ok for state in result.targets)
+    yield from _unless(met or status != "converged", "status", status, "another one, as a target is not met")
+    told = bool(failure) if status in MISSED else failure is None
+    yield from _unless(told, "failure", failure, f"a text where the status is {' or '.join(MISSED)}, else null")
+    sha256, own = result.provenance.get("scene_sha256"), digest(result.scene)
+    yield from _unless(sha256 == own, "provenance.scene_sha256", sha256, f"{own}, the digest of the scene")
+    if tension is not None:
+        yield from _unless(tension.mean_pressure < 0, "largest_tension.mean_pressure", tension.mean_pressure, "< 0")
+        yield from _error_mistakes("largest_tension", tension)
+
+
+def _path_mistakes(result: Result) -> Iterator[Mistake]:
+    """Yield mistakes of the order of the states: of their targets, events and arrays."""
+    loading, last = result.scene["loading"], len(result.events)
+    ahead = len(loading["targets"])
+    asked = ahead + len(loading["at_mean_pressures"]) + ("stop_at_mean_pressure" in loading)
+    events, stored, target, branch, passed = 0, 0, 0, "", set[int]()
+    for k, state in enumerate(result.states):
+        passed = passed if state.branch == branch else set()  # every leg meets the mean pressures asked for
+        indices = [i for i in (target, *range(ahead, asked)) if i < asked and i not in passed]
+        met = state.index in indices if state.target else state.index is None
+        allowed = f"{' or '.join(map(str, indices)) or 'none'} at a target, each once and in order, else null"
+        yield from _unless(met, f"states[{k}].index", state.index, allowed)
+        counted = events <= state.events <= last
+        yield from _unless(counted, f"states[{k}].events", state.events, f"{events} to {last}")
+        yield from _unless(state.stored in (None, stored), f"states[{k}].stored", state.stored, f"{stored} or null")
+        events, stored, branch = state.events, stored + (state.stored is not None), state.branch
+        if state.index is not None:
+            target += state.index == target
+            passed.add(state.index)
+
+
+def _part_mistakes(result: Result) -> Iterator[Mistake]:
+    """Yield mistakes of each state, event and array."""
+    period = result.scene["profile"]["period"]
+    for k, state in enumerate(result.states):
+        yield from _state_mistakes(f"states[{k}]", state, period)
+    for k, event in enumerate(result.events):
+        yield from _error_mistakes(f"events[{k}]", event)
+        for name, end in (("before", event.before), ("after", event.after)):
+            yield from _edge_mistakes(f"events[{k}].{name}", () if end is None else end.edges, period)
+    stored = {str(state.stored) for state in result.states if state.stored is not None}
+    for name, fault, allowed in array_mistakes(result.fields, stored):
+        yield Mistake(f"fields.{name}", f"is {fault}", allowed)
+
+
+def _state_mistakes(key: str, state: State, period: float) -> Iterator[Mistake]:
+    """Yield mistakes of a state: edges and contact, energies, certificate and errors."""
+    yield from _edge_mistakes(key, state.edges, period)
+    count = len(state.edges)
+    yield from _unless(state.n_patches == count, f"{key}.n_patches", state.n_patches, f"{count}, the number of edges")
+    share = sum(b - a for a, b in state.edges) / period if state.edges else float(state.status == "complete_contact")
+    total = state.elastic_energy + state.adhesion_energy
+    size = abs(state.elastic_energy) + abs(state.adhesion_energy)
+    if state.found:
+        close = abs(state.contact_fraction - share) < SUM_ROUNDING
+        allowed = f"{share:.9g}, the share of the period between edges"
+        yield from _unless(close, f"{key}.contact_fraction", state.contact_fraction, allowed)
+        close = abs(state.total_energy - total) <= SUM_ROUNDING * size
+        yield from _unless(close, f"{key}.total_energy", state.total_energy, f"{total:.9g}, the sum of both energies")
+    ok, reasons, certified = state.certificate.ok, state.certificate.reasons, state.status in FINAL_STATUSES
+    yield from _unless(
+        ok == certified, f"{key}.certificate.ok", ok, f"{shown(certified)} where the state is {state.status}"
+    )
+    yield from _unless(
+        bool(reasons) != ok, f"{key}.certificate.reasons", reasons, "a text where ok is false, else none"
+    )
+    yield from _error_mistakes(key, state)
+
+
+def _edge_mistakes(key: str, edges: Sequence[tuple[float, float]], period: float) -> Iterator[Mistake]:
+    """Yield mistakes of edges."""
+    ends = [end for edge in edges for end in edge]
+    placed = ends == sorted(ends) and (not ends or (0 <= ends[0] <= period and ends[-1] <= ends[0] + period))
+    yield from _unless(placed, f"{key}.edges", edges, f"ascending positions within one period of {period:g} m")
+
+
+def _error_mistakes(key: str, part: State | Event | LargestTension) -> Iterator[Mistake]:
+    """Yield mistakes of estimated errors."""
+    for name, error in vars(part.error_estimate).items():
+        right = error is None or error >= 0
+        yield from _unless(right, f"{key}.error_estimate.{name}", error, "a number >= 0 or null")

@@ -1,0 +1,102 @@
+"""`linecontact docs`: the documents of the packages in a terminal and on one page, as they are beside the code."""
+
+import re
+import tomllib
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from validation.command_line.front_door import main
+from validation.report.documents import TOPICS, document, sections
+from validation.report.formulas import formula
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    path = tmp_path_factory.mktemp("docs") / "docs.html"
+    assert main(["docs", "--html", str(path)]) == 0
+    return path.read_text("utf-8")
+
+
+def test_topics_are_listed_with_their_headings(capsys):
+    assert main(["docs"]) == 0
+    printed = capsys.readouterr().out
+    assert all(f"\n{topic}" in f"\n{printed}" for topic in TOPICS)
+    assert "10. Limits of the model" in printed
+
+
+def test_a_topic_is_the_document_beside_the_code(capsys):
+    assert main(["docs", "theory"]) == 0
+    assert capsys.readouterr().out == (ROOT / "persson" / "README.md").read_text("utf-8") + "\n"
+
+
+def test_words_of_a_heading_find_its_section(capsys):
+    assert main(["docs", "limits", "of", "the", "model"]) == 0
+    printed = capsys.readouterr().out
+    assert "[bem] ## 10. Limits of the model" in printed
+    assert "## 9." not in printed
+
+
+def test_an_unknown_topic_is_refused_with_all_topics(capsys):
+    assert main(["docs", "weather"]) == 2
+    refusal = capsys.readouterr().err
+    assert all(topic in refusal for topic in TOPICS)
+
+
+def test_the_page_has_every_heading_and_its_links_lead_there(page):
+    places = re.findall(r'<h\d id="([^"]+)"', page)
+    assert len(places) == sum(len(sections(document(topic))) for topic in TOPICS)
+    assert len(set(places)) == len(places)
+    links = re.findall(r'href="#([^"]+)"', page)
+    assert len(links) > 40
+    assert set(links) <= {*places, "limits"}
+    assert not re.search(r'(?:src|href)="(?!https://|#|data:)', page)
+
+
+def test_no_mark_of_markdown_is_left_on_the_page(page):
+    text = re.sub(r"<(pre|code|style|script|math)\b.*?</\1>", "", page, flags=re.DOTALL)
+    assert not re.search(r"\$|\*\*|```|\]\(|^\| ", text, flags=re.MULTILINE)
+    assert len(re.findall("<math", page)) > 300
+
+
+def test_a_page_that_exists_stays_unless_asked(tmp_path, capsys):
+    path = tmp_path / "docs.html"
+    path.write_text("mine")
+    assert main(["docs", "--html", str(path)]) == 2
+    assert path.read_text() == "mine"
+    assert main(["docs", "--html", str(path), "--overwrite"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("tex", "tags"),
+    [
+        (r"\frac12 a_n^{2}", ["mfrac", "mn", "mn", "msubsup", "mi", "mi", "mrow", "mn"]),
+        (r"\sum_m x'", ["munder", "mo", "mi", "msup", "mi", "mrow", "mo"]),
+        (
+            r"\begin{pmatrix} a & b \\ c & d \end{pmatrix}",
+            ["mrow", "mo", "mtable"] + ["mtr", *["mtd", "mi"] * 2] * 2 + ["mo"],
+        ),
+    ],
+    ids=["fraction", "sum", "matrix"],
+)
+def test_formulas_are_mathml(tex, tags):
+    assert [element.tag for element in ElementTree.fromstring(str(formula(tex))).iter()] == ["math", *tags]
+
+
+@pytest.mark.parametrize("tex", [r"\unheard", "{a", r"\frac{a}"])
+def test_formulas_that_are_not_known_are_refused(tex):
+    with pytest.raises(ValueError, match=r"no command|ends"):
+        formula(tex)
+
+
+def test_documents_are_in_the_package():
+    """The names of the files are in the data of their packages."""
+    data = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["package-data"]
+    for package, name in TOPICS.values():
+        top, _, inner = package.partition(".")
+        assert any(
+            Path(f"{inner}/{name}".strip("/")).match(pattern) for pattern in data[top] if pattern.endswith(".md")
+        )
