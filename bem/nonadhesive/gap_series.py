@@ -33,7 +33,7 @@ from bem.geometry import chebyshev
 from bem.geometry.arrays import ComplexArray, FloatArray, IntArray
 from bem.geometry.gaps import Gaps, sines
 from bem.geometry.patches import TWO_PI, Patches, PatchPressure
-from bem.nonadhesive.completed_body import CompletedBody, Condition
+from bem.nonadhesive.completed_body import CompletedBody, LinearControl
 
 COUPLING = 1e-15  # derived: accuracy of the coupling of gaps
 MOST_UNKNOWNS = 6000  # limit: of all gaps
@@ -173,7 +173,7 @@ class GapEvaluation:
             size *= 2
 
 
-def evaluate_gaps(body: CompletedBody, gaps: Gaps, condition: Condition, finer: bool = False) -> GapEvaluation:
+def evaluate_gaps(body: CompletedBody, gaps: Gaps, condition: LinearControl, finer: bool = False) -> GapEvaluation:
     """Solve for the opening of given gaps, and for the deficit that meets a condition.
 
     Parameters
@@ -181,7 +181,7 @@ def evaluate_gaps(body: CompletedBody, gaps: Gaps, condition: Condition, finer: 
     body : CompletedBody
     gaps : Gaps
         In order, disjoint, at least one.
-    condition : Condition
+    condition : LinearControl
     finer : bool
         Whether there are a third more nodes, for error estimates.
 

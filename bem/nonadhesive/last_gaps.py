@@ -28,7 +28,7 @@ from bem.geometry.minima import TO_ROUNDING, refined
 from bem.geometry.patches import TWO_PI
 from bem.loading.assessment import Assessment, Quantities
 from bem.loading.increments import MAXIMUM_ITERATIONS
-from bem.nonadhesive.completed_body import CompletedBody, Condition
+from bem.nonadhesive.completed_body import CompletedBody, LinearControl
 from bem.nonadhesive.gap_series import GapEvaluation, end_values, evaluate_gaps
 
 UNDERFLOW = 1e-70  # derived: of the lowest pressure of complete contact: tension on gaps whose volume underflows
@@ -47,7 +47,7 @@ class LastGaps:
     evaluations: int
 
 
-def isolated_cracks(body: CompletedBody, condition: Condition) -> Gaps:
+def isolated_cracks(body: CompletedBody, condition: LinearControl) -> Gaps:
     """Return the gaps as if each were alone; (0,) gaps where nothing holds any open."""
     x, q = body.minima
     curvature = np.maximum(body.pressure.curvature(x), 1e-300)
@@ -77,7 +77,7 @@ def _with_cracks(gaps: Gaps, body: CompletedBody, x: FloatArray, tension: FloatA
     return gaps.joined(Gaps(x % TWO_PI, np.zeros(x.size), half))
 
 
-def solve_gaps(body: CompletedBody, condition: Condition, gaps: Gaps) -> LastGaps:
+def solve_gaps(body: CompletedBody, condition: LinearControl, gaps: Gaps) -> LastGaps:
     """Find the gaps at whose ends K = 0, from where they may be."""
     last = np.inf
     for count in range(1, MAXIMUM_ITERATIONS + 1):
@@ -102,7 +102,7 @@ def solve_gaps(body: CompletedBody, condition: Condition, gaps: Gaps) -> LastGap
     return LastGaps("not_converged", None, MAXIMUM_ITERATIONS)
 
 
-def assess_gaps(state: GapEvaluation, condition: Condition) -> Assessment:
+def assess_gaps(state: GapEvaluation, condition: LinearControl) -> Assessment:
     """Return stiffness and estimated errors of a state at K = 0, where its condition holds.
 
     The errors are what more nodes with one more Newton step change, and what rounding of the pressure of complete
@@ -115,7 +115,7 @@ def assess_gaps(state: GapEvaluation, condition: Condition) -> Assessment:
         growth = np.where(state.end_slopes > 0, end_values(state.opening_rate) / state.end_slopes, 0.0)
     half = np.tile(state.gaps.half_width, 2)
     disturbed = state.gaps.moved(np.minimum(growth * half * (2 / 3) * rounded, half))
-    moved = evaluate_gaps(state.body, disturbed, Condition(0.0, 1.0, TWO_PI * (state.deficit + rounded)))
+    moved = evaluate_gaps(state.body, disturbed, LinearControl(0.0, 1.0, TWO_PI * (state.deficit + rounded)))
     quantities = _quantities(state)
     parts = [_quantities(other).minus(quantities) for other in (exact, moved)]
     return Assessment(
