@@ -36,7 +36,7 @@ SMALLEST_VARIATION = 2 * DISPLACEMENT_ROUNDING / 1e-8  # rms heights, of which r
 SMALLEST_CHARGE = 3 * CHARGE_ROUNDING / 1e-8  # per coefficient of a patch, of which rounding is a third of that
 RESOLVED = 1e-12  # derived: rms heights; last Chebyshev coefficients of the displacement in a gap, charges of order 1
 POSITION_ROUNDING = 4e-15  # of positions up to 2 pi; half a last digit of them is 4.4e-16
-LOAD_ROUNDING = 1.5e-14  # of displacements over the load, sums over all patches; measured 6.1e-15 at 3028 patches
+LOAD_ROUNDING = 5e-14  # of displacements over the load, sums over all patches; measured 2.6e-14 at 508 patches
 ROUNDING = 10 * DISPLACEMENT_ROUNDING  # of a contact residual, times the largest charge where that exceeds 1
 AT_EDGE = "at an edge of patch"
 
