@@ -182,8 +182,8 @@ def _with_gaps_under_tension(state: GapEvaluation) -> Gaps | None:
         pressure = partial(_pressure_behind, state, i)
         n = int(4 * chebyshev.profile_nodes(np.array([width]), body.pressure.max_order)[0])
         angle = np.asarray((np.arange(n) + 0.5) * (np.pi / n), dtype=np.float64)
-        before, here, after = (at := pressure(angle))[:-2], at[1:-1], at[2:]
-        low = np.flatnonzero((here <= before) & (here < after) & (3 * here < before + after))
+        before, middle, after = (at := pressure(angle))[:-2], at[1:-1], at[2:]
+        low = np.flatnonzero((middle <= before) & (middle < after) & (3 * middle < before + after))
         dips = refined(pressure, angle[low + np.arange(3)[:, None]], refinements=TO_ROUNDING)
         x = start + width * np.sin(dips.position / 2) ** 2
         tension = state.deficit - body.at_anchor(x % TWO_PI) - body.lowest - state.added(i, dips.position)
