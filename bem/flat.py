@@ -18,7 +18,7 @@ from bem.record import Record
 from bem.scene.elastic_tables import elastic_effects
 from bem.scene.result import Result
 from bem.scene.scene import Scene
-from bem.scene.state import CLOSED, GapQuantiles, Gaps, State
+from bem.scene.state import CLOSED, GapNumbers, GapQuantiles, State
 
 
 def solve_flat(scene: Scene) -> Result:
@@ -61,7 +61,7 @@ def _flat_state(scene: Scene, target: float, compliance: float | None, joined: b
             separation=-height,
             total_displacement=None if compliance is None else height,
             largest_gap=-height,
-            gaps=Gaps(-height, -height, GapQuantiles(*[-height] * 5), scene.surface().period, 1.0),
+            gaps=GapNumbers(-height, -height, GapQuantiles(*[-height] * 5), scene.surface().period, 1.0),
             error_estimate=EXACT,
         )
     if control == "total_displacement" and compliance:

@@ -16,7 +16,7 @@ from bem.scene.result_views import UNITS
 from bem.scene.state import State
 
 PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
-FEWEST, MOST = 2, 4  # format: digits
+FEWEST_DIGITS, MOST_DIGITS = 2, 4  # format
 UNKNOWN = "–"
 QUANTITIES = {  # name of a column of `to_table("targets")`: heading
     "mean_pressure": "mean pressure",
@@ -66,7 +66,7 @@ def digits(relative: float) -> int:
     >>> digits(0.3), digits(0.02), digits(0.004), digits(1e-9)
     (2, 2, 3, 4)
     """
-    return min(max(1 + math.floor(-math.log10(relative)), FEWEST), MOST) if relative > 0 else MOST
+    return min(max(1 + math.floor(-math.log10(relative)), FEWEST_DIGITS), MOST_DIGITS) if relative > 0 else MOST_DIGITS
 
 
 def readable(value: float, unit: str, figures: int) -> str:
@@ -192,13 +192,13 @@ def pull_off_words(result: Result) -> str:
     tension, held, where = result.largest_tension, rising_tension(result), ""
     if tension is not None:
         error = share(tension.error_estimate.mean_pressure / -tension.mean_pressure)
-        where = f"{readable(-tension.mean_pressure, 'Pa', MOST)} (± {error} numerical), at a separation of "
-        where += readable(tension.separation, "m", MOST)
+        where = f"{readable(-tension.mean_pressure, 'Pa', MOST_DIGITS)} (± {error} numerical), at a separation of "
+        where += readable(tension.separation, "m", MOST_DIGITS)
     if held is not None:
-        words = "Pull-off: not reached. The way out ends in tension, "
-        words += (
-            f"{readable(-held.mean_pressure, 'Pa', MOST)} at a separation of {readable(held.separation, 'm', MOST)}"
+        words = (
+            f"Pull-off: not reached. The way out ends in tension, {readable(-held.mean_pressure, 'Pa', MOST_DIGITS)}"
         )
+        words += f" at a separation of {readable(held.separation, 'm', MOST_DIGITS)}"
         return f"{words}, and larger tensions may lie beyond" + (
             f"; before that it turns at {where}." if where else "."
         )
@@ -208,7 +208,7 @@ def pull_off_words(result: Result) -> str:
     apart = result.came_apart()
     if apart is None:
         return f"{where}; the surfaces have not come apart on this path."
-    return f"{where}; the surfaces come apart at {readable(apart, 'm', MOST)}."
+    return f"{where}; the surfaces come apart at {readable(apart, 'm', MOST_DIGITS)}."
 
 
 def rising_tension(result: Result) -> State | None:

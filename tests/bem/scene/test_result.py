@@ -289,7 +289,7 @@ WRONG = {
     'status is "separated"': lambda c: c.update(status="separated"),
     "provenance.scene_sha256 is": lambda c: c["scene"].update(title="another"),
     "provenance.fields_sha256 is null": lambda c: c["provenance"].update(fields_sha256=None),
-    'provenance.fields_sha256 is "missing"': lambda c: c["provenance"].pop("fields_sha256"),
+    "provenance.fields_sha256 is false": lambda c: c["provenance"].pop("fields_sha256"),
     "scene is []": lambda c: c.update(scene=[]),
     "scene.loading is missing": lambda c: c["scene"].pop("loading"),
     'scene.loading.control = "time"': lambda c: c["scene"]["loading"].update(control="time"),
