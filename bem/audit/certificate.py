@@ -318,9 +318,9 @@ def _tension(pressure: PatchPressure) -> FloatArray:
         points = 2 * rows.shape[1]
         q = regular_part(rows, points)
         lowest = np.min(q, axis=1)
-        before, here, after = q[:, :-2], q[:, 1:-1], q[:, 2:]
-        sag = before + after - 2 * here  # more than what a minimum between the points may lie lower
-        row, k = np.nonzero((here <= before) & (here < after) & (here < sag))
+        before, middle, after = q[:, :-2], q[:, 1:-1], q[:, 2:]
+        sag = before + after - 2 * middle  # more than what a minimum between the points may lie lower
+        row, k = np.nonzero((middle <= before) & (middle < after) & (middle < sag))
         dips = refined(partial(_cosines, rows[row]), (k + 1 + BESIDE) * (np.pi / points))
         np.minimum.at(lowest, row, dips.value)
         tension[who] = -lowest / np.maximum(np.abs(rows[:, 0]), SMALLEST_CHARGE * rows.shape[1])

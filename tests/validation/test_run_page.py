@@ -141,7 +141,7 @@ def test_everything_is_on_the_page(page, result):
 
 
 def test_curves_have_error_bars_of_the_estimated_errors(result):
-    area = next(figure for figure in figures_of(result) if figure.id == "area")
+    area = next(figure for figure in figures_of(result, []) if figure.id == "area")
     bars = next(series for series in area.solution.series if series.style == "bars")
     spread = [(high - low) / 2 for low, high in zip(bars.y, bars.upper, strict=True)]
     targets = [state for state in result.targets if state.mean_pressure == state.mean_pressure]

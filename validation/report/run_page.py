@@ -12,6 +12,7 @@ from typing import Annotated, Any
 
 from markupsafe import Markup
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
+from threadpoolctl import threadpool_limits
 
 from bem.command_line.answer_table import Cell, Inputs, answer, csv_text, pull_off_words, quantity, share
 from bem.command_line.console import scene_text
@@ -77,7 +78,9 @@ class Study:
 def write_run_page(folder: Path) -> Result:
     """Render the result of a folder (`read_result`) into report.html and answer.csv beside it; the result."""
     result = read_result(folder)
-    write_atomically(folder / PAGE, render_run(result, inputs_of(result, folder)))
+    with threadpool_limits(limits=1, user_api="blas"):  # two threads are slower for small systems
+        page = render_run(result, inputs_of(result, folder))
+    write_atomically(folder / PAGE, page)
     write_atomically(folder / TABLE, csv_text(result))
     return result
 
@@ -121,6 +124,7 @@ def render_run(result: Result, inputs: Inputs | None = None) -> str:
     """Return the page of a run as text; relative uncertainties of the input are by target and quantity."""
     left_open = max((value for known in (inputs or {}).values() for value in known.values()), default=math.nan)
     solved = replace(result, states=tuple(state for state in result.states if state.found))
+    theories = theories_of(solved)
     columns, rows = answer(result, inputs)
     doubtful = succeeded(result) and left_open > DOUBTFUL
     return filled(
@@ -138,10 +142,10 @@ def render_run(result: Result, inputs: Inputs | None = None) -> str:
         toml=scene_text(result.scene),
         meanings=defaultdict(str, MEANINGS),
         preparation=[_step(step) for step in result.profile_preparation],
-        path=moving_path(result, theories_of(solved)),
+        path=moving_path(result, theories),
         moving_style=Markup(asset("moving.css")),
         moving_script=Markup(asset("moving.js")),
-        figures=[(figure, svg_of(figure, f"run-{figure.id}")) for figure in figures_of(solved)],
+        figures=[(figure, svg_of(figure, f"run-{figure.id}")) for figure in figures_of(solved, theories)],
         targets=[_target(state) for state in result.targets[:MOST_ROWS]],
         events=list(_events(solved))[:MOST_ROWS],
         most=MOST_ROWS,
