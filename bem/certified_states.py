@@ -221,12 +221,18 @@ def complete_state(problem: Problem, complete: CompleteContact, load: float) -> 
     )
 
 
-def missed_state(control: str, target: float, status: Status, reason: str) -> State:
-    """Return the row of a target at which no state was found: NaN but for the quantity under control, SI."""
+def missed_state(control: str, target: float, status: Status, reason: str, apart: State) -> State:
+    """Return the row of a target at which no state was found, SI: NaN but for the quantity under control.
+
+    Where no contact carries the tension asked for, the row has the numbers of the surfaces `apart`.
+    """
+    certificate = Certificate(ok=False, reasons=(reason,))
+    if status == "unreachable" and control == "mean_pressure":
+        return replace(apart, status=status, certificate=certificate)
     names = ["penetration", "separation", "mean_pressure", "contact_fraction"]
     names += ["elastic_energy", "adhesion_energy", "total_energy"]
     numbers: dict[str, Any] = dict.fromkeys(names, math.nan) | {control: target}
-    return State(status=status, certificate=Certificate(ok=False, reasons=(reason,)), **numbers)
+    return State(status=status, certificate=certificate, **numbers)
 
 
 def event_of(problem: Problem, event: PathEvent) -> Event:

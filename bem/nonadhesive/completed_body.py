@@ -109,7 +109,7 @@ class CompletedBody:
 
 @dataclass(frozen=True)
 class LinearControl:
-    """Condition alpha s + 2 pi beta tau = rest: a control next to complete contact.
+    """Linear control alpha s + 2 pi beta tau = rest: a control next to complete contact.
 
     Parameters
     ----------

@@ -332,10 +332,10 @@ def _scan(
         scan = prepare(raw, profile)
     except ScanFileError as error:
         told = [
-            (key, f"= {shown(name)}: {found}" if key == "file" else found, allowed)
-            for key, found, allowed in error.refusals
+            (key, f"= {shown(name)}: {problem}" if key == "file" else problem, allowed)
+            for key, problem, allowed in error.refusals
         ]
-        return None, [Mistake(f"profile.{key}", found, allowed) for key, found, allowed in told]
+        return None, [Mistake(f"profile.{key}", problem, allowed) for key, problem, allowed in told]
     return scan, list(scan_mistakes(profile, scan))
 
 
