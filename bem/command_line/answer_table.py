@@ -33,6 +33,7 @@ QUANTITIES = {  # name of a column of `to_table("targets")`: heading
     "mean_cubic_root": "gap for flow along the ridges, <g³>^(1/3)",
     "widest_channel": "widest open channel",
 }
+PULL_OFF = "pull_off"  # of `Inputs`: the largest tension of the path
 TRIPLES = {  # columns shown in one cell, which is sorted by the second
     "width_median": ("width_least", "width_median", "width_largest"),
     "open_gap_p50": ("open_gap_p10", "open_gap_p50", "open_gap_p90"),
@@ -43,7 +44,7 @@ NO_FLAW = (
 )
 
 Cell = tuple[str, float | str]  # text, and what it is sorted by
-Inputs = Mapping[int, Mapping[str, float]]  # relative uncertainty of the input, by target and quantity
+Inputs = Mapping[int | None, Mapping[str, float]]  # relative uncertainty of the input, by target (None: the path)
 
 
 def axis_unit(largest: float, unit: str) -> tuple[float, str]:
@@ -185,14 +186,18 @@ def _uncertainty(row: Mapping[str, float], name: str, inputs: Mapping[str, float
     return ", ".join(f"{share(value)} {origin}" for origin, value in parts.items()), math.hypot(*parts.values())
 
 
-def pull_off_words(result: Result) -> str:
+def pull_off_words(result: Result, inputs: Inputs | None = None) -> str:
     """Return words on the largest tension of the way out, or on its absence; nothing without tension."""
     if stays_complete(result):
         return NO_FLAW
     tension, held, where = result.largest_tension, rising_tension(result), ""
     if tension is not None:
-        error = share(tension.error_estimate.mean_pressure / -tension.mean_pressure)
-        where = f"{readable(-tension.mean_pressure, 'Pa', MOST_DIGITS)} (± {error} numerical), at a separation of "
+        error = tension.error_estimate.mean_pressure / -tension.mean_pressure
+        outer = (inputs or {}).get(None, {}).get(PULL_OFF, math.nan)
+        known, figures = f"± {share(error)} numerical", MOST_DIGITS
+        if math.isfinite(outer):
+            known, figures = f"{known}, {share(outer)} input", digits(math.hypot(error, outer))
+        where = f"{readable(-tension.mean_pressure, 'Pa', figures)} ({known}), at a separation of "
         where += readable(tension.separation, "m", MOST_DIGITS)
     if held is not None:
         words = (
@@ -252,7 +257,7 @@ def table_text(result: Result, inputs: Inputs | None = None) -> str:
     listed = [heads, *([text for text, _ in row] for row in rows)]
     columns = [_padded(column, k) for k, column in enumerate(listed)]
     lines = ["  ".join(line).rstrip() for line in zip(*columns, strict=True)]
-    return "\n".join([*lines, *filter(None, [pull_off_words(result)])])
+    return "\n".join([*lines, *filter(None, [pull_off_words(result, inputs)])])
 
 
 def _padded(column: Sequence[str], place: int) -> list[str]:

@@ -14,7 +14,7 @@ from markupsafe import Markup
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 from threadpoolctl import threadpool_limits
 
-from bem.command_line.answer_table import Cell, Inputs, answer, csv_text, pull_off_words, quantity, share
+from bem.command_line.answer_table import PULL_OFF, Cell, Inputs, answer, csv_text, pull_off_words, quantity, share
 from bem.command_line.console import scene_text
 from bem.geometry.regular_file import read_regular
 from bem.scene.atomic_file import write_atomically
@@ -31,6 +31,7 @@ from validation.report.run_words import outcome, scene_in_words, succeeded
 
 TABLE = "answer.csv"
 STUDY = "study.json"
+STUDIED_PULL_OFF = "pull-off"  # answer of a study, of the path
 STUDIED = {  # answers of a study, as quantities of the answer
     "contact fraction": "contact_fraction",
     "mean pressure": "mean_pressure",
@@ -85,7 +86,7 @@ def write_run_page(folder: Path) -> Result:
     return result
 
 
-def inputs_of(result: Result, folder: Path) -> dict[int, dict[str, float]]:
+def inputs_of(result: Result, folder: Path) -> dict[int | None, dict[str, float]]:
     """Return the relative uncertainty of the input by target and quantity, from the study of the scene in the folder.
 
     Nothing where there is no study, or where it is unfinished, of another scene or of another path.
@@ -104,8 +105,15 @@ def inputs_of(result: Result, folder: Path) -> dict[int, dict[str, float]]:
     if study.scene_sha256 != result.provenance["scene_sha256"] or study.answers is None:
         return {}
     places = {state.index: k for k, state in enumerate(result.targets)}
-    inputs: dict[int, dict[str, float]] = {}
+    tension = result.largest_tension
+    inputs: dict[int | None, dict[str, float]] = {}
     for k, row in enumerate(study.answers):
+        moves = [move for source, move in row.moved.items() if source != "numerical"]
+        if row.target is None and row.quantity == STUDIED_PULL_OFF:
+            if tension is None or abs(row.value + tension.mean_pressure) > SAME * abs(row.value):
+                return {}
+            if moves:
+                inputs[None] = {PULL_OFF: math.hypot(*moves)}
         if row.quantity not in STUDIED:
             continue
         if row.target not in places:
@@ -114,9 +122,8 @@ def inputs_of(result: Result, folder: Path) -> dict[int, dict[str, float]]:
         state = result.targets[place]
         if name != "open_gap_mean" and abs(row.value - getattr(state, name)) > SAME * abs(row.value):
             return {}
-        moves = [move for source, move in row.moved.items() if source != "numerical"]
         if moves:
-            inputs.setdefault(place, {})[name] = math.sqrt(sum(move**2 for move in moves))
+            inputs.setdefault(place, {})[name] = math.hypot(*moves)
     return inputs
 
 
@@ -137,7 +144,7 @@ def render_run(result: Result, inputs: Inputs | None = None) -> str:
         left_open="" if math.isnan(left_open) else share(left_open),
         columns=columns,
         answer=rows[:MOST_ROWS],
-        pull_off=pull_off_words(result),
+        pull_off=pull_off_words(result, inputs),
         words=scene_in_words(result.scene),
         toml=scene_text(result.scene),
         meanings=defaultdict(str, MEANINGS),
