@@ -21,7 +21,7 @@ from bem.observables import gaps
 from bem.observables.gaps import GapStatistics
 from bem.problem import Problem
 from bem.scene.result import Event, EventError, EventKind, JumpEnd, LargestTension, TensionError
-from bem.scene.state import CLOSED, ErrorEstimate, FinalStatus, GapQuantiles, Gaps, State, Status
+from bem.scene.state import CLOSED, ErrorEstimate, FinalStatus, GapNumbers, GapQuantiles, State, Status
 
 if TYPE_CHECKING:
     from bem.nonadhesive.gap_series import GapEvaluation
@@ -77,7 +77,7 @@ def equilibrium_state(
     )
 
 
-def _gaps(problem: Problem, state: Evaluation | GapEvaluation) -> Gaps:
+def _gaps(problem: Problem, state: Evaluation | GapEvaluation) -> GapNumbers:
     """Return the gaps of a state with contact patches, from the unknowns: its pressure or its gaps."""
     if isinstance(state, Evaluation):
         open_gaps = gaps.open_gaps(problem.profile, state.pressure(), state.penetration, problem.compliance_ratio)
@@ -91,10 +91,10 @@ def _gaps(problem: Problem, state: Evaluation | GapEvaluation) -> Gaps:
     return _gaps_of(problem, statistics, separation * problem.scales.height, float(np.sum(widths)) / (2 * np.pi))
 
 
-def _gaps_of(problem: Problem, statistics: GapStatistics, separation: float, open_fraction: float) -> Gaps:
+def _gaps_of(problem: Problem, statistics: GapStatistics, separation: float, open_fraction: float) -> GapNumbers:
     """Return gap statistics in SI units."""
     height = problem.scales.height
-    return Gaps(
+    return GapNumbers(
         mean_open=separation / open_fraction,
         mean_cubic_root=float(np.cbrt(statistics.mean_cube)) * height,
         quantiles=GapQuantiles(*(float(quantile) * height for quantile in statistics.quantiles)),
@@ -221,12 +221,18 @@ def complete_state(problem: Problem, complete: CompleteContact, load: float) -> 
     )
 
 
-def missed_state(control: str, target: float, status: Status, reason: str) -> State:
-    """Return the row of a target at which no state was found: NaN but for the quantity under control, SI."""
+def missed_state(control: str, target: float, status: Status, reason: str, apart: State) -> State:
+    """Return the row of a target at which no state was found, SI: NaN but for the quantity under control.
+
+    Where no contact carries the tension asked for, the row has the numbers of the surfaces `apart`.
+    """
+    certificate = Certificate(ok=False, reasons=(reason,))
+    if status == "unreachable" and control == "mean_pressure":
+        return replace(apart, status=status, certificate=certificate)
     names = ["penetration", "separation", "mean_pressure", "contact_fraction"]
     names += ["elastic_energy", "adhesion_energy", "total_energy"]
     numbers: dict[str, Any] = dict.fromkeys(names, math.nan) | {control: target}
-    return State(status=status, certificate=Certificate(ok=False, reasons=(reason,)), **numbers)
+    return State(status=status, certificate=certificate, **numbers)
 
 
 def event_of(problem: Problem, event: PathEvent) -> Event:

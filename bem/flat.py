@@ -11,14 +11,13 @@ import math
 from importlib import import_module
 from typing import Any
 
-from bem.audit.certificate import Certificate
-from bem.certified_states import EXACT
+from bem.certified_states import EXACT, missed_state
 from bem.missed import flat_apart, sentence, verdict
 from bem.record import Record
 from bem.scene.elastic_tables import elastic_effects
 from bem.scene.result import Result
 from bem.scene.scene import Scene
-from bem.scene.state import CLOSED, GapQuantiles, Gaps, State
+from bem.scene.state import CLOSED, GapNumbers, GapQuantiles, State
 
 
 def solve_flat(scene: Scene) -> Result:
@@ -29,46 +28,47 @@ def solve_flat(scene: Scene) -> Result:
     record, deepest, loading = Record(scene), -math.inf, scene.loading
     joined = loading.initial == "complete_contact"
     for index, target in enumerate(loading.targets):
-        state = _flat_state(scene, target, compliance, joined)
-        place: dict[str, Any] = {
-            "branch": "loading" if state.penetration >= deepest else "unloading",
-            "target": True,
-            "index": index,
-        }
-        if state.status == "unreachable":
-            name = f"target {index + 1} of {len(loading.targets)}"
-            reason = sentence(flat_apart(), name, loading.control, target)
-            record.miss(state, certificate=Certificate(ok=False, reasons=(reason,)), **place)
+        state, branch = _flat_state(scene, target, compliance, joined), "loading"
+        if state is not None:
+            branch = "loading" if state.penetration >= deepest else "unloading"
+        place: dict[str, Any] = {"branch": branch, "target": True, "index": index}
+        if state is None:
+            reason = sentence(flat_apart(), f"target {index + 1} of {len(loading.targets)}", loading.control, target)
+            apart = _apart(scene, 0.0, compliance)
+            record.miss(missed_state(loading.control, target, "unreachable", reason, apart), **place)
             continue
         record.add(state, {}, **place)
         deepest, joined = state.penetration, state.status == "complete_contact"
     return record.result(*verdict(record.states))
 
 
-def _flat_state(scene: Scene, target: float, compliance: float | None, joined: bool) -> State:
-    """Return the state at a target; `joined` says whether the surfaces were in contact before."""
+def _flat_state(scene: Scene, target: float, compliance: float | None, joined: bool) -> State | None:
+    """Return the state at a target, None without one; `joined` says whether the surfaces were in contact before."""
     control = scene.loading.control
+    sticks = scene.adhesion is not None and joined
     if control == "mean_pressure":
-        sticks = scene.adhesion is not None and joined
-        if target < 0 and not sticks:
-            return _unreachable(0.0)
-        return _complete(scene, target, None if compliance is None else compliance * target)
+        total = None if compliance is None else compliance * target
+        return _complete(scene, target, total) if target >= 0 or sticks else None
     height = -target if control == "separation" else target
-    if height < 0 and not (control == "total_displacement" and joined and scene.adhesion is not None):
-        return State(
-            status="separated",
-            penetration=height,
-            separation=-height,
-            total_displacement=None if compliance is None else height,
-            largest_gap=-height,
-            gaps=Gaps(-height, -height, GapQuantiles(*[-height] * 5), scene.surface().period, 1.0),
-            error_estimate=EXACT,
-        )
+    if height < 0 and not (control == "total_displacement" and sticks):
+        return _apart(scene, height, compliance)
     if control == "total_displacement" and compliance:
         return _complete(scene, height / compliance, height)
-    if height > 0:
-        return _unreachable(height)
-    return _complete(scene, math.nan, None if compliance is None else 0.0)
+    return None if height > 0 else _complete(scene, math.nan, None if compliance is None else 0.0)
+
+
+def _apart(scene: Scene, height: float, compliance: float | None) -> State:
+    """Return surfaces apart at a penetration `height` <= 0."""
+    gap = 0.0 - height
+    return State(
+        status="separated",
+        penetration=height,
+        separation=gap,
+        total_displacement=None if compliance is None else height,
+        largest_gap=gap,
+        gaps=GapNumbers(gap, gap, GapQuantiles(*[gap] * 5), scene.surface().period, 1.0),
+        error_estimate=EXACT,
+    )
 
 
 def _complete(scene: Scene, mean_pressure: float, total: float | None) -> State:
@@ -86,17 +86,5 @@ def _complete(scene: Scene, mean_pressure: float, total: float | None) -> State:
         peak_pressure=None if math.isnan(mean_pressure) else mean_pressure,
         largest_gap=0.0,
         gaps=CLOSED,
-        error_estimate=EXACT,
-    )
-
-
-def _unreachable(penetration: float) -> State:
-    """Return the row of a target at which flat surfaces have no state."""
-    return State(
-        status="unreachable",
-        penetration=penetration,
-        separation=-penetration,
-        mean_pressure=math.nan,
-        largest_gap=-penetration,
         error_estimate=EXACT,
     )

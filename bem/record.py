@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.audit.certificate import Certificate
 from bem.certified_states import (
     complete_state,
     equilibrium_state,
@@ -237,11 +236,7 @@ class Recorder:
     def miss(self, index: int, status: Status, reason: str, branch: Branch) -> None:
         """Add the row of a target that was not met."""
         control, value = asked_for(self.record.begun.scene["loading"], index)
-        if status == "unreachable" and control == "mean_pressure":
-            certificate = Certificate(ok=False, reasons=(reason,))
-            state = replace(separated_state(self.problem, 0.0), status=status, certificate=certificate)
-        else:
-            state = missed_state(control, value, status, reason)
+        state = missed_state(control, value, status, reason, separated_state(self.problem, 0.0))
         tension = tension_of(self.problem, self.path.largest_tension)
         self.record.miss(state, tension, branch=branch, target=True, index=index, **self._cost())
         self._tell()

@@ -50,8 +50,6 @@ from bem.scene.scene_tables import TABLES
 from bem.scene.state import FINAL_STATUSES
 from bem.solver import solve
 
-CURVES = ("contact_fraction", "separation")  # against which --plot draws the mean pressure
-
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command, by default the one of `sys.argv`, and return its exit code."""
@@ -207,7 +205,7 @@ def _solved(scene: Scene, stored: Result | None, options: argparse.Namespace) ->
 def _draw(result: Result, folder: Path) -> None:
     """Draw the mean pressure against contact fraction and separation, and the stored shapes, as PNG."""
     plots = import_module("bem.scene.plots")
-    for quantity in CURVES:
+    for quantity in plots.CURVES:
         plots.curves(result.states, [quantity]).savefig(folder / f"{quantity}.png", dpi=150)
     for name in (key.removeprefix("x_") for key in result.fields if key.startswith("x_")):
         plots.shape(result.fields, name).savefig(folder / f"shape_{name}.png", dpi=150)

@@ -6,7 +6,7 @@
 It vanishes at -sigma_a and solves the diffusion equation with a barrier held there, from delta(sigma - sigma_0 +
 sigma_a): its centres lie at -sigma_a +- sigma_0, and its load is sigma_0 - sigma_a A/A0, not sigma_0.  The theory's
 barrier moves with the wavenumber, so that this is a fit of the theory's own P too, and its sigma_a a number of the fit.
-The paper relaxes sigma_a and G alone; an amplitude may be set free beside them.
+The paper relaxes sigma_a and G.
 
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, final double Gaussian, with
 G sigma_0^2 where the print mixes units.  SI units.  Limits: the tensile tail |sigma|^-3 of a real contact lies outside,
@@ -24,33 +24,32 @@ from scipy.special import erf
 
 from persson.mathematics.arrays import FloatArray
 
-LEAST_POINTS = 4  # one more than there are parameters with a free amplitude
+LEAST_POINTS = 4
 STARTS = (0.02, 0.2, 0.6, 1.5)  # of sigma_a, in standard deviations of the density given
 LEAST = 1e-3  # of the largest density: where ln P is fitted
 FLOOR = 1e-8  # of the largest density: what ln P sees of a fit that has ended
-WIDEST = 14.0  # standard deviations of sigma_a, and logarithms of G and amplitude: what noise alone may ask for
+WIDEST = 14.0  # standard deviations of sigma_a, and logarithms of G: bounds of a fit to noise
 MOST_EVALUATIONS = 5000  # of one fit: noise has long valleys
 
 
 @dataclass(frozen=True)
 class DoubleGaussian:
-    """A fit: sigma_0 and sigma_a in Pa, G and amplitude dimensionless; rms residual over the largest P."""
+    """A fit: sigma_0 and sigma_a in Pa, G dimensionless; rms residual over the largest P."""
 
     mean_pressure: float
     detachment_stress: float
     diffusivity: float
-    amplitude: float
     residual: float
 
     @property
     def load(self) -> float:
-        """int sigma P dsigma in Pa: amplitude (sigma_0 - sigma_a A/A0) with A/A0 = erf(1 / (2 sqrt G))."""
+        """int sigma P dsigma in Pa: sigma_0 - sigma_a A/A0 with A/A0 = erf(1 / (2 sqrt G))."""
         area = erf(1 / (2 * np.sqrt(self.diffusivity)))
-        return float(self.amplitude * (self.mean_pressure - self.detachment_stress * area))
+        return float(self.mean_pressure - self.detachment_stress * area)
 
     def __call__(self, pressure: ArrayLike) -> FloatArray:
         """Return P in 1/Pa at pressures in Pa; zero below -sigma_a."""
-        return self.amplitude * double_gaussian(pressure, self.mean_pressure, self.detachment_stress, self.diffusivity)
+        return double_gaussian(pressure, self.mean_pressure, self.detachment_stress, self.diffusivity)
 
 
 def double_gaussian(
@@ -76,7 +75,6 @@ def fit_double_gaussian(
     density: ArrayLike,
     mean_pressure: float,
     *,
-    free_amplitude: bool = False,
     logarithmic: bool = False,
 ) -> DoubleGaussian:
     """Fit sigma_a and G to the given points by least squares, sigma_0 fixed, from the best of several starts.
@@ -87,8 +85,6 @@ def fit_double_gaussian(
         sigma in Pa and P in 1/Pa, n >= 4, finite.
     mean_pressure : float
         sigma_0 in Pa, > 0.
-    free_amplitude : bool
-        Fit a factor on P too; the paper holds it at 1.
     logarithmic : bool
         Equal weights of ln P, over the points with more than 1e-3 of the largest P, rather than of P.
 
@@ -103,8 +99,8 @@ def fit_double_gaussian(
     --------
     >>> sigma = np.linspace(-0.4, 5.0, 60)
     >>> fit = fit_double_gaussian(sigma, double_gaussian(sigma, 1.0, 0.3, 0.6), 1.0)
-    >>> round(fit.detachment_stress, 6), round(fit.diffusivity, 6), fit.amplitude
-    (0.3, 0.6, 1.0)
+    >>> round(fit.detachment_stress, 6), round(fit.diffusivity, 6), fit.residual < 1e-9
+    (0.3, 0.6, True)
     """
     sigma, target = _checked(pressure, density, mean_pressure)
     peak = float(np.max(target))
@@ -113,8 +109,7 @@ def fit_double_gaussian(
 
     def made(parameters: FloatArray, residual: float = np.nan) -> DoubleGaussian:
         stress, diffusivity = parameters[0] * np.sqrt(variance), np.exp(parameters[1])
-        amplitude = float(np.exp(parameters[2])) if free_amplitude else 1.0
-        return DoubleGaussian(mean_pressure, float(stress), float(diffusivity), amplitude, residual)
+        return DoubleGaussian(mean_pressure, float(stress), float(diffusivity), residual)
 
     def misfit(parameters: FloatArray) -> FloatArray:
         fitted = made(parameters)(sigma[inside])
@@ -123,13 +118,11 @@ def fit_double_gaussian(
         return np.asarray((fitted - target[inside]) / peak)
 
     spread = np.log(variance / (2 * mean_pressure**2))
-    lowest = [0.0, spread - WIDEST, -WIDEST][: 2 + free_amplitude]
-    highest = [WIDEST, spread + WIDEST, WIDEST][: 2 + free_amplitude]
     fits = [
         least_squares(
             misfit,
-            np.array([start, spread, 0.0][: len(lowest)]),
-            bounds=(lowest, highest),
+            np.array([start, spread]),
+            bounds=([0.0, spread - WIDEST], [WIDEST, spread + WIDEST]),
             xtol=1e-12,
             ftol=1e-12,
             gtol=1e-12,

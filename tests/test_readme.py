@@ -20,8 +20,12 @@ def blocks(language: str) -> list[str]:
 
 @pytest.fixture
 def folder(tmp_path):
-    (tmp_path / "scene.toml").write_text(blocks("toml")[0])
+    (tmp_path / "scene.toml").write_text(blocks("toml")[1])
     return tmp_path
+
+
+def test_it_is_short():
+    assert len(README.splitlines()) <= 150
 
 
 def test_there_are_two_commands_first():
@@ -31,13 +35,13 @@ def test_there_are_two_commands_first():
 
 
 def test_scene_is_toml():
-    assert tomllib.loads(blocks("toml")[0])["profile"]["harmonics"] == 60
+    assert tomllib.loads(blocks("toml")[1])["profile"]["harmonics"] == 60
 
 
 def test_scan_is_taken_as_shown(folder):
     x, h = np.arange(100) * 0.01, np.cos(np.arange(100) / 5)
     np.savetxt(folder / "scan.csv", np.column_stack([x, h]), delimiter=";")
-    scene, scan = map(tomllib.loads, blocks("toml")[:2])
+    scan, scene = map(tomllib.loads, blocks("toml")[:2])
     steps = parse_scene(scene | scan, folder).preparation()
     asked = {step["step"]: step.get("method") for step in steps}
     assert (asked["outliers"], asked["missing"], asked["detrend"]) == ("replace", "interpolate", "line")
@@ -61,8 +65,8 @@ def run_block(tmp_path, monkeypatch):
 
 
 def test_scene_commands_run(run_block, folder):
-    run_block(blocks("sh")[1])
-    assert (folder / "result" / "result.json").exists()
+    run_block(blocks("sh")[2])
+    assert (folder / "result" / "report.html").exists()
 
 
 def test_files_of_a_run_are_named(folder, monkeypatch):
@@ -75,19 +79,15 @@ def test_files_of_a_run_are_named(folder, monkeypatch):
     assert {name for name in names if f"`{name}`" not in README} == set()
 
 
-def test_commands_from_a_scene_to_a_page_run(run_block, tmp_path):
-    run_block(blocks("sh")[2])
-    assert (tmp_path / "result" / "report.html").exists()
-
-
-def test_commands_for_a_scan_run(run_block, tmp_path):
-    run_block(blocks("sh")[3])
-    assert "as prepared" in (tmp_path / "scan" / "report.html").read_text("utf-8")
+def test_commands_from_a_trace_to_a_page_run(run_block, tmp_path):
+    run_block(blocks("sh")[1])
+    pages = [(tmp_path / name / "report.html").read_text("utf-8") for name in ("seal", "again")]
+    assert all("as prepared" in page for page in pages)
 
 
 @pytest.mark.slow
 def test_the_study_of_a_scene_runs(run_block, tmp_path):
-    run_block(f"linecontact example pull-off\n{blocks('sh')[4]}")
+    run_block(f"linecontact example pull-off\n{blocks('sh')[3]}")
     page = (tmp_path / "sure" / "study.html").read_text("utf-8")
     assert "How far each answer moves" in page
 

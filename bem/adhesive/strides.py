@@ -28,7 +28,7 @@ LEAST_RATIO, LARGEST_RATIO = 0.1, 2.5  # accepted actual over predicted decrease
 LEAST_INTENSITY = 0.3  # of the critical K: edges below move outward by so much of their step scale, at most
 
 DescentStatus = Literal["converged", "separated", "complete_contact", "touched", "not_converged", "ill_conditioned"]
-Verdict = DescentStatus | Literal["closing", "vanishing"]
+StrideEnd = DescentStatus | Literal["closing", "vanishing"]
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ class Walk:
     gone: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     touching: GapMinima | None = None
 
-    def to_change(self) -> Verdict:
+    def to_change(self) -> StrideEnd:
         """Step until patches vanish, gaps close, a crest touches, or the descent ends.
 
         1. Evaluate the forces on the edges.
@@ -118,13 +118,13 @@ class Walk:
            the step inside the radius, the descent has converged.
         4. Try it, and take it where the potential falls about as far as predicted, else shrink the radius.
         """
-        verdict: Verdict | Literal["again"] = "again"
+        verdict: StrideEnd | Literal["again"] = "again"
         while verdict == "again":
             verdict = self.round() if self.rounds > 0 and self.radius >= EQUAL_HEIGHTS else "not_converged"
             self.rounds -= 1
         return verdict
 
-    def round(self) -> Verdict | Literal["again"]:
+    def round(self) -> StrideEnd | Literal["again"]:
         """Evaluate the forces and take a step, or return the reason why no step is taken."""
         forces = self.evaluated()
         if forces is None:
@@ -144,7 +144,7 @@ class Walk:
             self.forces = self._balance(self.patches, self.penetration, self.resolution)
         return self.forces
 
-    def reshaped(self, forces: Balance) -> Verdict | Literal["again"] | None:
+    def reshaped(self, forces: Balance) -> StrideEnd | Literal["again"] | None:
         """Find gaps that close or patches that vanish, or move edges with K <= 0 outward; return a verdict or None."""
         self.gone = closing_gaps(self.system, forces)
         if self.gone.size:
@@ -166,7 +166,7 @@ class Walk:
         parts = trust_region_step(gradient, hessian, self.radius)
         return _Step(scale, parts, -float(gradient @ parts + 0.5 * parts @ hessian @ parts))
 
-    def tried(self, forces: Balance, step: _Step) -> Verdict | Literal["again"]:
+    def tried(self, forces: Balance, step: _Step) -> StrideEnd | Literal["again"]:
         """Try a step: take it where the potential falls about as far as predicted, else shrink the radius."""
         trial = self.patches.moved(step.parts * step.scale)
         if not self._is_free(trial):

@@ -157,9 +157,9 @@ class _Pressure:
             terms = self.opening[i].size + self.opening[(i + 1) % self.gaps.count].size
             n = 4 * terms + int(POINTS_PER_WAVELENGTH * width * self.table.max_order / 4)
             values = self._behind(i, _midpoints(n), exact=False)
-            before, here, after = values[:-2], values[1:-1], values[2:]
-            may_be_lower = (3 * here <= before + after) | (here == here.min())
-            low = np.flatnonzero((here <= before) & (here < after) & may_be_lower)
+            before, middle, after = values[:-2], values[1:-1], values[2:]
+            may_be_lower = (3 * middle <= before + after) | (middle == middle.min())
+            low = np.flatnonzero((middle <= before) & (middle < after) & may_be_lower)
             three = (low + 1.5 + BESIDE) * (np.pi / n)
             minima = refined(partial(self._behind, i), three, refinements=TO_ROUNDING)
             ends = self._behind(i, _midpoints(n)[[0, -1]])

@@ -16,7 +16,7 @@ from bem.scene.result_views import UNITS
 from bem.scene.state import State
 
 PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
-FEWEST, MOST = 2, 4  # format: digits
+FEWEST_DIGITS, MOST_DIGITS = 2, 4  # format
 UNKNOWN = "–"
 QUANTITIES = {  # name of a column of `to_table("targets")`: heading
     "mean_pressure": "mean pressure",
@@ -33,6 +33,7 @@ QUANTITIES = {  # name of a column of `to_table("targets")`: heading
     "mean_cubic_root": "gap for flow along the ridges, <g³>^(1/3)",
     "widest_channel": "widest open channel",
 }
+PULL_OFF = "pull_off"  # of `Inputs`: the largest tension of the path
 TRIPLES = {  # columns shown in one cell, which is sorted by the second
     "width_median": ("width_least", "width_median", "width_largest"),
     "open_gap_p50": ("open_gap_p10", "open_gap_p50", "open_gap_p90"),
@@ -43,7 +44,7 @@ NO_FLAW = (
 )
 
 Cell = tuple[str, float | str]  # text, and what it is sorted by
-Inputs = Mapping[int, Mapping[str, float]]  # relative uncertainty of the input, by target and quantity
+Inputs = Mapping[int | None, Mapping[str, float]]  # relative uncertainty of the input, by target (None: the path)
 
 
 def axis_unit(largest: float, unit: str) -> tuple[float, str]:
@@ -66,7 +67,7 @@ def digits(relative: float) -> int:
     >>> digits(0.3), digits(0.02), digits(0.004), digits(1e-9)
     (2, 2, 3, 4)
     """
-    return min(max(1 + math.floor(-math.log10(relative)), FEWEST), MOST) if relative > 0 else MOST
+    return min(max(1 + math.floor(-math.log10(relative)), FEWEST_DIGITS), MOST_DIGITS) if relative > 0 else MOST_DIGITS
 
 
 def readable(value: float, unit: str, figures: int) -> str:
@@ -185,20 +186,24 @@ def _uncertainty(row: Mapping[str, float], name: str, inputs: Mapping[str, float
     return ", ".join(f"{share(value)} {origin}" for origin, value in parts.items()), math.hypot(*parts.values())
 
 
-def pull_off_words(result: Result) -> str:
+def pull_off_words(result: Result, inputs: Inputs | None = None) -> str:
     """Return words on the largest tension of the way out, or on its absence; nothing without tension."""
     if stays_complete(result):
         return NO_FLAW
     tension, held, where = result.largest_tension, rising_tension(result), ""
     if tension is not None:
-        error = share(tension.error_estimate.mean_pressure / -tension.mean_pressure)
-        where = f"{readable(-tension.mean_pressure, 'Pa', MOST)} (± {error} numerical), at a separation of "
-        where += readable(tension.separation, "m", MOST)
+        error = tension.error_estimate.mean_pressure / -tension.mean_pressure
+        outer = (inputs or {}).get(None, {}).get(PULL_OFF, math.nan)
+        known, figures = f"± {share(error)} numerical", MOST_DIGITS
+        if math.isfinite(outer):
+            known, figures = f"{known}, {share(outer)} input", digits(math.hypot(error, outer))
+        where = f"{readable(-tension.mean_pressure, 'Pa', figures)} ({known}), at a separation of "
+        where += readable(tension.separation, "m", MOST_DIGITS)
     if held is not None:
-        words = "Pull-off: not reached. The way out ends in tension, "
-        words += (
-            f"{readable(-held.mean_pressure, 'Pa', MOST)} at a separation of {readable(held.separation, 'm', MOST)}"
+        words = (
+            f"Pull-off: not reached. The way out ends in tension, {readable(-held.mean_pressure, 'Pa', MOST_DIGITS)}"
         )
+        words += f" at a separation of {readable(held.separation, 'm', MOST_DIGITS)}"
         return f"{words}, and larger tensions may lie beyond" + (
             f"; before that it turns at {where}." if where else "."
         )
@@ -208,7 +213,7 @@ def pull_off_words(result: Result) -> str:
     apart = result.came_apart()
     if apart is None:
         return f"{where}; the surfaces have not come apart on this path."
-    return f"{where}; the surfaces come apart at {readable(apart, 'm', MOST)}."
+    return f"{where}; the surfaces come apart at {readable(apart, 'm', MOST_DIGITS)}."
 
 
 def rising_tension(result: Result) -> State | None:
@@ -252,7 +257,7 @@ def table_text(result: Result, inputs: Inputs | None = None) -> str:
     listed = [heads, *([text for text, _ in row] for row in rows)]
     columns = [_padded(column, k) for k, column in enumerate(listed)]
     lines = ["  ".join(line).rstrip() for line in zip(*columns, strict=True)]
-    return "\n".join([*lines, *filter(None, [pull_off_words(result)])])
+    return "\n".join([*lines, *filter(None, [pull_off_words(result, inputs)])])
 
 
 def _padded(column: Sequence[str], place: int) -> list[str]:

@@ -108,8 +108,8 @@ class CompletedBody:
 
 
 @dataclass(frozen=True)
-class Condition:
-    """Condition alpha s + 2 pi beta tau = rest: a control next to complete contact.
+class LinearControl:
+    """Linear control alpha s + 2 pi beta tau = rest: a control next to complete contact.
 
     Parameters
     ----------
@@ -133,10 +133,10 @@ class Condition:
         return (self.rest - self.separation_weight * separation) / self.rate(separation_rate)
 
 
-def condition_of(body: CompletedBody, control: Control, value: float, separation: float | None = None) -> Condition:
+def condition_of(body: CompletedBody, control: Control, value: float, separation: float | None = None) -> LinearControl:
     """Return the condition of a control at a value, or of a separation given to full precision."""
     if separation is not None:
-        return Condition(1.0, 0.0, separation)
+        return LinearControl(1.0, 0.0, separation)
     alpha, beta = control.penetration_weight, control.load_weight
     whole = alpha * body.max_height + beta * TWO_PI * body.lowest
-    return Condition(alpha, beta, whole - value, float(np.finfo(float).eps) * whole)
+    return LinearControl(alpha, beta, whole - value, float(np.finfo(float).eps) * whole)

@@ -87,11 +87,11 @@ def _without_noise(fine: Evaluation, known: IntArray) -> tuple[Evaluation, Float
     rounded = np.sqrt(np.sum(fine.series**2, axis=1, where=beyond) / np.sum(beyond, axis=1))
     above = np.pi * np.abs(charges) > ROUNDINGS * rounded[:, None] * np.maximum(order, 1)
     above[:, 0] = True
-    kept = np.maximum.accumulate(above[:, ::-1], axis=1)[:, ::-1]
-    charges = np.where(kept, charges, 0.0)
+    certain = np.maximum.accumulate(above[:, ::-1], axis=1)[:, ::-1]
+    charges = np.where(certain, charges, 0.0)
     sign, radius = 1.0 - 2.0 * (order % 2), np.tile(fine.patches.half_width, 2)
     regular, bent = (np.concatenate([terms @ sign, terms.sum(axis=1)]) for terms in (charges, charges * order**2))
-    left = np.tile(rounded / np.pi * np.sqrt(np.sum(np.where(kept, order**2, 0), axis=1)), 2)
+    left = np.tile(rounded / np.pi * np.sqrt(np.sum(np.where(certain, order**2, 0), axis=1)), 2)
     to_intensity = np.sqrt(np.pi / radius)
     return replace(fine, stress_intensity=-regular * to_intensity, edge_slope=bent / radius), left * to_intensity
 

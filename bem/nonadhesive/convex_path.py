@@ -24,7 +24,7 @@ from bem.loading.control import Control, LoadControl
 from bem.loading.increments import Effort, Increments
 from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, EventNumbers, PathEvent, PathStatus, PathTension, path_events
 from bem.loading.points_without_edges import Complete, Failed, PathPoint, Separated
-from bem.nonadhesive.completed_body import CompletedBody, Condition, condition_of
+from bem.nonadhesive.completed_body import CompletedBody, LinearControl, condition_of
 from bem.nonadhesive.contact_assessment import assess_contact
 from bem.nonadhesive.gap_series import GapEvaluation
 from bem.nonadhesive.grid_contact import GridProblem, grid_problem
@@ -33,7 +33,7 @@ from bem.nonadhesive.nonadhesive import solve_contact
 
 LOAD_CONTROL = LoadControl()
 ROUNDED = 4 * float(np.finfo(float).eps)  # of penetrations: nearer to first touch and complete contact is there
-NARROW = 1e-3  # speed: isolated cracks narrower than this part of the contact beside them carry the unknowns at once
+NARROW_GAP = 1e-3  # speed: isolated cracks below this part of the contact beside them carry the unknowns at once
 ISOLATED = 0.3  # speed: largest half width of a gap, over the shortest wave, for which isolated cracks are a good start
 
 
@@ -191,7 +191,7 @@ class ConvexPath:
             return point
         return self._touching(value, solved.state)  # that gap is too much for unknowns in gaps, and taken for contact
 
-    def _by_gaps(self, condition: Condition, value: float, gaps: Gaps) -> ConvexPoint:
+    def _by_gaps(self, condition: LinearControl, value: float, gaps: Gaps) -> ConvexPoint:
         """Solve for the state from the given gaps."""
         solved = solve_gaps(self.body, condition, gaps)
         self.effort.evaluations += solved.evaluations
@@ -213,7 +213,7 @@ class ConvexPath:
         """
         isolated = np.all(gaps.half_width * self.body.highest_order <= ISOLATED)
         narrowest = np.min(2 * gaps.half_width / np.minimum(gaps.patch_before, gaps.patch_after), initial=0.0)
-        return bool(isolated and narrowest < NARROW)
+        return bool(isolated and narrowest < NARROW_GAP)
 
     @cached_property
     def _grid(self) -> GridProblem:

@@ -33,7 +33,7 @@ from bem.geometry import chebyshev
 from bem.geometry.arrays import ComplexArray, FloatArray, IntArray
 from bem.geometry.gaps import Gaps, sines
 from bem.geometry.patches import TWO_PI, Patches, PatchPressure
-from bem.nonadhesive.completed_body import CompletedBody, Condition
+from bem.nonadhesive.completed_body import CompletedBody, LinearControl
 
 COUPLING = 1e-15  # derived: accuracy of the coupling of gaps
 MOST_UNKNOWNS = 6000  # limit: of all gaps
@@ -49,8 +49,8 @@ class GapEvaluation:
     ----------
     deficit : float
         tau, what the mean pressure lacks to that of complete contact.
-    opening, opening_rate : tuples of (n_i,) arrays
-        g_n of each gap, and its derivative by tau.
+    opening : tuple of (n_i,) arrays
+        g_n of each gap.
     separation, separation_rate : float
         Mean gap, and its derivative by tau.
     work : float
@@ -61,7 +61,6 @@ class GapEvaluation:
     gaps: Gaps
     deficit: float
     opening: tuple[FloatArray, ...]
-    opening_rate: tuple[FloatArray, ...]
     separation: float
     separation_rate: float
     work: float
@@ -109,7 +108,7 @@ class GapEvaluation:
     @cached_property
     def end_values(self) -> FloatArray:
         """Values k of the ends, (2 G,)."""
-        return end_values(self.opening)
+        return self._at_ends([np.arange(1.0, g.size + 1) for g in self.opening])
 
     @property
     def stress_intensity(self) -> FloatArray:
@@ -120,7 +119,13 @@ class GapEvaluation:
     def end_slopes(self) -> FloatArray:
         """Inward derivative by t of sum g_n U_n at the ends, (2 G,)."""
         weights = [(n := np.arange(series.size)) * (n + 1) * (n + 2) / 3 for series in self.opening]
-        return -_at_ends(self.opening, weights)
+        return -self._at_ends(weights)
+
+    def _at_ends(self, weights: list[FloatArray]) -> FloatArray:
+        """Return sum (+-1)^n w_n g_n, (2 G,)."""
+        terms = [w * g for w, g in zip(weights, self.opening, strict=True)]
+        left = [float(np.sum((-1.0) ** np.arange(each.size) * each)) for each in terms]
+        return np.array(left + [float(np.sum(each)) for each in terms])
 
     def added(self, gap: int, angle: FloatArray) -> FloatArray:
         """Return the pressure that the openings add in the contact behind a gap, (n,).
@@ -153,10 +158,18 @@ class GapEvaluation:
             modes += np.exp(-1j * np.multiply.outer(m, center + t)) @ charge
         return np.asarray(self.body.stiffening * modes / np.pi)
 
+    @cached_property
+    def gap_before(self) -> IntArray:
+        """Index of the gap before each patch, (G,)."""
+        return np.argsort((self.gaps.center + self.gaps.half_width) % TWO_PI)
+
     def pressure(self) -> PatchPressure:
         """Return the pressure as Chebyshev series on the patches, to rounding of its largest coefficient."""
-        start = self.gaps.center + self.gaps.half_width
-        charges = [self._charge_behind(i) for i in np.argsort(start % TWO_PI)]
+        return self._pressure
+
+    @cached_property
+    def _pressure(self) -> PatchPressure:
+        charges = [self._charge_behind(int(gap)) for gap in self.gap_before]
         return PatchPressure(self.patches.left, self.patches.right, tuple(charges))
 
     def _charge_behind(self, gap: int) -> FloatArray:
@@ -173,7 +186,7 @@ class GapEvaluation:
             size *= 2
 
 
-def evaluate_gaps(body: CompletedBody, gaps: Gaps, condition: Condition, finer: bool = False) -> GapEvaluation:
+def evaluate_gaps(body: CompletedBody, gaps: Gaps, condition: LinearControl, finer: bool = False) -> GapEvaluation:
     """Solve for the opening of given gaps, and for the deficit that meets a condition.
 
     Parameters
@@ -181,7 +194,7 @@ def evaluate_gaps(body: CompletedBody, gaps: Gaps, condition: Condition, finer: 
     body : CompletedBody
     gaps : Gaps
         In order, disjoint, at least one.
-    condition : Condition
+    condition : LinearControl
     finer : bool
         Whether there are a third more nodes, for error estimates.
 
@@ -211,16 +224,13 @@ def evaluate_gaps(body: CompletedBody, gaps: Gaps, condition: Condition, finer: 
     deficit = condition.deficit(*(a @ charge / TWO_PI).tolist())
     charge[:, 0] += deficit * charge[:, 1]
     drive[:, 0] += deficit * drive[:, 1]
-    series = [
-        _second_kind(last - first).T @ charge[first:last] * (2 / np.pi) for first, last in pairwise(starts.tolist())
-    ]
+    opening = [_second_kind(last - first).T @ charge[first:last, 0] for first, last in pairwise(starts.tolist())]
     separation, separation_rate = (a @ charge / TWO_PI).tolist()
     return GapEvaluation(
         body=body,
         gaps=gaps,
         deficit=deficit,
-        opening=tuple(both[:, 0] for both in series),
-        opening_rate=tuple(both[:, 1] for both in series),
+        opening=tuple(series * (2 / np.pi) for series in opening),
         separation=separation,
         separation_rate=separation_rate,
         work=float(charge[:, 0] @ drive[:, 0]),
@@ -270,18 +280,6 @@ def _charges(series: FloatArray, a: float, size: int) -> tuple[FloatArray, Float
     """Return distances from the center of a gap, and its volumes there by Gauss's rule, (n,) each."""
     angle = _angles(size)
     return a * np.cos(angle), a * np.pi / (size + 1) * np.sin(angle) * sines(series, angle)
-
-
-def end_values(series: tuple[FloatArray, ...]) -> FloatArray:
-    """Return sum (n + 1) (+-1)^n g_n of some series, all left ends first, (2 G,)."""
-    return _at_ends(series, [np.arange(1.0, g.size + 1) for g in series])
-
-
-def _at_ends(series: tuple[FloatArray, ...], weights: list[FloatArray]) -> FloatArray:
-    """Return sum (+-1)^n w_n g_n of some series, all left ends first, (2 G,)."""
-    signs = [(-1.0) ** np.arange(g.size) for g in series]
-    left = [float(np.sum(sign * w * g)) for sign, w, g in zip(signs, weights, series, strict=True)]
-    return np.array(left + [float(np.sum(w * g)) for w, g in zip(weights, series, strict=True)])
 
 
 def _line_pressure(series: FloatArray, excess: FloatArray, side: FloatArray) -> FloatArray:

@@ -210,10 +210,10 @@ def _intervals(values: FloatArray, drive: FloatArray, power: float) -> Patches:
     left = start - _reach(linear, start, 1)
     right = start + points - 1 + _reach(linear, stop, -1)
     highest = start + (drive[stop] > drive[start])
-    before, here, after = drive[highest - 1], drive[highest % n], drive[(highest + 1) % n]
+    before, middle, after = drive[highest - 1], drive[highest % n], drive[(highest + 1) % n]
     with np.errstate(divide="ignore", invalid="ignore"):
-        vertex = highest + np.clip(0.5 * (after - before) / (2 * here - before - after), -OFF_POINT, OFF_POINT)
-    narrow = (points <= 2) & (2 * here > before + after)
+        vertex = highest + np.clip(0.5 * (after - before) / (2 * middle - before - after), -OFF_POINT, OFF_POINT)
+    narrow = (points <= 2) & (2 * middle > before + after)
     left = np.where(narrow, np.maximum(vertex - points / 2, start - WITHIN_CELL[1]), left)
     right = np.where(narrow, np.minimum(vertex + points / 2, start + points - 1 + WITHIN_CELL[1]), right)
     return ordered(cell * left, cell * right)

@@ -15,21 +15,19 @@ A separation asked for enters as it is, not as a difference of heights.  Dimensi
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 from typing import Literal
 
 import numpy as np
 
 from bem.elastic.hierarchical import if_solvable
-from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray
 from bem.geometry.gaps import Gaps, sines
-from bem.geometry.minima import TO_ROUNDING, refined
 from bem.geometry.patches import TWO_PI
 from bem.loading.assessment import Assessment, Quantities
 from bem.loading.increments import MAXIMUM_ITERATIONS
-from bem.nonadhesive.completed_body import CompletedBody, Condition
-from bem.nonadhesive.gap_series import GapEvaluation, end_values, evaluate_gaps
+from bem.nonadhesive.completed_body import CompletedBody, LinearControl
+from bem.nonadhesive.gap_series import GapEvaluation, evaluate_gaps
+from bem.nonadhesive.tension import dips
 
 UNDERFLOW = 1e-70  # derived: of the lowest pressure of complete contact: tension on gaps whose volume underflows
 RESIDUAL = 1e-10  # derived: of |k| over g_0, a hundredth of what the certificate demands; Newton leaves 1e-13
@@ -47,7 +45,7 @@ class LastGaps:
     evaluations: int
 
 
-def isolated_cracks(body: CompletedBody, condition: Condition) -> Gaps:
+def isolated_cracks(body: CompletedBody, condition: LinearControl) -> Gaps:
     """Return the gaps as if each were alone; (0,) gaps where nothing holds any open."""
     x, q = body.minima
     curvature = np.maximum(body.pressure.curvature(x), 1e-300)
@@ -77,7 +75,7 @@ def _with_cracks(gaps: Gaps, body: CompletedBody, x: FloatArray, tension: FloatA
     return gaps.joined(Gaps(x % TWO_PI, np.zeros(x.size), half))
 
 
-def solve_gaps(body: CompletedBody, condition: Condition, gaps: Gaps) -> LastGaps:
+def solve_gaps(body: CompletedBody, condition: LinearControl, gaps: Gaps) -> LastGaps:
     """Find the gaps at whose ends K = 0, from where they may be."""
     last = np.inf
     for count in range(1, MAXIMUM_ITERATIONS + 1):
@@ -102,20 +100,15 @@ def solve_gaps(body: CompletedBody, condition: Condition, gaps: Gaps) -> LastGap
     return LastGaps("not_converged", None, MAXIMUM_ITERATIONS)
 
 
-def assess_gaps(state: GapEvaluation, condition: Condition) -> Assessment:
+def assess_gaps(state: GapEvaluation, condition: LinearControl) -> Assessment:
     """Return stiffness and estimated errors of a state at K = 0, where its condition holds.
 
     The errors are what more nodes with one more Newton step change, and what rounding of the pressure of complete
     contact and of the control does: it acts like an error of the deficit.
     """
-    fine = evaluate_gaps(state.body, state.gaps, condition, finer=True)
-    exact = evaluate_gaps(state.body, state.gaps.moved(_end_steps(fine)), condition, finer=True)
+    exact = _after_step(state, condition, finer=True)
     rounded = state.body.rounding + condition.rounding / condition.rate(state.separation_rate)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        growth = np.where(state.end_slopes > 0, end_values(state.opening_rate) / state.end_slopes, 0.0)
-    half = np.tile(state.gaps.half_width, 2)
-    disturbed = state.gaps.moved(np.minimum(growth * half * (2 / 3) * rounded, half))
-    moved = evaluate_gaps(state.body, disturbed, Condition(0.0, 1.0, TWO_PI * (state.deficit + rounded)))
+    moved = _after_step(state, LinearControl(0.0, 1.0, TWO_PI * (state.deficit + rounded)))
     quantities = _quantities(state)
     parts = [_quantities(other).minus(quantities) for other in (exact, moved)]
     return Assessment(
@@ -127,6 +120,12 @@ def assess_gaps(state: GapEvaluation, condition: Condition) -> Assessment:
         stable_at_fixed_load=True,
         correction=parts[0].widened(parts[1]),
     )
+
+
+def _after_step(state: GapEvaluation, condition: LinearControl, finer: bool = False) -> GapEvaluation:
+    """Return the state under a condition after one Newton step of the ends."""
+    steps = _end_steps(evaluate_gaps(state.body, state.gaps, condition, finer))
+    return evaluate_gaps(state.body, state.gaps.moved(steps), condition, finer)
 
 
 def _quantities(state: GapEvaluation) -> Quantities:
@@ -174,28 +173,16 @@ def _without_overlap(state: GapEvaluation) -> Gaps | None:
 def _with_gaps_under_tension(state: GapEvaluation) -> Gaps | None:
     """Return the gaps with new ones where the contact is under tension; None where it is nowhere.
 
-    The pressure is sampled at four points for each of its coefficients; dips are as shallow as the gaps are narrow.
+    Dips of the series tell where; there the pressure is summed to its last digits, as a dip is as shallow as its gap is
+    narrow.
     """
-    gaps, body = state.gaps, state.body
-    new: list[FloatArray] = []
-    for i, (width, start) in enumerate(zip(gaps.patch_after, gaps.center + gaps.half_width, strict=True)):
-        pressure = partial(_pressure_behind, state, i)
-        n = int(4 * chebyshev.profile_nodes(np.array([width]), body.pressure.max_order)[0])
-        angle = np.asarray((np.arange(n) + 0.5) * (np.pi / n), dtype=np.float64)
-        before, here, after = (at := pressure(angle))[:-2], at[1:-1], at[2:]
-        low = np.flatnonzero((here <= before) & (here < after) & (3 * here < before + after))
-        dips = refined(pressure, angle[low + np.arange(3)[:, None]], refinements=TO_ROUNDING)
-        x = start + width * np.sin(dips.position / 2) ** 2
-        tension = state.deficit - body.at_anchor(x % TWO_PI) - body.lowest - state.added(i, dips.position)
-        curvature = dips.curvature / (width * np.sin(dips.position) / 2) ** 2
-        new.append(np.array([x, tension, curvature])[:, tension > ROUNDINGS * body.rounding])
-    cracks = np.hstack(new)
-    return _with_cracks(gaps, body, *cracks) if cracks.size else None
-
-
-def _pressure_behind(state: GapEvaluation, gap: int, angle: FloatArray) -> FloatArray:
-    """Return the pressure behind a gap, (1 - cos(angle)) / 2 of the contact from its end, shape of angle."""
-    gaps = state.gaps
-    x = gaps.center[gap] + gaps.half_width[gap] + gaps.patch_after[gap] * np.sin(angle / 2) ** 2
-    opened = state.added(gap, angle.ravel()).reshape(angle.shape)
-    return np.asarray(state.mean_pressure + state.body.pressure.height(x) + opened)
+    gaps, body, cracks = state.gaps, state.body, []
+    for patch, dip in dips(state.pressure()).items():
+        gap = state.gap_before[patch]
+        angle, r = np.arccos(-dip.position), gaps.patch_after[gap] / 2
+        x = gaps.center[gap] + gaps.half_width[gap] + r * (1 + dip.position)
+        tension = state.deficit - body.at_anchor(x % TWO_PI) - body.lowest - state.added(gap, angle)
+        under_tension = tension > ROUNDINGS * body.rounding
+        cracks.append(np.array([x, tension, dip.curvature / (r**3 * np.sin(angle))])[:, under_tension])
+    found = np.hstack([np.empty((3, 0)), *cracks])
+    return _with_cracks(gaps, body, *found) if found.size else None

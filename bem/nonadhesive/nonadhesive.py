@@ -311,8 +311,8 @@ def _split(
     """Return moved patches, with their tensile parts cut out; the ends of patches under tension only move outward."""
     if not tensile:
         return moved
-    kept = np.array([i not in tensile for i in range(patches.count)])
-    left, right = moved.left[kept].tolist(), moved.right[kept].tolist()
+    pressed = np.array([i not in tensile for i in range(patches.count)])
+    left, right = moved.left[pressed].tolist(), moved.right[pressed].tolist()
     for i, parts in tensile.items():
         x = patches.center[i] + patches.half_width[i] * nodes(pressure.charges[i])
         middle = (x[1:] + x[:-1]) / 2

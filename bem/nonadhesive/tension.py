@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray, IntArray
-from bem.geometry.minima import Minima, refined
+from bem.geometry.minima import TO_ROUNDING, Minima, refined
 from bem.geometry.patches import PatchPressure
 
 TENSILE = 1e-6  # speed: of the largest pressure of a patch: less splits no patch, but is a dip in the end
@@ -28,7 +28,8 @@ def dips(pressure: PatchPressure) -> dict[int, Minima]:
         rows, k = np.nonzero((inner < before) & (inner <= after) & (inner < bend))
         at = nodes(pressure.charges[who[0]])[k + np.arange(3)[:, None]]
         for row in np.unique(rows):
-            lowest[int(who[row])] = refined(partial(_series, pressure.charges[who[row]]), at[:, rows == row])
+            series = partial(_series, pressure.charges[who[row]])
+            lowest[int(who[row])] = refined(series, at[:, rows == row], refinements=TO_ROUNDING)
     return dict(sorted(lowest.items()))
 
 

@@ -53,26 +53,74 @@ class PressureDistribution:
         """Centers of the bins, (n_bins,)."""
         return np.asarray((self.levels[1:] + self.levels[:-1]) / 2)
 
-    def tail_share(self, level: float) -> float:
-        """Return the share of the period that the tail alone puts below a level < 0, A / (2 level^2)."""
-        return self.tail_coefficient / (2 * level * level)
+
+class Curve:
+    """Pressure N / D on cells of a coordinate tau: N a quintic Hermite polynomial, D = r sin(tau), or 1 without r.
+
+    Parameters
+    ----------
+    start, stop : (n,) arrays
+        tau at the ends of the cells.
+    samples : (6, n) array
+        N, N', N'' at the start, then at the stop.
+    radius : (n,) array or None
+        r of the patch of each cell; None in complete contact, where tau is x.
+    """
+
+    def __init__(self, start: FloatArray, stop: FloatArray, samples: FloatArray, radius: FloatArray | None) -> None:
+        self.start, self.stop, self.width, self.radius = start, stop, stop - start, radius
+        h = self.width
+        f0, f1, f2, g0, g1, g2 = samples
+        d0, d1, c0, c1 = f1 * h, g1 * h, f2 * h * h / 2, g2 * h * h / 2
+        rise = g0 - f0 - d0 - c0
+        bend = d1 - d0 - 2 * c0
+        turn = c1 - c0
+        self.coefficients = np.stack(
+            [f0, d0, c0, 10 * rise - 4 * bend + turn, -15 * rise + 7 * bend - 2 * turn, 6 * rise - 3 * bend + turn]
+        )
+
+    def numerator(self, tau: FloatArray, cell: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return N, N', N'' at tau in the given cells, (m,) each."""
+        h = self.width[cell]
+        z = (tau - self.start[cell]) / h
+        a = self.coefficients[:, cell]
+        value = a[0] + z * (a[1] + z * (a[2] + z * (a[3] + z * (a[4] + z * a[5]))))
+        slope = a[1] + z * (2 * a[2] + z * (3 * a[3] + z * (4 * a[4] + z * 5 * a[5])))
+        curvature = 2 * a[2] + z * (6 * a[3] + z * (12 * a[4] + z * 20 * a[5]))
+        return value, slope / h, curvature / (h * h)
+
+    def denominator(self, tau: FloatArray, cell: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return D, D', D'', (m,) each; D is exactly zero at both edges of a patch."""
+        if self.radius is None:
+            return np.ones(tau.size), np.zeros(tau.size), np.zeros(tau.size)
+        r = self.radius[cell]
+        sine = np.where(tau > np.pi / 2, np.sin(np.pi - tau), np.sin(tau))
+        return r * sine, r * np.cos(tau), -r * sine
+
+    def length(self, tau1: FloatArray, tau2: FloatArray, cell: IntArray) -> FloatArray:
+        """Return the length between two places, r |cos tau1 - cos tau2| without cancellation, (m,)."""
+        if self.radius is None:
+            return np.abs(tau1 - tau2)
+        return np.asarray(2 * self.radius[cell] * np.abs(np.sin((tau1 + tau2) / 2) * np.sin((tau1 - tau2) / 2)))
+
+    def pressure(self, tau: FloatArray, cell: IntArray) -> FloatArray:
+        """Return N / D, infinite with the sign of N where D = 0 (zero where both vanish)."""
+        n, d = self.numerator(tau, cell)[0], self.denominator(tau, cell)[0]
+        edge = d == 0
+        return np.where(edge, np.where(n == 0, 0.0, np.copysign(np.inf, n)), n / np.where(edge, 1.0, d))
 
 
 @dataclass(frozen=True, eq=False)
 class Branches:
-    """Pieces of the period on which the pressure is monotone, in a coordinate tau that makes crossings smooth."""
+    """Pieces of the period on which the pressure is monotone, in the coordinate of a curve."""
 
+    curve: Curve
+    cell: IntArray  # cell of the curve with each branch, (n,)
     start: FloatArray  # tau of the ends, (n,), as `stop`
     stop: FloatArray
     first: FloatArray  # pressure at the ends, (n,), as `last`, possibly infinite
     last: FloatArray
     extrema: FloatArray  # local extrema of the pressure, (n_extrema,)
-    # (tau (m,), rows (m,)) to N and dN/dtau; sigma = N / D
-    numerator: Callable[[FloatArray, IntArray], tuple[FloatArray, FloatArray]]
-    # (tau (m,), rows (m,)) to D and dD/dtau
-    denominator: Callable[[FloatArray, IntArray], tuple[FloatArray, FloatArray]]
-    # (tau1 (m,), tau2 (m,), rows (m,)) to the length between them, dimensionless, >= 0
-    length: Callable[[FloatArray, FloatArray, IntArray], FloatArray]
 
 
 def pressure_distribution(
@@ -136,7 +184,7 @@ def share_below(branches: Branches, levels: FloatArray) -> FloatArray:
     low, high = np.minimum(branches.first, branches.last), np.maximum(branches.first, branches.last)
     begin, end = np.searchsorted(levels, low, side="right"), np.searchsorted(levels, high, side="left")
     rows = np.arange(low.size)
-    whole = branches.length(branches.start, branches.stop, rows)
+    whole = branches.curve.length(branches.start, branches.stop, branches.cell)
     total = np.cumsum(np.bincount(end, weights=whole, minlength=levels.size + 1))[: levels.size]
 
     crossings = np.maximum(end - begin, 0)
@@ -144,7 +192,7 @@ def share_below(branches: Branches, levels: FloatArray) -> FloatArray:
     level = np.arange(row.size) - np.repeat(np.cumsum(crossings) - crossings, crossings) + np.repeat(begin, crossings)
     tau = _crossings(branches, row, levels[level])
     from_low = np.where(branches.first[row] < branches.last[row], branches.start[row], branches.stop[row])
-    part = branches.length(from_low, tau, row)
+    part = branches.curve.length(from_low, tau, branches.cell[row])
     total += np.bincount(level, weights=part, minlength=levels.size)
     return np.asarray(total / (2 * np.pi))
 
@@ -162,7 +210,7 @@ def patch_branches(pressure: PatchPressure) -> Branches:
     if not starts:
         starts, stops, samples, radii = [np.empty(0)], [np.empty(0)], [np.empty((6, 0))], [np.empty(0)]
     start, stop, radius = np.concatenate(starts), np.concatenate(stops), np.concatenate(radii)
-    return _cut(start, stop, _Quintic(start, stop, np.concatenate(samples, axis=1)), _Sine(radius))
+    return _cut(Curve(start, stop, np.concatenate(samples, axis=1), radius))
 
 
 def profile_branches(pressure: Profile, mean_pressure: float) -> Branches:
@@ -172,7 +220,7 @@ def profile_branches(pressure: Profile, mean_pressure: float) -> Branches:
     value, slope, curvature = pressure.height_slope_curvature(start)
     left = np.stack([value + mean_pressure, slope, curvature])
     samples = np.concatenate([left, np.roll(left, -1, axis=1)])
-    return _cut(start, stop, _Quintic(start, stop, samples), _One())
+    return _cut(Curve(start, stop, samples, None))
 
 
 def _distribution(branches: Branches, levels: FloatArray, width: float, tail: float) -> PressureDistribution:
@@ -215,101 +263,31 @@ def _hermite_data(charge: FloatArray, cells: int) -> FloatArray:
     return np.concatenate([ends[:, :-1], ends[:, 1:]])
 
 
-class _Quintic:
-    """Quintic Hermite interpolation on cells: N, N' and N'' from values and two derivatives at the ends."""
+def _cut(curve: Curve) -> Branches:
+    """Cut the cells of a curve at extrema of N / D, where W = N' D - N D' changes its sign."""
+    start, stop, cell = curve.start, curve.stop, np.arange(curve.start.size)
 
-    def __init__(self, start: FloatArray, stop: FloatArray, samples: FloatArray) -> None:
-        self.start, self.width = start, stop - start
-        h = self.width
-        f0, f1, f2, g0, g1, g2 = samples
-        d0, d1, c0, c1 = f1 * h, g1 * h, f2 * h * h / 2, g2 * h * h / 2
-        rise = g0 - f0 - d0 - c0
-        bend = d1 - d0 - 2 * c0
-        turn = c1 - c0
-        self.coefficients = np.stack(
-            [f0, d0, c0, 10 * rise - 4 * bend + turn, -15 * rise + 7 * bend - 2 * turn, 6 * rise - 3 * bend + turn]
-        )
-
-    def __call__(self, tau: FloatArray, cell: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return N, N', N'' at tau in the given cells, (m,) each."""
-        h = self.width[cell]
-        z = (tau - self.start[cell]) / h
-        a = self.coefficients[:, cell]
-        value = a[0] + z * (a[1] + z * (a[2] + z * (a[3] + z * (a[4] + z * a[5]))))
-        slope = a[1] + z * (2 * a[2] + z * (3 * a[3] + z * (4 * a[4] + z * 5 * a[5])))
-        curvature = 2 * a[2] + z * (6 * a[3] + z * (12 * a[4] + z * 20 * a[5]))
-        return value, slope / h, curvature / (h * h)
-
-
-@dataclass(frozen=True, eq=False)
-class _Sine:
-    """Denominator D = r sin(theta) on patches, theta in [0, pi]."""
-
-    radius: FloatArray
-
-    def __call__(self, tau: FloatArray, cell: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return D, D', D'', (m,) each; D is exactly zero at both ends."""
-        r = self.radius[cell]
-        sine = np.where(tau > np.pi / 2, np.sin(np.pi - tau), np.sin(tau))
-        return r * sine, r * np.cos(tau), -r * sine
-
-    def length(self, tau1: FloatArray, tau2: FloatArray, cell: IntArray) -> FloatArray:
-        """Return r |cos tau1 - cos tau2| without cancellation, (m,)."""
-        r = self.radius[cell]
-        return np.asarray(2 * r * np.abs(np.sin((tau1 + tau2) / 2) * np.sin((tau1 - tau2) / 2)))
-
-
-class _One:
-    """Denominator D = 1 in complete contact."""
-
-    def __call__(self, tau: FloatArray, cell: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return 1, 0, 0, (m,) each."""
-        return np.ones(tau.size), np.zeros(tau.size), np.zeros(tau.size)
-
-    def length(self, tau1: FloatArray, tau2: FloatArray, cell: IntArray) -> FloatArray:
-        """Return |tau1 - tau2|, (m,)."""
-        return np.abs(tau1 - tau2)
-
-
-def _cut(start: FloatArray, stop: FloatArray, quintic: _Quintic, factor: _Sine | _One) -> Branches:
-    """Cut cells at extrema of N / D, where W = N' D - N D' changes its sign."""
-    cell = np.arange(start.size)
-
-    def wronskian(tau: FloatArray, rows: IntArray) -> tuple[FloatArray, FloatArray]:
-        n, n1, n2 = quintic(tau, rows)
-        d, d1, d2 = factor(tau, rows)
+    def wronskian(tau: FloatArray, cells: IntArray) -> tuple[FloatArray, FloatArray]:
+        n, n1, n2 = curve.numerator(tau, cells)
+        d, d1, d2 = curve.denominator(tau, cells)
         return n1 * d - n * d1, n2 * d - n * d2
 
     turning = np.flatnonzero(wronskian(start, cell)[0] * wronskian(stop, cell)[0] < 0)
     extremum = _bracketed(lambda tau, rows: wronskian(tau, turning[rows]), start[turning], stop[turning])
-    rows = np.concatenate([cell, turning])
+    cells = np.concatenate([cell, turning])
     first, last = np.concatenate([start, extremum]), np.concatenate([stop, stop[turning]])
     last[turning] = extremum
-    return Branches(
-        first,
-        last,
-        _ratio(quintic, factor, first, rows),
-        _ratio(quintic, factor, last, rows),
-        _ratio(quintic, factor, extremum, turning),
-        lambda tau, branch: quintic(tau, rows[branch])[:2],
-        lambda tau, branch: factor(tau, rows[branch])[:2],
-        lambda tau1, tau2, branch: factor.length(tau1, tau2, rows[branch]),
-    )
-
-
-def _ratio(quintic: _Quintic, factor: _Sine | _One, tau: FloatArray, rows: IntArray) -> FloatArray:
-    """Return N / D, infinite with the sign of N where D = 0 (zero where both vanish)."""
-    n, d = quintic(tau, rows)[0], factor(tau, rows)[0]
-    edge = d == 0
-    return np.where(edge, np.where(n == 0, 0.0, np.copysign(np.inf, n)), n / np.where(edge, 1.0, d))
+    ends = curve.pressure(first, cells), curve.pressure(last, cells)
+    return Branches(curve, cells, first, last, *ends, curve.pressure(extremum, turning))
 
 
 def _crossings(branches: Branches, row: IntArray, level: FloatArray) -> FloatArray:
     """Return tau at which branches cross levels, (m,)."""
+    cell = branches.cell[row]
 
     def excess(tau: FloatArray, which: IntArray) -> tuple[FloatArray, FloatArray]:
-        n, n1 = branches.numerator(tau, row[which])
-        d, d1 = branches.denominator(tau, row[which])
+        n, n1, _ = branches.curve.numerator(tau, cell[which])
+        d, d1, _ = branches.curve.denominator(tau, cell[which])
         return n - level[which] * d, n1 - level[which] * d1
 
     return _bracketed(excess, branches.start[row], branches.stop[row])

@@ -17,17 +17,15 @@ Limits: modes lose m times the rounding of x, 1e-12 of the largest at m = 4000.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.fft import dct
 
+from bem.audit.displacement import ComplianceRatio
 from bem.geometry.arrays import ComplexArray, FloatArray
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
-
-ComplianceRatio = Callable[[FloatArray], FloatArray]
 
 LEAST_ORDERS = 128  # format: of stored spectra
 

@@ -17,8 +17,8 @@ import numpy as np
 
 from bem.geometry.arrays import FloatArray
 from bem.geometry.lengths import METRES
-from bem.scans.prepared_scan import Line, Step
-from bem.scans.read_map import FEWEST
+from bem.scans.prepared_scan import Step, Trace
+from bem.scans.read_map import FEWEST_SAMPLES
 from bem.scans.read_scan import RawScan
 from bem.scans.read_text import SHOWN
 from bem.scans.scan_refusal import refused
@@ -34,15 +34,15 @@ UNSEEN = 1e30  # format: in the unit of the file, of the ends of single precisio
 def refuse_few(raw: RawScan, h: FloatArray) -> None:
     """Raise ScanFileError for too few heights."""
     known = int(np.isfinite(h).sum())
-    if known < FEWEST:
+    if known < FEWEST_SAMPLES:
         problem = f"holds {known} samples with a height"
-        raise refused("file", problem, f"at least {FEWEST} of them")
+        raise refused("file", problem, f"at least {FEWEST_SAMPLES} of them")
     if known < (1 - MOST_MISSING) * raw.h.size:
         problem = f"lacks {raw.h.size - known} of {raw.h.size} heights"
         raise refused("file", problem, f"at most {MOST_MISSING:.0%} missing, as missing_value and valid_value say")
 
 
-def without_dropouts(raw: RawScan, line: Line, method: str) -> tuple[Line, Step]:
+def without_dropouts(raw: RawScan, line: Trace, method: str) -> tuple[Trace, Step]:
     """Return the line and a record of its dropouts, which are marked as missing unless `method` is "keep"."""
     x, h = line
     known = np.flatnonzero(np.isfinite(h))
@@ -76,7 +76,7 @@ def _median_step(h: FloatArray) -> float:
     return float(np.median(steps[steps > 0])) if steps.any() else np.inf
 
 
-def without_outliers(raw: RawScan, line: Line, method: str) -> tuple[Line, Step]:
+def without_outliers(raw: RawScan, line: Trace, method: str) -> tuple[Trace, Step]:
     """Return the line and a record of samples far from the running median, replaced unless `method` is "keep"."""
     x, h = line
     known = np.flatnonzero(np.isfinite(h))
@@ -94,7 +94,7 @@ def without_outliers(raw: RawScan, line: Line, method: str) -> tuple[Line, Step]
     return (x, replaced), facts
 
 
-def without_gaps(raw: RawScan, line: Line, method: str, dropouts: Step) -> tuple[Line, Step]:
+def without_gaps(raw: RawScan, line: Trace, method: str, dropouts: Step) -> tuple[Trace, Step]:
     """Return the line with gaps filled and ends cut off, and a record of gaps; ScanFileError if gaps are refused."""
     x, h = line
     gone = np.flatnonzero(np.isnan(h))

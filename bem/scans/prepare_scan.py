@@ -29,7 +29,7 @@ from bem.scans.gaussian_filter import GaussianFilter
 from bem.scans.noise_floor import Spectrum
 from bem.scans.prepare_heights import refuse_few, without_dropouts, without_gaps, without_outliers
 from bem.scans.prepare_spacing import equally_spaced, refuse_disorder
-from bem.scans.prepared_scan import Line, Scan, Step, compared, roughness
+from bem.scans.prepared_scan import Scan, Step, Trace, compared, roughness
 from bem.scans.read_scan import RawScan
 from bem.scans.scan_keys import DEFAULTS
 from bem.scans.scan_refusal import ScanFileError, refused
@@ -50,7 +50,7 @@ def prepare(raw: RawScan, values: Mapping[str, Any]) -> Scan:
     asked = DEFAULTS | {key: values[key] for key in DEFAULTS if key in values}
     refuse_disorder(raw)
     refuse_few(raw, raw.h)
-    line: Line = (raw.x, raw.h)
+    line: Trace = (raw.x, raw.h)
     height, slope = roughness(*line)
     steps: list[Step] = [
         {"step": "read"} | raw.facts | {"samples": raw.h.size, "rms_height": height, "rms_slope": slope}
@@ -58,7 +58,7 @@ def prepare(raw: RawScan, values: Mapping[str, Any]) -> Scan:
     if "row" in raw.facts:
         steps.append({"step": "map", "model": RIDGE})
 
-    def record(step: str, method: str, outcome: tuple[Line, Step]) -> Line:
+    def record(step: str, method: str, outcome: tuple[Trace, Step]) -> Trace:
         """Record the change of the line by a step, and return the new line."""
         steps.append({"step": step, "method": method} | outcome[1] | compared(line, outcome[0]))
         return outcome[0]
@@ -85,7 +85,7 @@ def prepare(raw: RawScan, values: Mapping[str, Any]) -> Scan:
     return Scan(x, h, raw.sha256, scan.measured, tuple(steps), spectrum, gaussian)
 
 
-def _detrended(line: Line, method: str) -> tuple[Line, Step]:
+def _detrended(line: Trace, method: str) -> tuple[Trace, Step]:
     """Return the line less its least-squares polynomial, and the range of the polynomial."""
     x, h = line
     tilt = np.polynomial.Polynomial.fit(x, h, 1)
@@ -100,7 +100,7 @@ def _detrended(line: Line, method: str) -> tuple[Line, Step]:
     return (x, h - trend), facts | {"removed": [float(trend[0]), float(trend[-1])]}
 
 
-def _periodic(line: Line, method: str) -> tuple[Line, Step]:
+def _periodic(line: Trace, method: str) -> tuple[Trace, Step]:
     """Return a line that can be repeated."""
     x, h = line
     if method == "mirror":

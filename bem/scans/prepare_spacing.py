@@ -13,7 +13,7 @@ from importlib import import_module
 import numpy as np
 
 from bem.geometry.arrays import FloatArray
-from bem.scans.prepared_scan import Line, Step
+from bem.scans.prepared_scan import Step, Trace
 from bem.scans.read_scan import RawScan
 from bem.scans.scan_refusal import refused
 
@@ -33,7 +33,7 @@ def refuse_disorder(raw: RawScan) -> None:
         raise refused("file", problem, allowed)
 
 
-def equally_spaced(raw: RawScan, line: Line, first: int, method: str) -> tuple[Line, Step]:
+def equally_spaced(raw: RawScan, line: Trace, first: int, method: str) -> tuple[Trace, Step]:
     """Return the line at equal steps, and a record of the steps; ScanFileError if unequal steps are refused.
 
     `line` holds the samples of the scan from sample `first` on.

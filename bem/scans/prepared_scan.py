@@ -16,7 +16,7 @@ from bem.scans.noise_floor import Spectrum
 DRAWN = 4000  # format: samples kept for figures
 CARRIED = 1e-6  # derived: of the rms slope: contact areas go as its inverse, and the default tolerance is this
 
-Line = tuple[FloatArray, FloatArray]  # positions and heights, m
+Trace = tuple[FloatArray, FloatArray]  # positions and heights, m
 Step = dict[str, Any]  # of the preparation, as plain values
 
 
@@ -35,7 +35,7 @@ class Scan:
     x: FloatArray  # positions, m, (n,)
     h: FloatArray  # heights, m, (n,)
     sha256: str  # of the file's bytes
-    measured: Line  # positions and heights as read, m, (n_measured,) each; missing heights are NaN
+    measured: Trace  # positions and heights as read, m, (n_measured,) each; missing heights are NaN
     steps: tuple[Step, ...]  # of the preparation
     spectrum: Spectrum  # of the line detrended, neither continued nor filtered
     gaussian: GaussianFilter = field(default_factory=GaussianFilter)  # which the heights have passed
@@ -106,7 +106,7 @@ class Scan:
         return lines | {"scan_wavelength": 1 / frequency, "scan_density": density}
 
 
-def compared(before: Line, after: Line) -> Step:
+def compared(before: Trace, after: Trace) -> Step:
     """Return the rms height and the rms slope of a line before and after a step."""
     (height, slope), (new_height, new_slope) = roughness(*before), roughness(*after)
     return {"rms_height": [height, new_height], "rms_slope": [slope, new_slope]}
@@ -125,7 +125,7 @@ def roughness(x: FloatArray, h: FloatArray) -> tuple[float, float]:
     return float(np.std(h[known])), float(np.sqrt(np.mean(slopes**2)))
 
 
-def _thinned(x: FloatArray, h: FloatArray) -> Line:
+def _thinned(x: FloatArray, h: FloatArray) -> Trace:
     """Return a line of at most `DRAWN` samples: of each stretch of a longer one the lowest and the highest."""
     if x.size <= DRAWN:
         return x, h

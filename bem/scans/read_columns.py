@@ -16,7 +16,7 @@ import numpy as np
 
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.scans.read_map import (
-    FEWEST,
+    FEWEST_SAMPLES,
     ScanLines,
     map_of,
     refuse_axes,
@@ -51,9 +51,9 @@ def line_of(table: TextTable, values: Mapping[str, Any]) -> TableLine:
     if points is None and row is not None:
         heights = map_of(table, values)
         return TableLine(None, row_of(heights, row), map_rows=heights.shape[0])
-    if table.lines.size < FEWEST:
+    if table.lines.size < FEWEST_SAMPLES:
         problem = f"holds {table.lines.size} sample{'s' * (table.lines.size != 1)}, one on each line"
-        allowed = f"at least {FEWEST} of them; if a line holds many heights, row = 0 and their spacing"
+        allowed = f"at least {FEWEST_SAMPLES} of them; if a line holds many heights, row = 0 and their spacing"
         raise refused("file", problem, allowed)
     x_column, h_column = _columns(table, points, values)
     refuse_axes(table, ("first line", "last line"))

@@ -16,7 +16,7 @@ from bem.geometry.arrays import FloatArray
 from bem.scans.read_text import LISTED, NUMBER, TextTable
 from bem.scans.scan_refusal import refused
 
-FEWEST = 3  # derived: samples that carry one harmonic
+FEWEST_SAMPLES = 3  # derived: samples that carry one harmonic
 FEWEST_STEPPED, FEWEST_ORDERED = 4, 8  # format: numbers on an axis, at equal steps or in order; by chance, 1 in 20,000
 EQUAL = 0.01  # format: admitted deviation of a step of an axis, in steps
 
@@ -39,7 +39,11 @@ def scan_lines(table: FloatArray) -> ScanLines | None:
     for along, across in ((0, 1), (1, 0)):
         starts = np.flatnonzero(np.diff(table[:, across], prepend=np.nan) != 0)
         ends = np.append(starts[1:], table.shape[0])
-        if starts.size < 2 or np.min(ends - starts) < FEWEST or np.unique(table[starts, across]).size < starts.size:
+        if (
+            starts.size < 2
+            or np.min(ends - starts) < FEWEST_SAMPLES
+            or np.unique(table[starts, across]).size < starts.size
+        ):
             continue
         lines = [slice(int(start), int(end)) for start, end in zip(starts, ends, strict=True)]
         if all(len(set(np.sign(np.diff(table[line, along])))) == 1 for line in lines):

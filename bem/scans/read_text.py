@@ -26,8 +26,8 @@ from bem.geometry.ranges import MOST
 from bem.scans.read_units import heading_units
 from bem.scans.scan_refusal import Refusal, ScanFileError, refused
 
-Row = tuple[float, ...]
-Line = tuple[int, str]  # its number as editors count, and its text
+Numbers = tuple[float, ...]
+NumberedLine = tuple[int, str]  # its number as editors count, and its text
 
 SHOWN = 3  # format: mistakes of one sort that are spelt out
 LISTED = 12  # format: lines above the numbers that are spelt out
@@ -52,7 +52,7 @@ class Reading(NamedTuple):
             return re.split("[ \t]+", line.strip(" \t"))
         return [cell.strip(" \t").strip('"').strip(" \t") for cell in line.split(self.delimiter)]
 
-    def row(self, line: str) -> Row | None:
+    def row(self, line: str) -> Numbers | None:
         """Return the numbers of a line, NaN for a missing one; None if a cell is neither."""
         values = []
         for cell in self.cells(line):
@@ -83,7 +83,7 @@ class TextTable:
     units: tuple[str, ...]  # of each column, "" where none is stated
     heading: int  # line of these units, from 1; 0 without a heading
     reading: Reading
-    above: tuple[Line, ...]  # lines above the first row, skipped or not
+    above: tuple[NumberedLine, ...]  # lines above the first row, skipped or not
 
 
 def read_table(text: str, skip_lines: int = 0, decimal: str | None = None) -> TextTable:
@@ -124,7 +124,7 @@ def read_table(text: str, skip_lines: int = 0, decimal: str | None = None) -> Te
     return TextTable(values, np.array(numbers), rows, units, heading, reading, (*skipped, *above))
 
 
-def _heading_of(above: Sequence[Line], width: int) -> tuple[str, ...]:
+def _heading_of(above: Sequence[NumberedLine], width: int) -> tuple[str, ...]:
     """Return the units in the lines above the numbers; ScanFileError for lines that are no heading."""
     if not above:
         return ("",) * width
@@ -141,14 +141,14 @@ def _heading_of(above: Sequence[Line], width: int) -> tuple[str, ...]:
     raise refused("file", f"{_quoted(above)} not numbers", f"{allowed}columns, missing_value, valid_column; {WORDS}")
 
 
-def _quoted(lines: Sequence[Line]) -> str:
+def _quoted(lines: Sequence[NumberedLine]) -> str:
     """Return the numbers and the texts of lines, as the subject of a sentence with its verb."""
     texts = ", ".join(repr(line[:40]) for _, line in lines[:LISTED]) + ", .." * (len(lines) > LISTED)
     first, last = lines[0][0], lines[-1][0]
     return f"line {first} ({texts}) is" if len(lines) == 1 else f"lines {first} to {last} ({texts}) are"
 
 
-def _are_names(lines: Sequence[Line], units: int, width: int) -> bool:
+def _are_names(lines: Sequence[NumberedLine], units: int, width: int) -> bool:
     """Return whether a line holds a name for each column and stands right above the line of their units."""
     return any(
         number == units - 1 and len(names) == width and not any(re.match("[-+.]?[0-9]", name) for name in names)
@@ -157,7 +157,7 @@ def _are_names(lines: Sequence[Line], units: int, width: int) -> bool:
     )
 
 
-def _rows_of(body: Sequence[Line], readings: Iterable[Reading]) -> tuple[Reading, list[Row | None]]:
+def _rows_of(body: Sequence[NumberedLine], readings: Iterable[Reading]) -> tuple[Reading, list[Numbers | None]]:
     """Return the reading in which most lines are rows as long as the first, and the rows, None for other lines.
 
     ScanFileError for readings with unlike decimal marks that give unlike numbers.
@@ -180,7 +180,7 @@ def _rows_of(body: Sequence[Line], readings: Iterable[Reading]) -> tuple[Reading
     return reading, rows
 
 
-def _numbers(body: Sequence[Line], reading: Reading, rows: Sequence[Row | None], width: int) -> FloatArray:
+def _numbers(body: Sequence[NumberedLine], reading: Reading, rows: Sequence[Numbers | None], width: int) -> FloatArray:
     """Return the numbers of all rows, (n_rows, width); ScanFileError for lines that are no rows."""
     wrong = []
     for (number, line), row in zip(body, rows, strict=True):
@@ -198,7 +198,7 @@ def _numbers(body: Sequence[Line], reading: Reading, rows: Sequence[Row | None],
     return np.array(rows, dtype=np.float64)
 
 
-def _refuse_commas(body: Sequence[Line], reading: Reading, values: FloatArray) -> None:
+def _refuse_commas(body: Sequence[NumberedLine], reading: Reading, values: FloatArray) -> None:
     """Raise ScanFileError if commas may be another mark: decimal marks (`0,1,25`), or between thousands (`12,345`)."""
     decimals = reading.delimiter == "," and values.shape[1] > 2 and (values[:, 1:] >= 0).all(axis=0).any()
     if decimals and not any("." in line for _, line in body):
@@ -218,7 +218,7 @@ def _refuse_commas(body: Sequence[Line], reading: Reading, values: FloatArray) -
     raise refused("decimal", problem, allowed)
 
 
-def _refuse_minus(line: Line, readings: Iterable[Reading]) -> None:
+def _refuse_minus(line: NumberedLine, readings: Iterable[Reading]) -> None:
     """Raise ScanFileError for a line of numbers whose minus signs are another character than "-"."""
     sign = MINUS.search(line[1])
     if sign is not None and any(reading.has_number(MINUS.sub("-", line[1])) for reading in readings):

@@ -30,7 +30,7 @@ from bem.scene.scene_error import SceneError
 
 BASE, PER_HARMONIC, PER_UNKNOWN, PER_NODE, PER_PAIR = 8e7, 1.8e4, 4500.0, 6000.0, 250.0  # format: bytes, measured
 ADHESIVE = 4.5e7, 1.2e8  # format: bytes, measured: of modules, and of tables of a contact as wide as the period
-FEWEST = 0.3  # format: gaps, below which contact is complete
+FEWEST_GAPS = 0.3  # format: gaps, below which contact is complete
 
 
 @dataclass(frozen=True)
@@ -63,9 +63,9 @@ def memory_estimate(scene: Scene) -> MemoryEstimate:
     share = _contact_fractions(scene)
     if scene.adhesion is not None:  # the path passes all fractions below the largest
         share = np.minimum(np.max(share), np.linspace(0.01, 1, 100))
-    gaps = np.maximum(0.5 * count * (1 - share) ** 0.7, FEWEST)
+    gaps = np.maximum(0.5 * count * (1 - share) ** 0.7, FEWEST_GAPS)
     if scene.adhesion is None:
-        share = np.where(gaps > FEWEST, share, 0.0)  # complete contact has no unknowns
+        share = np.where(gaps > FEWEST_GAPS, share, 0.0)  # complete contact has no unknowns
     contacts = np.maximum(gaps * np.minimum(1, 1.6 * share), 1)
     unknowns = 17 * contacts * (2 * gaps / count) ** (-4 / 7)
     nodes = 7.5 * count * np.minimum(1, 6.5 * share / gaps)

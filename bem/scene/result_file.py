@@ -24,12 +24,11 @@ from bem.scene.atomic_file import write_atomically
 from bem.scene.journal import JOURNAL_FILE, Journal
 from bem.scene.provenance import digest
 from bem.scene.result import Result
-from bem.scene.result_invariants import FIELDS, InvariantError, check_result
+from bem.scene.result_invariants import InvariantError, check_result
 from bem.scene.stored_arrays import CorruptArraysError, packed, unpacked
 from bem.scene.stored_json import SCHEMA, CorruptResultError, read_bytes, typed, verified
 
 RESULT_FILE, FIELDS_FILE = "result.json", "fields.npz"
-DIGITS = 64  # format: of SHA-256
 _RESULT = TypeAdapter(Result)
 
 
@@ -82,7 +81,7 @@ def read_result(folder: Path | str) -> Result:
     try:
         return check_result(replace(result, fields=_arrays(folder / FIELDS_FILE, sha256, result)))
     except InvariantError as error:
-        path = folder / FIELDS_FILE if error.mistake.path.startswith(f"{FIELDS}.") else path
+        path = folder / FIELDS_FILE if error.mistake.path.startswith("fields.") else path
         raise CorruptResultError(f"{path}: {error}") from error
 
 
@@ -90,10 +89,10 @@ def _without_arrays(raw: bytes, place: str) -> tuple[Result, str | None]:
     """Return the result of result.json, and the digest of its arrays, None without arrays."""
     content = verified(raw, place, SCHEMA)
     facts = content.get("provenance")
-    sha256 = facts.pop("fields_sha256", "missing") if isinstance(facts, dict) else None
-    if sha256 is not None and (not isinstance(sha256, str) or len(sha256) != DIGITS):
+    sha256 = facts.pop("fields_sha256", False) if isinstance(facts, dict) else None
+    if sha256 is not None and not isinstance(sha256, str):
         raise CorruptResultError(f"{place}: provenance.fields_sha256 is {shown(sha256)}; allowed: a digest or null")
-    return typed(_RESULT, content, place, without=FIELDS), sha256
+    return typed(_RESULT, content, place, without="fields"), sha256
 
 
 def _arrays(path: Path, sha256: str | None, result: Result) -> dict[str, NDArray[Any]]:
@@ -118,7 +117,7 @@ def _arrays(path: Path, sha256: str | None, result: Result) -> dict[str, NDArray
 
 def _text_of(result: Result, fields_sha256: str | None) -> str:
     """Return result.json of a result with its checksum: a line for each value, and for each entry of a list."""
-    content: dict[str, Any] = {"schema": SCHEMA} | json.loads(_RESULT.dump_json(result, exclude={FIELDS}))
+    content: dict[str, Any] = {"schema": SCHEMA} | json.loads(_RESULT.dump_json(result, exclude={"fields"}))
     content["provenance"]["fields_sha256"] = fields_sha256
     parts = []
     for name, value in (content | {"checksum": digest(content)}).items():

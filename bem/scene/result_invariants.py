@@ -19,10 +19,9 @@ from bem.scene.scene_tables import REQUIRED_TABLES, TABLES, WITH_DEFAULTS, class
 from bem.scene.state import FINAL_STATUSES, State
 from bem.scene.stored_arrays import array_mistakes
 
-SAME = 1e-9  # derived: of a period or a sum of energies; rounding, with a margin
-FIELDS = "fields"
-FAILED = ("unreachable", "not_converged")
-ENDINGS = ("converged", *FAILED, "interrupted")
+SUM_ROUNDING = 1e-9  # derived: of a period or a sum of energies; rounding, with a margin
+MISSED = ("unreachable", "not_converged")
+ENDINGS = ("converged", *MISSED, "interrupted")
 
 
 class InvariantError(ValueError):
@@ -81,8 +80,8 @@ def _whole_mistakes(result: Result) -> Iterator[Mistake]:
     yield from _unless(status in ENDINGS, "status", status, ", ".join(ENDINGS))
     met = all(state.found and state.certificate.ok for state in result.targets)
     yield from _unless(met or status != "converged", "status", status, "another one, as a target is not met")
-    told = bool(failure) if status in FAILED else failure is None
-    yield from _unless(told, "failure", failure, f"a text where the status is {' or '.join(FAILED)}, else null")
+    told = bool(failure) if status in MISSED else failure is None
+    yield from _unless(told, "failure", failure, f"a text where the status is {' or '.join(MISSED)}, else null")
     sha256, own = result.provenance.get("scene_sha256"), digest(result.scene)
     yield from _unless(sha256 == own, "provenance.scene_sha256", sha256, f"{own}, the digest of the scene")
     if tension is not None:
@@ -122,7 +121,7 @@ def _part_mistakes(result: Result) -> Iterator[Mistake]:
             yield from _edge_mistakes(f"events[{k}].{name}", () if end is None else end.edges, period)
     stored = {str(state.stored) for state in result.states if state.stored is not None}
     for name, fault, allowed in array_mistakes(result.fields, stored):
-        yield Mistake(f"{FIELDS}.{name}", f"is {fault}", allowed)
+        yield Mistake(f"fields.{name}", f"is {fault}", allowed)
 
 
 def _state_mistakes(key: str, state: State, period: float) -> Iterator[Mistake]:
@@ -134,10 +133,10 @@ def _state_mistakes(key: str, state: State, period: float) -> Iterator[Mistake]:
     total = state.elastic_energy + state.adhesion_energy
     size = abs(state.elastic_energy) + abs(state.adhesion_energy)
     if state.found:
-        close = abs(state.contact_fraction - share) < SAME
+        close = abs(state.contact_fraction - share) < SUM_ROUNDING
         allowed = f"{share:.9g}, the share of the period between edges"
         yield from _unless(close, f"{key}.contact_fraction", state.contact_fraction, allowed)
-        close = abs(state.total_energy - total) <= SAME * size
+        close = abs(state.total_energy - total) <= SUM_ROUNDING * size
         yield from _unless(close, f"{key}.total_energy", state.total_energy, f"{total:.9g}, the sum of both energies")
     ok, reasons, certified = state.certificate.ok, state.certificate.reasons, state.status in FINAL_STATUSES
     yield from _unless(

@@ -70,7 +70,7 @@ LISTED = 12  # format: targets listed in an error
 __all__ = ["Loading", "Mistake", "Scene", "SceneError", "StoredStart", "load_scene", "parse_scene", "scene_of"]
 
 Table = Mapping[str, Any]
-Arrays = tuple[NDArray[Any], NDArray[Any]]
+Samples = tuple[NDArray[Any], NDArray[Any]]
 
 
 class Tables(TypedDict, total=False):
@@ -279,7 +279,7 @@ def parse_scene(data: Mapping[str, Any], base_dir: Path | str = ".") -> Scene:
     return _resolved(data.get("title", ""), made, scan, start)
 
 
-def _without_arrays(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], Arrays | None]:
+def _without_arrays(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], Samples | None]:
     """Return the tables with a name in place of the arrays x and h of a profile of samples, and the arrays."""
     profile = data.get("profile")
     if not isinstance(profile, Mapping) or "file" in profile:
@@ -313,7 +313,7 @@ def _made(name: str, raw: Any) -> tuple[Any, dict[str, Any], list[Mistake]]:
 
 
 def _scan(
-    profile: Mapping[str, Any], given: set[str], base_dir: Path, arrays: Arrays | None
+    profile: Mapping[str, Any], given: set[str], base_dir: Path, arrays: Samples | None
 ) -> tuple[Scan | None, list[Mistake]]:
     """Return the prepared samples of profile.file or of arrays, if the keys of [profile] for reading are valid."""
     wrong = [key for key in given.intersection((*SCAN_KEYS, *DEFAULTS, *CUTOFFS)) if key not in profile]
@@ -332,10 +332,10 @@ def _scan(
         scan = prepare(raw, profile)
     except ScanFileError as error:
         told = [
-            (key, f"= {shown(name)}: {found}" if key == "file" else found, allowed)
-            for key, found, allowed in error.refusals
+            (key, f"= {shown(name)}: {problem}" if key == "file" else problem, allowed)
+            for key, problem, allowed in error.refusals
         ]
-        return None, [Mistake(f"profile.{key}", found, allowed) for key, found, allowed in told]
+        return None, [Mistake(f"profile.{key}", problem, allowed) for key, problem, allowed in told]
     return scan, list(scan_mistakes(profile, scan))
 
 

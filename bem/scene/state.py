@@ -61,7 +61,7 @@ class GapQuantiles:
 
 
 @dataclass(frozen=True)
-class Gaps:
+class GapNumbers:
     """Gap between the surfaces at a target, m (bem/observables/gaps.py).
 
     Attributes
@@ -84,7 +84,7 @@ class Gaps:
     open_fraction: float
 
 
-CLOSED = Gaps(0.0, 0.0, GapQuantiles(0.0, 0.0, 0.0, 0.0, 0.0), 0.0, 0.0)
+CLOSED = GapNumbers(0.0, 0.0, GapQuantiles(0.0, 0.0, 0.0, 0.0, 0.0), 0.0, 0.0)
 
 
 @dataclass(frozen=True, repr=False, kw_only=True)
@@ -112,7 +112,7 @@ class State:
         Number of events up to this state.
     peak_pressure, largest_gap : float or None
         Pa and m, of samples of pressure and gap; known at targets alone.  There is no peak without contact.
-    gaps : Gaps or None
+    gaps : GapNumbers or None
         Known at targets alone.
     unknowns, evaluations, cpu_seconds
         Unknowns of the system; evaluations and CPU seconds since the state before.
@@ -142,7 +142,7 @@ class State:
     stable_at_fixed_load: bool | None = None
     peak_pressure: float | None = None
     largest_gap: float | None = None
-    gaps: Gaps | None = None
+    gaps: GapNumbers | None = None
     error_estimate: ErrorEstimate = field(default_factory=ErrorEstimate)
     certificate: Certificate = field(default_factory=Certificate)
     events: int = 0

@@ -10,6 +10,7 @@ from drawn_once import drawn_once
 from rough_scene import ROUGH
 
 import bem
+from bem.scene.result import LargestTension, TensionError
 from bem.scene.result_file import write_result
 from validation.command_line.front_door import main
 from validation.report import run_page
@@ -141,7 +142,7 @@ def test_everything_is_on_the_page(page, result):
 
 
 def test_curves_have_error_bars_of_the_estimated_errors(result):
-    area = next(figure for figure in figures_of(result) if figure.id == "area")
+    area = next(figure for figure in figures_of(result, []) if figure.id == "area")
     bars = next(series for series in area.solution.series if series.style == "bars")
     spread = [(high - low) / 2 for low, high in zip(bars.y, bars.upper, strict=True)]
     targets = [state for state in result.targets if state.mean_pressure == state.mean_pressure]
@@ -239,7 +240,7 @@ def study_beside(result, folder, shares, **changes):
             "value": getattr(state, name),
             "moved": {"numerical": 0.9, "cut": 0.6 * share, "seed": 0.8 * share},  # together: share
         }
-        for state, share in zip(met, shares, strict=True)
+        for state, share in zip(met, shares, strict=bool(shares))
         for name in ("contact_fraction", "mean_pressure")
     ]
     study = {"scene_sha256": result.provenance["scene_sha256"], "answers": rows} | changes
@@ -257,6 +258,20 @@ def test_the_answer_comes_first_with_the_uncertainty_of_the_input_of_a_study_bes
     assert "numerical, 34 % input</td>" in page
     table = (tmp_path / "answer.csv").read_text().splitlines()
     assert len(table) == 1 + len(result.targets)
+
+
+def test_the_pull_off_has_the_uncertainty_of_the_input_of_its_study(result, tmp_path):
+    tension = -0.5 * max(state.mean_pressure for state in result.states)
+    pulled = replace(
+        result, largest_tension=LargestTension(tension, 1e-6, 8.5e-5, "fold", TensionError(-1e-3 * tension))
+    )
+    moved = {"numerical": 0.9, "cut": 0.06, "noise": 0.08}
+    row = {"target": None, "quantity": "pull-off", "value": -tension, "moved": moved}
+    study_beside(pulled, tmp_path, [], answers=[row])
+    assert run_page.inputs_of(pulled, tmp_path) == {None: {"pull_off": pytest.approx(0.1)}}
+    assert "numerical, 10 % input" in render_run(pulled, run_page.inputs_of(pulled, tmp_path))
+    study_beside(pulled, tmp_path, [], answers=[row | {"value": -1.1 * tension}])
+    assert run_page.inputs_of(pulled, tmp_path) == {}
 
 
 @pytest.mark.parametrize("changes", [{"answers": None}, {"scene_sha256": "0"}], ids=["not done", "of another scene"])

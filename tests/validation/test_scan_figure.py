@@ -71,7 +71,7 @@ def test_spectrum_is_drawn_with_its_floor_and_the_cuts(tmp_path):
     assert "a noise floor of 20.2 nm rms; the profile, as the power 2." in figure.caption
     above = preparation_figure(result.fields, result.profile_preparation)
     assert "mirrored; Gaussian filter cutoff_short 100 µm, cutoff_long 2 mm; " in above.caption
-    assert [figure.id for figure in figures_of(result)][-2:] == ["preparation", "spectrum"]
+    assert [figure.id for figure in figures_of(result, [])][-2:] == ["preparation", "spectrum"]
     assert "noise floor" in svg_of(figure, "a")
 
 

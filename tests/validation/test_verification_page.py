@@ -3,6 +3,8 @@
 import json
 import math
 import re
+import subprocess
+from shutil import which
 
 import pytest
 from browser import BROWSER
@@ -10,6 +12,8 @@ from devtools import tab
 
 from validation.plugin.rows import Code, Quantity, Rows
 from validation.plugin.study_report import Part, write_study
+from validation.report.pdf import write_pdf
+from validation.report.verification_page import prices, three_ways
 
 HOSTILE = "<script>alert(1)</script> \"' & <img src=x onerror=alert(2)> {{ 7*7 }} \x00"
 DEAD_LINKS = """[...document.querySelectorAll("a[href]")].map((a) => a.getAttribute("href"))
@@ -127,12 +131,15 @@ def test_json_has_no_numbers_that_are_none(written, tmp_path):
 
 def test_failures_come_before_everything_else_and_cells_count_what_they_hold(written):
     _, page = written()
-    order = [page.index(f'id="{name}"') for name in ("failures", "centre", "paper", "costs", "others", "case-1")]
+    order = [
+        page.index(f'id="{name}"')
+        for name in ("failures", "centre", "ways", "paper", "prices", "costs", "others", "case-1")
+    ]
     assert order == sorted(order)
     failures = page[order[0] : order[1]]
     assert failures.count("<tr>") == 1 + 3
     cells = re.findall(r'<td data-label="(contact fraction|energy)">.*?<small>(.*?)</small>', page[order[1] : order[2]])
-    assert cells == [("contact fraction", "0.5; 2"), ("energy", "1e+03; 1"), ("contact fraction", "0.33; 1")]
+    assert cells == [("contact fraction", ".50; 2"), ("energy", "1e+03; 1"), ("contact fraction", ".33; 1")]
 
 
 @pytest.mark.skipif(BROWSER is None, reason="no Chromium here (Debian: apt-get install chromium)")
@@ -153,3 +160,59 @@ def test_a_browser_shows_hostile_text_as_text_and_follows_every_link(written, tm
         assert page.find("document.documentElement.scrollWidth <= window.innerWidth")
         assert page.console == []
         assert page.requests == []
+
+
+def test_numbers_that_both_solvers_and_a_third_side_give_stand_side_by_side(tmp_path):
+    rows = Rows()
+    for name, quantity in (("area", Quantity.AREA), ("load", Quantity.PRESSURE), ("energy", Quantity.ENERGY)):
+        for of, by in ((Code.BEM, Code.EXACT), (Code.FEM, Code.EXACT), (Code.BEM, Code.FEM)):
+            rows.compare(name, 1.0, 1.0005, of=of, by=by, quantity=quantity, uncertainty=(1e-3, 2e-3))
+    alone = Rows()
+    alone.compare("area", 1.0, 1.0, **AREA)
+    content = write_study(tmp_path, "a command", [Part("three", "?", rows), Part("two", "?", alone)])
+    (way,) = three_ways(content["rows"])
+    assert (way["case"], way["codes"]) == ("three", ["bem", "fem", "closed form"])
+    assert [number["name"] for number in way["numbers"]] == ["area", "load", "energy"]
+    assert way["numbers"][0]["by"]["closed form"] == (1.0005, 2e-3)
+
+
+def test_the_price_of_digits_is_the_cheapest_line_that_has_them():
+    lines = [
+        {"problem": "wave", "route": "bem", "setting": setting, "error": error, "seconds": seconds, "spread": 0.0}
+        for setting, error, seconds in (("a", 1e-3, 3.0), ("b", 1e-5, 2.0), ("c", 1e-5, 4.0))
+    ]
+    (price,) = prices(lines)
+    settings = [None if line is None else line["setting"] for line in price["cheapest"]]
+    assert settings == ["b", "b", None]
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium here (Debian: apt-get install chromium)")
+def test_codes_three_ways_the_paper_and_costs_stand_on_the_first_screen(written, tmp_path):
+    written()
+    page = tmp_path / "report.html"
+    page.write_text(
+        re.sub('<section id="failures">.*?</section>', "", page.read_text("utf-8"), flags=re.DOTALL), "utf-8"
+    )
+    with tab(page) as opened:
+        opened.show(1280, 800)
+        tops = opened.find(
+            """["centre", "ways", "paper", "prices"].map((id) => {
+                const table = document.querySelector(`#${id} table, #${id} .note`);
+                return table.getBoundingClientRect().bottom;
+            })"""
+        )
+    assert max(tops) < 800
+
+
+@pytest.mark.skipif(BROWSER is None or which("pdftotext") is None, reason="no Chromium or no pdftotext")
+def test_paper_shows_what_the_screen_folds(written, tmp_path):
+    content, _ = written()
+    write_pdf(tmp_path)
+    command = ["pdftotext", "-layout", str(tmp_path / "report.pdf"), "-"]
+    text = " ".join(subprocess.run(command, capture_output=True, text=True, check=True).stdout.split())
+    for row in content["rows"]:
+        if row["routes"] and row["value"] is not None:
+            assert f"{row['value']:.9g}" in text
+    assert "1; 1 | 2; 4" in text  # the numbers of the figure
+    assert "closure" in text  # a construction, folded on the screen
+    assert content["provenance"]["commit"] in text

@@ -99,32 +99,6 @@ def test_stability_and_stiffness(rows):
                     quantity=Quantity.STIFFNESS, uncertainty=estimates(states, "contact_stiffness"),
                     required=1e-9 * np.max(np.abs(stiffness)),
                     because="differences of fourth order of the closed form give ten digits")
-    critical = np.sqrt(2 * WAVE.modulus * WAVE.work_of_adhesion)
-    johnson.compare("largest stress intensity", values(states, "stress_intensity_max"), critical, unit="Pa m^1/2",
-                    quantity=Quantity.INTENSITY, required=1e-10 * critical, because=TEN_DIGITS,
-                    source="K^2 = 2 E* w", kind="construction")
-    work = WAVE.work_of_adhesion * values(states, "contact_fraction")
-    johnson.compare("energy of adhesion over -w times the contact fraction",
-                    values(states, "adhesion_energy") / -work, 1.0, quantity=Quantity.ENERGY, required=1e-10,
-                    because=TEN_DIGITS, source="definition", kind="construction")
-    johnson.compare("total energy less its two parts, over the largest",
-                    (values(states, "total_energy") - values(states, "elastic_energy")
-                     - values(states, "adhesion_energy")) / np.max(work), 0.0, quantity=Quantity.ENERGY,
-                    required=1e-12, because="rounding", source="definition", kind="construction")
-
-
-@pytest.mark.quick
-def test_stiffness_with_slope_term(rows):
-    """Is the stiffness the derivative of the load where the work of adhesion grows with the slope?"""
-    steep, step = replace(WAVE, amplitude=1e-3), 1e-6
-    adhesion = {"work_of_adhesion": steep.work_of_adhesion, "slope_term": True}
-    states = solved("sinusoid", profile={"amplitudes": [steep.amplitude]}, adhesion=adhesion,
-                    loading={"targets": [0.6e-3 + k * step for k in (-2, -1, 0, 1, 2)]}).targets
-    p = values(states, "mean_pressure")
-    rows.compare("contact stiffness", states[2].contact_stiffness, (8 * (p[3] - p[1]) - (p[4] - p[0])) / (12 * step),
-                 of=Code.BEM, by=Code.IDENTITY, quantity=Quantity.STIFFNESS, unit="Pa/m", kind="construction",
-                 required=1e-9 * abs(states[2].contact_stiffness or 0.0), because="differences give ten digits",
-                 source="mean pressures of neighbouring states")
 
 
 @pytest.mark.quick

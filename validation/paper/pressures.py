@@ -19,7 +19,6 @@ Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.
 """
 
 from collections.abc import Iterator, Sequence
-from functools import partial
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -138,9 +137,7 @@ def figures(ensemble: Ensemble) -> Iterator[Figure]:
             ("Persson with adhesion", _of_theory(ensemble.wet[load], smooth), "line", 1),
             (rf"Persson with {FACTOR:g} $\sigma_a$", _of_theory(_raised(ensemble, load), smooth), "dashed", 1),
         )
-        logarithmic = partial(semilogy, r"$\sigma/E^*$", "$P\\,E^*$")
-        linear = partial(axes, r"$\sigma/E^*$", "$P\\,E^*$")
-        for name, panel, least in (("linear", linear, -np.inf), ("logarithmic", logarithmic, 1e-4 * mean.max())):
+        for name, panel, least in (("linear", axes, -np.inf), ("logarithmic", semilogy, 1e-4 * mean.max())):
             carried = mean > least
             lower = np.maximum(mean - error, max(least, 0.0))[carried]
             yield drawn(
@@ -148,6 +145,8 @@ def figures(ensemble: Ensemble) -> Iterator[Figure]:
                 f"Distribution of the pressure at {load:g} E*, {name}: mean of the realisations with its standard "
                 "error, the double Gaussian fitted to the mean, and the theory.",
                 panel(
+                    r"$\sigma/E^*$",
+                    "$P\\,E^*$",
                     shaded("mean and standard error", CENTRES[carried], lower, (mean + error)[carried], 0),
                     marks("mean", CENTRES[carried], mean[carried], hue=0),
                     *(

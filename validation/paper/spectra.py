@@ -174,7 +174,9 @@ def figures(ensemble: Ensemble) -> Iterator[Figure]:
     if groups:
         series: list[Series] = []
         for hue, (hurst, group) in enumerate(groups.items()):
-            series += _curves(np.array([followed(one) for one in group]), _area_by_order(group), f"H = {hurst:g}", hue)
+            series += _curves(
+                np.array([followed(member) for member in group]), _area_by_order(group), f"H = {hurst:g}", hue
+            )
         yield drawn(
             "short-wavelengths",
             "Part of the roughness that the solid follows, C_u / C, against the order, beside the theory's A(q)/A0: "

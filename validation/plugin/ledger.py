@@ -29,6 +29,7 @@ SUFFIXES = (".py", ".pyx", ".h", ".so", ".pyd", ".toml", ".json", ".csv", ".npz"
 LIBRARIES = ("numpy", "scipy", "scikit-fem", "meshio", "pydantic")
 EMPTY: dict[str, Any] = dict.fromkeys(("question", "method", "source", "level", "stored_in", "key"), "")
 EMPTY |= {name: [] for name in ("rows", "figures", "tables", "costs")}
+CASES = Path(__file__).parents[1] / "cases"
 INTERRUPTED = 2  # exit status of pytest
 
 
@@ -43,6 +44,7 @@ class Ledger:
         self.planned: list[str] = []
         self.setups: dict[str, float] = {}  # seconds of fixtures, by case
         places = [Path(str(argument).partition("::")[0]) for argument in config.args]
+        self.whole = CASES in places and not config.option.only  # the verification, no part of it and no other cases
         self.fingerprint = fingerprint(places, without=self.folder)
         self.resumed = self._kept() if config.option.resume else {}
         if config.option.store:
@@ -169,6 +171,7 @@ class Ledger:
     def _run(self, exit_status: int) -> dict[str, Any]:
         """Return the facts of the run from which the report is made."""
         from validation.harness.provenance import provenance
+        from validation.paper.statements import judge
 
         cases = self.resumed | self.cases
         return {
@@ -176,6 +179,7 @@ class Ledger:
             "command": self.config.option.command or f"pytest {' '.join(self.config.invocation_params.args)}",
             "exit": exit_status,
             "seconds": round(time.monotonic() - self.begun, 1),
+            "statements": judge({}, "linecontact replicate solves the ensemble") if self.whole else [],
             "not_run": [case for case in self.planned if case not in cases],
             "resumed": len(self.resumed),
             "cases": list(cases.values()),

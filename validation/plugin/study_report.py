@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -54,24 +54,22 @@ def write_study(
     parts: Sequence[Part],
     *,
     level: str = "study",
-    seconds: float | None = None,
-    statements: Iterable[Mapping[str, Any]] = (),
-    facts: Mapping[str, Any] | None = None,
+    statements: Sequence[Mapping[str, Any]] = (),
 ) -> dict[str, Any]:
     """Write report.json and report.html; return the content, whose "failed" counts parts that failed.
 
-    `statements` are those of the paper: statement, printed, ours, uncertainty, verdict.  `facts` are provenance that
-    was gathered before the study began.
+    `statements` are those of the paper: statement, printed, ours, uncertainty, verdict.
     """
-    run = {
-        "level": level,
-        "command": command,
-        "seconds": round(time.monotonic() - BEGUN if seconds is None else seconds, 1),
-        "not_run": [],
-        "statements": list(statements),
-        "cases": [part.case() for part in parts],
-        "provenance": dict(facts or provenance()),
-    }
-    content = content_of(run)
+    content = content_of(
+        {
+            "level": level,
+            "command": command,
+            "seconds": round(time.monotonic() - BEGUN, 1),
+            "not_run": [],
+            "statements": statements,
+            "cases": [part.case() for part in parts],
+            "provenance": provenance(),
+        }
+    )
     write(folder, content)
     return content

@@ -51,16 +51,16 @@ def document(topic: str) -> str:
 
 def sections(text: str) -> list[Section]:
     """Return the sections of a document in order; headings inside code are no headings."""
-    found: list[tuple[int, str, list[str]]] = []
+    parts: list[tuple[int, str, list[str]]] = []
     fenced = False
     for line in text.splitlines():
         fenced ^= line.startswith("```")
         match = None if fenced else HEADING.fullmatch(line)
         if match:
-            found.append((len(match[1]), match[2], [line]))
-        elif found:
-            found[-1][2].append(line)
-    return [Section(level, heading, "\n".join(lines).strip() + "\n") for level, heading, lines in found]
+            parts.append((len(match[1]), match[2], [line]))
+        elif parts:
+            parts[-1][2].append(line)
+    return [Section(level, heading, "\n".join(lines).strip() + "\n") for level, heading, lines in parts]
 
 
 def topic_text(topic: str) -> str:

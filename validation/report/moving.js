@@ -45,19 +45,19 @@ const moving = () => {
 
   function surface(i, w, h) {
     const s = S[i], [low, high] = D.range, room = high - low, f = frame(w, h, [0, P], [low - 0.12 * room, high + 0.08 * room], "", `height / ${U.height}`, [46, 8, 34, 16]);
-    const { gained, lost } = changed(i), on = touching(i), id = `clip${drawings++}`, all = span(0, P), bar = f.bottom + 3, far = f.y(s.separation) < f.top;
+    const { gained, lost } = changed(i), on = touching(i), id = `clip${drawings++}`, all = span(0, P), bar = f.bottom + 3, far = f.y(s.separation) < f.top, ground = (x) => [f.x(x), f.y(lerp(H, 0, x))];
     const box = (name, x, y, W, T, drawn) => `<clipPath id="${name}">${rect(x, y, W, T, "")}</clipPath><g clip-path="url(#${name})">${drawn}</g>`;
     function bodies(X, Y) { // both bodies, with contact and jump, in given scales
-      const ground = (x) => [X(x), Y(lerp(H, 0, x))], above = (k) => all.map((x) => [X(x), Math.max(Y(Math.max(S[k].separation + lerp(DISPLACEMENT, k * N, x), lerp(H, 0, x))), -2000)]);
+      const along = (x) => [X(x), Y(lerp(H, 0, x))], above = (k) => all.map((x) => [X(x), Math.max(Y(Math.max(S[k].separation + lerp(DISPLACEMENT, k * N, x), lerp(H, 0, x))), -2000)]);
       const now = above(i), corner = (y) => [[X(P), y], [X(0), y]], across = (v, more) => path([[X(0), Y(v)], [X(P), Y(v)]], more);
       let out = path([...corner(-3000), ...corner(3000).reverse()], 'fill="var(--gap)"') + path([...now, ...corner(-3000)], 'fill="var(--body)"');
       if (jumped(i)) { // the surface just before the jump, and the area that it swept
         const old = above(i - 1);
         out += path([...now, ...old.slice().reverse()], `fill="${NEW}" fill-opacity="0.3"`) + path(old, `fill="none" stroke="${NEW}" stroke-width="1.2" stroke-dasharray="5 3"`);
       }
-      out += path(now, `fill="none" stroke="${INK}" stroke-width="1.4"`) + path([...all.map(ground), ...corner(3000)], `fill="var(--rigid)" stroke="${INK}"`);
-      for (const [a, b] of on) out += path(span(a, b).map(ground), `fill="none" stroke="${TOUCH}" stroke-width="4.5"`);
-      for (const [a, b] of gained) out += path(span(a, b).map(ground), `fill="none" stroke="${NEW}" stroke-width="5"`);
+      out += path(now, `fill="none" stroke="${INK}" stroke-width="1.4"`) + path([...all.map(along), ...corner(3000)], `fill="var(--rigid)" stroke="${INK}"`);
+      for (const [a, b] of on) out += path(span(a, b).map(along), `fill="none" stroke="${TOUCH}" stroke-width="4.5"`);
+      for (const [a, b] of gained) out += path(span(a, b).map(along), `fill="none" stroke="${NEW}" stroke-width="5"`);
       return out + across(s.separation, `stroke="${SOFT}" stroke-dasharray="1 4"`) + across(0, 'stroke="#fff" stroke-dasharray="1 4"');
     }
     let out = box(id, f.left, f.top, f.right - f.left, f.bottom - f.top, bodies(f.x, f.y));
@@ -72,11 +72,13 @@ const moving = () => {
       if (e.way) out += path([[x - 4, head[0]], [x, head[1]], [x + 4, head[0]]], `fill="none" stroke="${NEW}" stroke-width="2"`);
       if (k < 2) out += text(Math.min(Math.max(x, f.left + half + 76), f.right - half), f.top - 6 - 14 * k, e.short, `text-anchor="middle" class="halo strong" style="fill:${NEW};font-size:13px"`);
     });
-    const first = jumped(i) && s.events.find((e) => e.x !== null);
-    if (first) { // a lens on the jump, in the corner that is farther from it
-      const W = w > 500 ? 240 : 118, T = w > 500 ? 120 : 74, zoom = w > 500 ? 3 : 2.5, place = ((first.x % P) + P) % P;
-      const x = place > P / 2 ? f.left + 3 : f.right - W - 3, y = f.bottom - T - 3, cx = f.x(place), cy = f.y(lerp(H, 0, place)) - T / zoom / 8;
-      out += rect(cx - W / zoom / 2, cy - T / zoom / 2, W / zoom, T / zoom, `fill="none" stroke="${INK}" stroke-dasharray="3 2"`);
+    const widest = [...gained, ...lost].reduce((best, [p, q]) => (q - p > best[1] - best[0] ? [p, q] : best), [0, 0]), size = widest[1] - widest[0];
+    if (size > 0 && size < 0.06 * P) { // a lens on the largest change, where it hides least of both surfaces
+      const W = w > 500 ? 240 : 118, T = w > 500 ? 120 : 74, zoom = w > 500 ? 3 : 2.5, place = (widest[0] + widest[1]) / 2, cx = f.x(place), cy = f.y(lerp(H, 0, place)) - T / zoom / 8;
+      const drawn = all.flatMap((x) => [ground(x), [f.x(x), f.y(s.separation + lerp(DISPLACEMENT, i * N, x))]]), around = [cx - W / zoom / 2, cy - T / zoom / 2, W / zoom, T / zoom];
+      const hidden = ([x, y]) => drawn.filter((p) => p[0] > x && p[0] < x + W && p[1] > y && p[1] < y + T).length + (x < around[0] + around[2] && around[0] < x + W && y < around[1] + around[3] && around[1] < y + T ? 1e6 : 0);
+      const corners = [f.bottom - T - 3, f.top + 3].flatMap((y) => [f.right - W - 3, f.left + 3].map((x) => [x, y])), [x, y] = corners.reduce((best, corner) => (hidden(corner) < hidden(best) ? corner : best));
+      out += rect(...around, `fill="none" stroke="${INK}" stroke-dasharray="3 2"`);
       out += box(`${id}lens`, x, y, W, T, bodies((v) => x + W / 2 + zoom * (f.x(v) - cx), (v) => y + T / 2 + zoom * (f.y(v) - cy)));
       out += rect(x, y, W, T, `fill="none" stroke="${INK}" stroke-width="1.5"`) + text(x + 5, y + T - 6, `magnified ${zoom} ×`, 'class="halo strong"');
     }

@@ -9,7 +9,7 @@ fitted law is drawn inside its domain.  Separations with adhesion need a ladder 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,12 +26,11 @@ Point = tuple[float, float]
 BRANCHES = {"loading": "l", "unloading": "u", "jumps": "j"}  # line, and its letter in `joins_of`
 
 
-def curves_of(result: Result) -> Iterator[Figure]:
-    """Yield mean pressure against contact fraction; nothing where contact is complete in all states."""
+def curves_of(result: Result, theories: Sequence[Theory]) -> Iterator[Figure]:
+    """Yield mean pressure against contact fraction, theories beside it; nothing where all contact is complete."""
     path = path_of(result)
     if all(point.state.status == "complete_contact" for point in path):
         return  # of which the area is known
-    theories = theories_of(result)
     beside = f" Dashed beside it: {' and '.join(theory.label for theory in theories)}." if theories else ""
     beyond = " The fitted law of the area does not apply here." if len(theories) == 1 else ""
     yield drawn("area", f"Mean pressure against contact fraction.{beside}{beyond}", _panel(path, theories))
@@ -52,7 +51,7 @@ def lines_of(path: list[PathState]) -> dict[str, list[Point | None]]:
     return lines
 
 
-def _panel(path: list[PathState], theories: list[Theory]) -> Panel:
+def _panel(path: list[PathState], theories: Sequence[Theory]) -> Panel:
     """Draw branches, jumps, states at targets with error bars, and the theory beside them."""
     states = [point.state for point in path if not math.isnan(point.state.mean_pressure)]
     lift, unit = axis_unit(max((abs(state.mean_pressure) for state in states), default=0.0), "Pa")

@@ -1,7 +1,7 @@
 """Figures of one run that do not move: the area, distributions, estimated errors, a scan and its preparation."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from bem.scene.result import Result
 from bem.scene.state import State
 from validation.harness.figure_data import axes, drawn, semilogx, semilogy, trace
 from validation.harness.schema import Figure, Panel
-from validation.report.run_curves import curves_of, finite
+from validation.report.run_curves import Theory, curves_of, finite
 from validation.report.scan_figure import preparation_figure, spectrum_figure
 
 MOST_LINES = 8
@@ -21,9 +21,9 @@ FEW = 4  # contacts, of which fewer have no distribution of widths
 Array = NDArray[Any]
 
 
-def figures_of(result: Result) -> Iterator[Figure]:
+def figures_of(result: Result, theories: Sequence[Theory]) -> Iterator[Figure]:
     """Yield all figures of a run, in the order of the page."""
-    yield from curves_of(result)
+    yield from curves_of(result, theories)
     yield from distributions_of(result)
     if any(state.error_estimate.mean_pressure for state in result.states):
         yield drawn("errors", "Estimated errors of all states, in the order of the path.", _errors(result))

@@ -12,8 +12,9 @@ from typing import Annotated, Any
 
 from markupsafe import Markup
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
+from threadpoolctl import threadpool_limits
 
-from bem.command_line.answer_table import Cell, Inputs, answer, csv_text, pull_off_words, quantity, share
+from bem.command_line.answer_table import PULL_OFF, Cell, Inputs, answer, csv_text, pull_off_words, quantity, share
 from bem.command_line.console import scene_text
 from bem.geometry.regular_file import read_regular
 from bem.scene.atomic_file import write_atomically
@@ -30,6 +31,7 @@ from validation.report.run_words import outcome, scene_in_words, succeeded
 
 TABLE = "answer.csv"
 STUDY = "study.json"
+STUDIED_PULL_OFF = "pull-off"  # answer of a study, of the path
 STUDIED = {  # answers of a study, as quantities of the answer
     "contact fraction": "contact_fraction",
     "mean pressure": "mean_pressure",
@@ -77,12 +79,14 @@ class Study:
 def write_run_page(folder: Path) -> Result:
     """Render the result of a folder (`read_result`) into report.html and answer.csv beside it; the result."""
     result = read_result(folder)
-    write_atomically(folder / PAGE, render_run(result, inputs_of(result, folder)))
+    with threadpool_limits(limits=1, user_api="blas"):  # two threads are slower for small systems
+        page = render_run(result, inputs_of(result, folder))
+    write_atomically(folder / PAGE, page)
     write_atomically(folder / TABLE, csv_text(result))
     return result
 
 
-def inputs_of(result: Result, folder: Path) -> dict[int, dict[str, float]]:
+def inputs_of(result: Result, folder: Path) -> dict[int | None, dict[str, float]]:
     """Return the relative uncertainty of the input by target and quantity, from the study of the scene in the folder.
 
     Nothing where there is no study, or where it is unfinished, of another scene or of another path.
@@ -101,8 +105,15 @@ def inputs_of(result: Result, folder: Path) -> dict[int, dict[str, float]]:
     if study.scene_sha256 != result.provenance["scene_sha256"] or study.answers is None:
         return {}
     places = {state.index: k for k, state in enumerate(result.targets)}
-    inputs: dict[int, dict[str, float]] = {}
+    tension = result.largest_tension
+    inputs: dict[int | None, dict[str, float]] = {}
     for k, row in enumerate(study.answers):
+        moves = [move for source, move in row.moved.items() if source != "numerical"]
+        if row.target is None and row.quantity == STUDIED_PULL_OFF:
+            if tension is None or abs(row.value + tension.mean_pressure) > SAME * abs(row.value):
+                return {}
+            if moves:
+                inputs[None] = {PULL_OFF: math.hypot(*moves)}
         if row.quantity not in STUDIED:
             continue
         if row.target not in places:
@@ -111,9 +122,8 @@ def inputs_of(result: Result, folder: Path) -> dict[int, dict[str, float]]:
         state = result.targets[place]
         if name != "open_gap_mean" and abs(row.value - getattr(state, name)) > SAME * abs(row.value):
             return {}
-        moves = [move for source, move in row.moved.items() if source != "numerical"]
         if moves:
-            inputs.setdefault(place, {})[name] = math.sqrt(sum(move**2 for move in moves))
+            inputs.setdefault(place, {})[name] = math.hypot(*moves)
     return inputs
 
 
@@ -121,6 +131,7 @@ def render_run(result: Result, inputs: Inputs | None = None) -> str:
     """Return the page of a run as text; relative uncertainties of the input are by target and quantity."""
     left_open = max((value for known in (inputs or {}).values() for value in known.values()), default=math.nan)
     solved = replace(result, states=tuple(state for state in result.states if state.found))
+    theories = theories_of(solved)
     columns, rows = answer(result, inputs)
     doubtful = succeeded(result) and left_open > DOUBTFUL
     return filled(
@@ -133,15 +144,15 @@ def render_run(result: Result, inputs: Inputs | None = None) -> str:
         left_open="" if math.isnan(left_open) else share(left_open),
         columns=columns,
         answer=rows[:MOST_ROWS],
-        pull_off=pull_off_words(result),
+        pull_off=pull_off_words(result, inputs),
         words=scene_in_words(result.scene),
         toml=scene_text(result.scene),
         meanings=defaultdict(str, MEANINGS),
         preparation=[_step(step) for step in result.profile_preparation],
-        path=moving_path(result, theories_of(solved)),
+        path=moving_path(result, theories),
         moving_style=Markup(asset("moving.css")),
         moving_script=Markup(asset("moving.js")),
-        figures=[(figure, svg_of(figure, f"run-{figure.id}")) for figure in figures_of(solved)],
+        figures=[(figure, svg_of(figure, f"run-{figure.id}")) for figure in figures_of(solved, theories)],
         targets=[_target(state) for state in result.targets[:MOST_ROWS]],
         events=list(_events(solved))[:MOST_ROWS],
         most=MOST_ROWS,

@@ -18,6 +18,9 @@ from validation.report.pages import PAGE, ReportError, filled
 
 REPORT = "report.json"
 PASSED = ("passed", "skipped")
+SIDES = ("bem", "fem", "closed form", "theory")
+SHARED = 3  # numbers of a case that all three sides give
+PRECISIONS = {"2 digits": 1e-2, "4 digits": 1e-4, "8 digits": 1e-8}  # relative error of the contact fraction
 
 
 def write(folder: Path, content: Mapping[str, Any]) -> None:
@@ -45,12 +48,16 @@ def page(content: Mapping[str, Any]) -> str:
     compared = {row["quantity"] for row in rows if row["kind"] == "accuracy"}
     return filled(
         "verification.jinja",
-        {"class": lambda text: text.replace(" ", "-"), "digits": digits, "share": share},
+        {"class": lambda text: text.replace(" ", "-"), "digits": digits, "share": share, "digit": digit, "six": six},
         report=dict(content) | {"cases": cases},
         groups=groups,
         anchors={row["case"]: "not-run" for row in rows} | {case["case"]: case["anchor"] for case in cases},
         failures=[row for row in rows if row["failed"]],
         matrix=matrix(rows),
+        ways=three_ways(rows),
+        prices=prices(content["costs"]),
+        precisions=PRECISIONS,
+        run_of_paper=sum(line["verdict"] != "not run" for line in content["statements"]),
         quantities=[quantity for quantity in content["quantities"] if quantity in compared],
         passed=PASSED,
         draw=drawing,
@@ -64,6 +71,7 @@ def _case(case: Mapping[str, Any], anchor: str, rows: Iterable[Mapping[str, Any]
     figures = [{"front": False} | figure for figure in case["figures"]]
     return dict(case) | {
         "anchor": anchor,
+        "file": file,
         "short": name.removeprefix("test_"),
         "title": case["method"].split("\n\n")[0].rstrip(".") or file or "Study",
         "accuracy": [row for row in own if row["kind"] == "accuracy" and row["routes"]],
@@ -80,6 +88,46 @@ def matrix(rows: Iterable[Mapping[str, Any]]) -> dict[str, dict[str, dict[str, A
         if row["kind"] == "accuracy" and row["routes"]:
             cells.setdefault(" – ".join(row["routes"]), {}).setdefault(row["quantity"], []).append(row)
     return {pair: {quantity: _cell(of) for quantity, of in line.items()} for pair, line in sorted(cells.items())}
+
+
+def three_ways(rows: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Return numbers that both solvers and a third side give: case, codes, and of each number its value and U by code.
+
+    A case is shown if theory is among its sides, or if at least `SHARED` of its numbers have all three sides.
+    """
+    cases: dict[str, dict[tuple[str, str], dict[str, tuple[float, float]]]] = {}
+    for row in rows:
+        if row["kind"] == "accuracy" and row["routes"] and len(row["values"]) == 1 and row["value"] is not None:
+            numbers = cases.setdefault(row["case"], {}).setdefault((row["name"], row["unit"]), {})
+            numbers[row["routes"][0]] = row["value"], row["value_uncertainty"]
+            numbers[row["routes"][1]] = row["reference"], row["reference_uncertainty"]
+    shown = []
+    for case, lines in cases.items():
+        codes = [code for code in SIDES if any(code in line for line in lines.values())]
+        shared = sum(len(line) >= len(SIDES) - 1 for line in lines.values())
+        if {"bem", "fem"} <= set(codes) and ("theory" in codes or shared >= SHARED):
+            table = [{"name": name, "unit": unit, "by": line} for (name, unit), line in lines.items()]
+            table.sort(key=lambda line: not {*SIDES[2:]} & {*line["by"]})  # third sides first
+            shown.append({"case": case, "codes": codes, "numbers": table})
+    return shown
+
+
+def prices(costs: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Return by problem and route the cheapest measured line that is as precise as each of `PRECISIONS`, or None."""
+    routes: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
+    for line in costs:
+        routes.setdefault((line["problem"], line["route"]), []).append(line)
+    return [
+        {
+            "problem": problem,
+            "route": route,
+            "cheapest": [
+                min((line for line in lines if line["error"] <= error), key=lambda line: line["seconds"], default=None)
+                for error in PRECISIONS.values()
+            ],
+        }
+        for (problem, route), lines in routes.items()
+    ]
 
 
 def _cell(rows: list[Mapping[str, Any]]) -> dict[str, Any]:
@@ -107,3 +155,29 @@ def digits(value: float | None) -> str:
 def share(value: float | None) -> str:
     """Return an error, an uncertainty or a share, with two digits."""
     return "–" if value is None else f"{value:.2g}"
+
+
+def digit(value: float | None) -> str:
+    """Return a share in as little room as possible.
+
+    Examples
+    --------
+    >>> digit(0.234), digit(0.0), digit(1e-5), digit(12.0), digit(None)
+    ('.23', '0', '<.01', '12', '–')
+    """
+    if not value:
+        return "–" if value is None else "0"
+    return (
+        f"{value:.2g}"
+        if value >= 1
+        else f"{value:.2f}"[1:]
+        if 0.01 <= value < 0.995
+        else "<.01"
+        if value < 1e-2
+        else "1.0"
+    )
+
+
+def six(value: float) -> str:
+    """Return a number with six digits."""
+    return f"{value:.6g}"

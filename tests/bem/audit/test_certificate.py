@@ -20,6 +20,7 @@ from bem.geometry.profile import Profile
 from bem.loading.control import LoadControl
 from bem.problem import pose
 from bem.scene.scene import parse_scene
+from bem.solver import solve
 
 
 @dataclass(frozen=True)
@@ -357,6 +358,19 @@ def layered():
 
 def test_a_layer_enters_through_its_spectrum(layered):
     assert layered.certify(compliance_ratio=stiffer).reasons == ()
+
+
+def test_the_mean_gap_on_a_thin_incompressible_layer_is_known_to_the_rounding_of_its_load():
+    """A mean pressure of 1e6 leaves 3e-10 of rounding, and an error of the penetration of 1e-6 is still seen."""
+    scene = parse_scene(tables(waves([1, 3], [1e-5, 3e-6], [0.0, 1.0]), "separation", [5e-6], thickness=1e-5))
+    (target,) = solve(scene).targets
+    assert target.certificate.ok, target.certificate.reasons
+    problem = pose(scene, scene.surface())
+    edges = np.array(target.edges) / problem.scales.length
+    state = evaluate(problem.elastic, Patches(*edges.T), target.penetration / problem.scales.height, 1e-12)
+    ratio = problem.compliance_ratio
+    judged = certify(problem.profile, state.pressure(), state.penetration + 1e-6, None, compliance_ratio=ratio)
+    assert any("mean gap" in reason for reason in judged.reasons)
 
 
 def test_a_layer_left_out_is_not_ok(layered):

@@ -13,7 +13,7 @@ from bem.elastic.layer import LayerEffect
 from bem.geometry.gaps import Gaps
 from bem.geometry.profile import Profile
 from bem.loading.complete_contact import CompleteContact
-from bem.nonadhesive.completed_body import CompletedBody, Condition
+from bem.nonadhesive.completed_body import CompletedBody, LinearControl
 from bem.nonadhesive.gap_series import evaluate_gaps
 from bem.nonadhesive.last_gaps import isolated_cracks, solve_gaps
 
@@ -33,13 +33,13 @@ def body_of(profile, ratio=None):
 def solved(profile, deficit, ratio=None):
     """The state at a deficit relative to the mean pressure of complete contact."""
     body = body_of(profile, ratio)
-    condition = Condition(0.0, 1.0, 2 * np.pi * body.lowest * deficit)
+    condition = LinearControl(0.0, 1.0, 2 * np.pi * body.lowest * deficit)
     return solve_gaps(body, condition, isolated_cracks(body, condition)).state
 
 
 def at_deficit(state):
     """The condition that holds the deficit of a state."""
-    return Condition(0.0, 1.0, 2 * np.pi * state.deficit)
+    return LinearControl(0.0, 1.0, 2 * np.pi * state.deficit)
 
 
 def judged(profile, state, ratio=None, opening=None, **changed):

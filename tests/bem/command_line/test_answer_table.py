@@ -111,6 +111,8 @@ def test_the_pull_off_is_said_with_its_own_error_and_where_the_surfaces_came_apa
     words = pull_off_words(replace(rough, largest_tension=tension))
     assert "the largest tension on the way out is 280.0 Pa (± 1.0 % numerical), at a separation" in words
     assert "the surfaces come apart at" in words
+    words = pull_off_words(replace(rough, largest_tension=tension), {None: {"pull_off": 0.08}})
+    assert "is 280 Pa (± 1.0 % numerical, 8.0 % input), at" in words
 
 
 def test_a_path_that_ends_in_tension_does_not_give_an_earlier_turn_as_its_pull_off(rough):

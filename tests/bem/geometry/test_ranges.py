@@ -49,7 +49,7 @@ def test_a_number_is_refused_in_the_words_of_the_scene(path, value):
     with pytest.raises(ValueError, match="allowed") as error:
         MAKE[table](**GOOD[table] | {key: value})
     (said,) = said_of_scene(table, **{key: value})
-    assert said.removesuffix(', or "all" of a scan') == str(error.value)
+    assert said.partition(", of samples")[0] == str(error.value)  # a scan may be more
 
 
 @pytest.mark.parametrize(

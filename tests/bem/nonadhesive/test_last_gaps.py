@@ -13,7 +13,7 @@ from bem.geometry.gaps import Gaps, gaps_of
 from bem.geometry.profile import Profile
 from bem.loading.complete_contact import CompleteContact, complete_contact
 from bem.nonadhesive import last_gaps
-from bem.nonadhesive.completed_body import CompletedBody, Condition
+from bem.nonadhesive.completed_body import CompletedBody, LinearControl
 from bem.nonadhesive.gap_series import evaluate_gaps
 from bem.nonadhesive.last_gaps import isolated_cracks, solve_gaps
 from bem.path_for import path_for
@@ -40,7 +40,7 @@ def body_of(scene):
 
 
 def found_at(body, deficit):
-    condition = Condition(0.0, 1.0, 2 * np.pi * deficit)
+    condition = LinearControl(0.0, 1.0, 2 * np.pi * deficit)
     return solve_gaps(body, condition, isolated_cracks(body, condition))
 
 
@@ -77,7 +77,7 @@ def test_unknowns_in_gaps_and_on_patches_agree(name, deficit):
     problem, body = body_of(scene)
     path = path_for(scene, problem, body.complete)
     by_patches = path.at(2 * np.pi * body.lowest * (1 - deficit)).state
-    by_gaps = solve_gaps(body, Condition(0.0, 1.0, 2 * np.pi * body.lowest * deficit), gaps_of(by_patches.patches))
+    by_gaps = solve_gaps(body, LinearControl(0.0, 1.0, 2 * np.pi * body.lowest * deficit), gaps_of(by_patches.patches))
     state = by_gaps.state
     assert not hasattr(by_patches, "gaps")
     assert state.patches.count == by_patches.patches.count
@@ -93,7 +93,7 @@ def test_unknowns_in_gaps_and_on_patches_agree(name, deficit):
 def test_next_to_complete_contact_every_gap_is_an_isolated_crack(name, deficit):
     profile, layer, nu = SCENES[name]
     body = body_of(scene_of(profile, layer=layer, nu=nu))[1]
-    condition = Condition(0.0, 1.0, 2 * np.pi * body.lowest * deficit)
+    condition = LinearControl(0.0, 1.0, 2 * np.pi * body.lowest * deficit)
     cracks = isolated_cracks(body, condition)
     state = found_at(body, body.lowest * deficit).state
     assert state.gaps.count == cracks.count
@@ -166,7 +166,7 @@ def test_a_gap_that_closes_beside_wider_ones_is_kept_to_its_end(share):
 
 def test_a_gap_is_added_where_contact_is_under_tension():
     body = body_of(scene_of(waves([1, 2], [0.0, 0.0])))[1]
-    condition = Condition(0.0, 1.0, 2 * np.pi * body.lowest * 1e-9)
+    condition = LinearControl(0.0, 1.0, 2 * np.pi * body.lowest * 1e-9)
     cracks = isolated_cracks(body, condition)
     first = cracks.kept(np.array([True, False]))
     state = solve_gaps(body, condition, first).state
@@ -177,7 +177,7 @@ def test_a_gap_is_added_where_contact_is_under_tension():
 
 def test_gaps_across_a_crest_are_cut_and_gaps_that_nothing_opens_vanish():
     body = body_of(scene_of(waves([1, 2], [0.0, 0.0])))[1]
-    condition = Condition(0.0, 1.0, 2 * np.pi * body.lowest * 0.02)
+    condition = LinearControl(0.0, 1.0, 2 * np.pi * body.lowest * 0.02)
     expected = found_at(body, body.lowest * 0.02).state.gaps
     middle = float(expected.center.mean())
     across = Gaps(np.array([middle]), np.zeros(1), np.array([np.ptp(expected.center) / 2 + 0.05]))
@@ -212,7 +212,7 @@ def test_the_pressure_as_series_on_patches_is_the_same():
 def test_half_the_tolerance_of_nodes_changes_nothing():
     body = body_of(scene_of(rough(100, 1)))[1]
     state = found_at(body, 0.1 * body.lowest).state
-    finer = evaluate_gaps(body, state.gaps, Condition(0.0, 1.0, 2 * np.pi * state.deficit), finer=True)
+    finer = evaluate_gaps(body, state.gaps, LinearControl(0.0, 1.0, 2 * np.pi * state.deficit), finer=True)
     assert finer.separation == pytest.approx(state.separation, rel=1e-12)
 
 
