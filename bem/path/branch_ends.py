@@ -14,8 +14,7 @@ from bem.loading.increments import Increments
 from bem.path.fold import LimitPoint, LimitPoints
 from bem.path.locating import AtControl, Refused, Start, settle
 from bem.path.span import Span
-from bem.path.stand import Stand
-from bem.path.steps import FORESEEN, Way
+from bem.path.steps import Way
 from bem.path.touch import Touch, locate_touch
 
 
@@ -43,23 +42,10 @@ class BranchEnds:
     system: System
     increments: Increments
 
-    def foreseen(self, at: Stand, h: float, way: Way) -> tuple[Span, End] | None:
-        """Return the span to the fold foreseen from a point, and the first end on it.
-
-        None where no fold is foreseen within some steps as long as h, or where none is located.
-        """
-        fold = self._limits(way).foreseen(at) if at.turn <= FORESEEN * h else None
-        end = None if fold is None else self.first(*fold, way)
-        return None if fold is None or end is None or isinstance(end, Refused) else (fold[0], end)
-
-    def _limits(self, way: Way) -> LimitPoints:
-        """Return the search for limit points."""
-        return LimitPoints(self.system, way.direction, self.increments.way.tolerance)
-
-    def first(self, span: Span, fold: LimitPoint | None, way: Way) -> End | Refused | None:
-        """Return the first end on a span, which may be known to end in a fold; None where there is none."""
+    def first(self, span: Span, way: Way) -> End | Refused | None:
+        """Return the first end on a span; None where there is none."""
         on_way = self.increments.way
-        first: LimitPoint | Touch | Refused | None = fold or self._limits(way).on(span)
+        first: LimitPoint | Touch | Refused | None = LimitPoints(self.system, way.direction, on_way.tolerance).on(span)
         if isinstance(first, Refused):
             return first
         state, place = (span.last.balance.state, 1.0) if first is None else (first.at.balance.state, first.place)

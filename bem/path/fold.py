@@ -1,13 +1,12 @@
 """Folds and broken symmetries: the ends of the stable part of a branch on a span of its curve, and their equations.
 
-A fold is located ahead of a step, where the control is foreseen to turn by its two derivatives, and is then the end of
-a span like any other stand.  A step past a turn of the control is refused.  Else the end of a span says what it holds,
-by the number of negative eigenvalues of the Hessian and by the way the control goes:
+The end of a span says which, by the number of negative eigenvalues of the Hessian and by the way the control goes:
 
 =========  =======  ==============================================================================================
 negative   control  content of the span
 =========  =======  ==============================================================================================
 none       onward   nothing, unless the quintic turns in between: a snap hides there, and a shorter step tells
+one        back     a fold: the control turns, and the mode that is neutral there carries the contact away
 any        any      if the control does no work on the modes that turned unstable: a symmetry broke
 others              a shorter step tells
 =========  =======  ==============================================================================================
@@ -34,9 +33,9 @@ from bem.adhesive.equilibrium import Balance, System, symmetric_part
 from bem.adhesive.lowest_modes import lowest_modes
 from bem.adhesive.third_derivatives import hessian_change_times
 from bem.geometry.arrays import FloatArray
-from bem.path.locating import LOCATED, ClosingCondition, Located, Refused, Start, locate
-from bem.path.span import MISFIT, ON_SPAN, Span
-from bem.path.stand import MODES, Row, Stand, stand_near
+from bem.path.locating import LOCATED, Condition, Located, Refused, Start, locate
+from bem.path.span import Span
+from bem.path.stand import MODES, Row
 
 NO_WORK = 1e-3  # cosine of a mode and of the pull of the control, below which the control does no work on the mode
 NEUTRAL_OFF = 5.0  # of the tolerance: error of an eigenvalue by an evaluation
@@ -44,7 +43,7 @@ NEUTRAL = 1e-2  # eigenvalues of modes that are neutral together
 
 
 @dataclass(eq=False)
-class NeutralMode(ClosingCondition):
+class NeutralMode(Condition):
     """Condition that an eigenvalue of the scaled Hessian vanishes: mu = v . H v.
 
     The derivatives are d mu = (D_v H v) . d xi + v . H_tau v d tau.
@@ -142,37 +141,35 @@ class LimitPoints:
     tolerance: float
 
     def on(self, span: Span) -> LimitPoint | Refused | None:
-        """Return the broken symmetry on a span that ends in no fold; None where nothing ends the branch."""
+        """Return the limit point on a span; None where there is none."""
         last = span.last
         (values, modes), onward = last.lowest, last.control_rate * self.direction > 0
         idle = does_no_work(last.balance, last.balance.scale, modes)
         if np.any(idle):
             return self._broken(span, last.balance, modes[:, idle])
-        return None if values.size == 0 and onward and span.turns().size == 0 else Refused.UNCLEAR
+        if values.size == 0 and onward:
+            return Refused.UNCLEAR if span.turns().size else None
+        turns = span.turns()
+        if onward or values.size != 1 or turns.size == 0:
+            return Refused.UNCLEAR
+        return self._fold(span, float(turns[0]))
 
-    def foreseen(self, at: Stand) -> tuple[Span, LimitPoint] | None:
-        """Return the fold where the control is foreseen to turn, and the span to it; None where none is located.
-
-        The fold ends a span like any other: both ends agree, and the control does not turn before.
-        """
-        motion, change = at.ahead(at.turn)
-        neutral = self._neutral(at.balance.scale, (at.rate + at.turn * at.bend) / at.balance.scale)
-        start = Start(at.patches.moved(motion), at.numbers.penetration, at.value + change)
-        fold = locate(self.system, start, neutral, self.tolerance)
-        if isinstance(fold, Refused) or np.any(neutral.others <= 0):
-            return None
-        normal = motion / at.unit**2
-        last = stand_near(self.system, fold.balance, fold.numbers.value, normal, float(normal @ motion))
-        span = None if last is None else Span.between(at, last)
-        if span is None or span.misfit > MISFIT or np.any(span.turns() < 1 - ON_SPAN):
-            return None
-        limit = self._turned(span, fold, neutral)
-        return None if isinstance(limit, Refused) else (span, limit)
-
-    def _turned(self, span: Span, at: Located, neutral: NeutralMode) -> LimitPoint | Refused:
-        """Return the limit point of a located fold, if the control turns back there."""
-        pull = at.balance.load_gradient * neutral.scale * self.system.control.rate(at.balance.state)
-        work = float(pull @ neutral.last)
+    def _fold(self, span: Span, place: float) -> LimitPoint | Refused:
+        """Return the fold at about a parameter, unless a symmetry breaks before it."""
+        scale = span.first.balance.scale
+        neutral = self._neutral(scale, span.last.rate / scale)
+        at = locate(self.system, self._start(span, place), neutral, self.tolerance)
+        if isinstance(at, Refused):
+            return at
+        if not span.holds(at.patches, at.numbers.value):
+            return Refused.FAR
+        pull, mode = at.balance.load_gradient * scale, neutral.last
+        pull = pull * self.system.control.rate(at.balance.state)
+        before = (neutral.values <= 0) & (np.arange(neutral.values.size) != neutral.index)
+        if np.any(before):
+            before &= does_no_work(at.balance, scale, neutral.modes)
+            return self._broken(span, at.balance, neutral.modes[:, before], scale) if before.any() else Refused.UNCLEAR
+        work = float(pull @ mode)
         cubic = float(neutral.by_edges @ neutral.motion)
         if cubic * work * self.direction <= 0:
             return Refused.UNCLEAR

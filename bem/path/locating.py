@@ -47,7 +47,7 @@ class Refused(Enum):
     UNCLEAR = "a shorter step must tell what happens in this one"
 
 
-class ClosingCondition(ABC):
+class Condition(ABC):
     """Condition that closes the equations of equilibrium: phi(xi, tau) = 0, in a settled state within an accuracy."""
 
     accuracy: float = np.inf
@@ -63,7 +63,7 @@ class ClosingCondition(ABC):
 
 
 @dataclass(frozen=True)
-class AtControl(ClosingCondition):
+class AtControl(Condition):
     """Condition that the control has a value."""
 
     goal: float
@@ -74,7 +74,7 @@ class AtControl(ClosingCondition):
 
 
 @dataclass(frozen=True)
-class AtLoad(ClosingCondition):
+class AtLoad(Condition):
     """Condition that the load has a value, within an accuracy."""
 
     system: System
@@ -89,7 +89,7 @@ class AtLoad(ClosingCondition):
 
 
 @dataclass(frozen=True, eq=False)
-class InPlane(ClosingCondition):
+class InPlane(Condition):
     """Condition that edges lie in a plane: normal . (xi - xi of the edges given) = 0."""
 
     patches: Patches
@@ -137,7 +137,7 @@ class Located:
 def locate(
     system: System,
     start: Start,
-    on: ClosingCondition,
+    on: Condition,
     tolerance: float,
     held: FloatArray | None = None,
     known: Balance | None = None,
@@ -148,7 +148,7 @@ def locate(
     ----------
     system : System
     start : Start
-    on : ClosingCondition
+    on : Condition
     tolerance : float
         Tolerance of the evaluations.
     held : (2 L, k) array, optional
@@ -184,7 +184,7 @@ def locate(
 
 
 def _unverified(
-    system: System, balance: Balance, value: float, on: ClosingCondition, step: NewtonStep, tolerance: float
+    system: System, balance: Balance, value: float, on: Condition, step: NewtonStep, tolerance: float
 ) -> Located:
     """Return the equilibrium located by coarse evaluations, with errors from the errors of K and of the condition.
 
@@ -211,7 +211,7 @@ def _unverified(
     return Located(balance, at, errors, step.motion)
 
 
-def settle(system: System, start: Start, on: ClosingCondition, accuracy: Accuracy) -> tuple[Balance, float] | Refused:
+def settle(system: System, start: Start, on: Condition, accuracy: Accuracy) -> tuple[Balance, float] | Refused:
     """Return the state next to edges that meets a condition, evaluated in itself, and its value of the control.
 
     The state is no farther than LONGEST_MOTION away, and at the end of a Newton step.  Forces left at its

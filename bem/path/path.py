@@ -33,18 +33,18 @@ from bem.path.branch_ends import BranchEnds, End, GoalReached
 from bem.path.fold import LimitPoint
 from bem.path.jump import Jumps, leading_patch
 from bem.path.loads import Loads
-from bem.path.locating import LOCATED, AtControl, ClosingCondition, InPlane, Located, Refused, Start, settle
+from bem.path.locating import LOCATED, AtControl, Condition, InPlane, Located, Refused, Start, settle
 from bem.path.opening import Flaw
 from bem.path.points_with_edges import Equilibrium, Point, Stretch
 from bem.path.span import Span
 from bem.path.stand import Stand
 from bem.path.steps import (
-    BEFORE,
     SHORTER,
     SHORTEST_STEP,
     Way,
     curve_from,
     evaluated_at_itself,
+    growth,
     predicted,
     step_from,
 )
@@ -52,6 +52,7 @@ from bem.path.symmetry import alone, other_branch
 from bem.path.tension import LeastLoad, behind_jump, turn_of_load
 from bem.path.touch import Touch
 
+FIRST = 0.5  # speed: of the longest step: the first one of a branch
 LONGEST_STEP = 0.4  # units: the motion of the edges in a step
 PER_INCREMENT = 9.0  # units per rms height of `accuracy.max_increment`: a step, if that is less than the longest
 NATURAL = 1e-7, 1e-6, 1e-5, 1e-4  # of the unit of the control: steps of it where none along the curve is left
@@ -185,7 +186,7 @@ class Path:
         beside = [point for point in (before, after) if isinstance(point, Equilibrium)]
         return self.loads.in_last_gap(beside[0], load, self.increments.coarse.tolerance) if beside else None
 
-    def _stable(self, start: Start, on: ClosingCondition | None = None) -> Equilibrium | Failed:
+    def _stable(self, start: Start, on: Condition | None = None) -> Equilibrium | Failed:
         """Return the stable state next to edges that meets a condition, or at the value of the control of the start."""
         settled = settle(self.system.sloped, start, on or AtControl(start.value), self.increments.fine)
         if isinstance(settled, Refused) or settled[0].factor is None:
@@ -214,27 +215,24 @@ class Path:
         if at is None:
             yield Failed(point.value, "not_converged")
             return
-        length, load, again, ends = way.longest, point.load, True, BranchEnds(self.system, self.increments)
+        length, load, again = FIRST * way.longest, point.load, True
         while True:
-            h = predicted(at, length, way)
-            foreseen = ends.foreseen(at, h, way)
-            if foreseen is not None:
-                self.effort.accepted += 1
-                yield from self._ended(*foreseen, way, load)
-                return
-            h = min(h, BEFORE * at.turn)
-            if h * at.speed < SHORTEST_STEP:
+            ahead = predicted(at, length, way)
+            tried = float(np.max(np.abs(ahead[0] / at.unit)))
+            if tried < SHORTEST_STEP:
                 yield self._by_control(at, way)
                 return
-            span = step_from(self.system, at, h, way)
+            span = step_from(self.system, at, ahead, way)
             if span is Refused.MISFIT and again:
                 refined, again = evaluated_at_itself(self.system, at, way), False
                 at = at if isinstance(refined, Refused) else refined
                 continue
-            branch_end = span if isinstance(span, Refused) else ends.first(span, None, way)
+            branch_end = (
+                span if isinstance(span, Refused) else BranchEnds(self.system, self.increments).first(span, way)
+            )
             if isinstance(span, Refused) or isinstance(branch_end, Refused):
                 self.effort.rejected += 1
-                length = h * at.speed / SHORTER
+                length = tried / SHORTER
                 continue
             self.effort.accepted += 1
             self.effort.unknowns = max(self.effort.unknowns, span.last.balance.state.unknowns)
@@ -243,7 +241,7 @@ class Path:
                 return
             self._note_turn(span, 1.0, way)
             yield from self._stretches(span, 1.0, Equilibrium.near(span.last), load)
-            at, length, again = span.last, way.longest, True
+            at, length, again = span.last, min(way.longest, tried * growth(span)), True
             load = at.numbers.load
 
     def last_increment(self, value: float, patches: int, closing: float) -> float:

@@ -16,7 +16,6 @@ from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.path.stand import Stand
 
-MISFIT = 0.06  # of the chord, and of the rise of the control: largest disagreement of the two ends of a step
 ON_SPAN = 0.05  # of the chord, or of the rise of the control: how far from the quintic a point of its span may lie
 
 

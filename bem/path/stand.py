@@ -122,11 +122,6 @@ class Stand:
         """Length of the tangent."""
         return float(np.max(np.abs(self.rate / self.unit)))
 
-    @property
-    def bending(self) -> float:
-        """Length of the second derivative."""
-        return float(np.max(np.abs(self.bend / self.unit)))
-
     @cached_property
     def lowest(self) -> tuple[FloatArray, FloatArray]:
         """Negative eigenvalues of the scaled Hessian, ascending, and their modes; up to MODES."""
@@ -149,16 +144,6 @@ class Stand:
         shifted = symmetric_part(self.balance.hessian, np.sqrt(self.unit / self.balance.work))
         shifted.flat[:: shifted.shape[0] + 1] -= SOFTENING * self.off
         return bool(lapack.dpotrf(shifted, lower=0, clean=0)[1] == 0)
-
-    @property
-    def turn(self) -> float:
-        """Parameter at which the control turns, by its two derivatives; inf where it does not turn ahead."""
-        return -self.control_rate / self.control_bend if self.control_bend * self.control_rate < 0 else np.inf
-
-    def ahead(self, h: float) -> tuple[FloatArray, float]:
-        """Return the motion of the edges and the change of the control along the Taylor series."""
-        motion, change = self.rate + h / 2 * self.bend, self.control_rate + h / 2 * self.control_bend
-        return h * motion, h * change
 
     def by(self, normal: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return first and second derivatives of motions and control by the parameter normal . xi, (2 L + 1,) each."""

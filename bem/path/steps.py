@@ -4,8 +4,9 @@ A step is accepted if K > 0 at its end, the Newton step that is left is short, a
 at both ends (stand.py); where it does not, both ends are evaluated again more finely before a shorter step is tried,
 because the error of an evaluation turns the tangent of a soft motion.
 
-A step is as long as the second order of its prediction stays small: the third order, which the Newton step corrects,
-then is smaller still.
+The Newton step and the misfit are of third order in the length of the step, which grows or shrinks with the cube root
+of the ratio of the Newton step to the step it should be (pacopy's and AUTO's control does the same by the count of
+iterations).
 """
 
 from __future__ import annotations
@@ -20,15 +21,16 @@ from bem.adhesive.third_derivatives import with_slopes
 from bem.geometry.arrays import FloatArray
 from bem.path.locating import Refused, Start, evaluated_anywhere, evaluated_finely
 from bem.path.points_with_edges import Equilibrium
-from bem.path.span import MISFIT, ON_SPAN, Span
+from bem.path.span import ON_SPAN, Span
 from bem.path.stand import SHORT, Stand, first_stand, stand_near
 
-BENT = 0.08  # of a step: largest share of its second order; from 0.2 on five of six steps fail
+MISFIT = 0.06  # of the chord, and of the rise of the control: largest disagreement of the two ends of a step
+GOOD = MISFIT / 2  # units: the Newton step that a prediction should leave
 SHORTER = 3.0  # times: a step that is refused is repeated
+LONGER = SHORTER**0.5  # times the last step: the next, at most
 SHORTEST_STEP = 1e-6  # limit: units: a step that is not tried is shorter
-FORESEEN = 1.3  # steps: how far ahead a fold is located from where the control turns by its two derivatives
-BEFORE = 0.8  # of the way to where the control turns: the longest step, where no fold is located there
-BEYOND = 1 + ON_SPAN  # times the way to the last value of the control, which then lies on the span
+PAST = GOOD  # units: how far a step may go past where the control turns
+BEYOND = 1 + ON_SPAN  # times the way to where the control turns, or to its last value: both then lie on the span
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,9 +68,9 @@ def curve_from(system: System, point: Equilibrium, way: Way) -> Stand | None:
     return first_stand(system, balance, point.value, way.direction)
 
 
-def step_from(system: System, at: Stand, h: float, way: Way) -> Span | Refused:
-    """Return the span of a step along the curve, from a point to its prediction at a parameter."""
-    motion, change = at.ahead(h)
+def step_from(system: System, at: Stand, ahead: tuple[FloatArray, float], way: Way) -> Span | Refused:
+    """Return the span of a step along the curve, from a point to its prediction `ahead`."""
+    motion, change = ahead
     tried = float(np.max(np.abs(motion / at.unit)))
     normal = motion / at.unit**2
     start = Start(at.patches.moved(motion), at.numbers.penetration, at.value + change)
@@ -95,15 +97,16 @@ def shorter_steps(length: float) -> Iterator[float]:
         length /= SHORTER
 
 
-def evaluated_at_itself(system: System, at: Stand, way: Way) -> Stand | Refused:
-    """Evaluate a point at its own edges, until its Newton step is short; its derivatives are then better.
+def growth(span: Span) -> float:
+    """Return the factor by which the next step may be longer."""
+    return float(np.cbrt(GOOD / max(span.last.off, GOOD / LONGER**3)))
 
-    A point whose Newton step is short already is evaluated more finely: the error of its evaluation is what is left.
-    """
+
+def evaluated_at_itself(system: System, at: Stand, way: Way) -> Stand | Refused:
+    """Evaluate a point finely at its own edges, until its Newton step is short; its derivatives are then better."""
     while True:
-        normal, start = at.rate / at.unit**2, Start(at.patches, at.numbers.penetration, at.value)
-        evaluate = evaluated_finely if at.off <= SHORT else evaluated_anywhere
-        balance = evaluate(system.sloped, start, way.tolerance)
+        normal = at.rate / at.unit**2
+        balance = evaluated_finely(system.sloped, Start(at.patches, at.numbers.penetration, at.value), way.tolerance)
         stand = _point_of(system, balance, at.value, normal, float(normal @ at.rate))
         if isinstance(stand, Refused) or stand.off <= SHORT:
             return stand
@@ -112,18 +115,27 @@ def evaluated_at_itself(system: System, at: Stand, way: Way) -> Stand | Refused:
         at = stand
 
 
-def predicted(at: Stand, length: float, way: Way) -> float:
-    """Return the parameter to which a step leads along the Taylor series of a point.
+def predicted(at: Stand, length: float, way: Way) -> tuple[FloatArray, float]:
+    """Return the motion of the edges and the change of the control along the Taylor series.
 
-    The motion is no longer than asked, nor so long that its second order counts much; the control changes by no more
-    than its largest step.  The motion goes a little beyond the last value of the control, so that it lies on the span.
+    The motion is as long as asked, and the control changes by no more than its largest step.  The motion goes a little
+    beyond a turn of the control and beyond its last value, so that both lie on the span.
     """
-    h = min(length / at.speed, 2 * BENT * at.speed / max(at.bending, np.finfo(float).tiny))
+
+    def at_parameter(h: float) -> tuple[FloatArray, float]:
+        return h * at.rate + h**2 / 2 * at.bend, h * at.control_rate + h**2 / 2 * at.control_bend
+
+    h = length / at.speed
+    for _ in range(3):
+        h *= min(1.0, length / float(np.max(np.abs(at_parameter(h)[0] / at.unit))))
     rate, bend = at.control_rate * way.direction, at.control_bend * way.direction
+    if bend < 0 < rate:
+        turn = -rate / bend
+        h = min(h, max(BEYOND * turn, turn + PAST / at.speed))
     for limit in (way.largest, -BEYOND * way.beyond(at.value)):
         if h * rate + h**2 / 2 * bend >= limit > 0:
             h = min(h, 2 * limit / (rate + np.sqrt(max(rate**2 + 2 * bend * limit, 0.0))))
-    return h
+    return at_parameter(h)
 
 
 def _point_of(

@@ -20,7 +20,7 @@ from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima, gap_field, minima_near
 from bem.geometry.arrays import FloatArray
 from bem.loading.increments import MAXIMUM_ITERATIONS
-from bem.path.locating import LOCATED, ClosingCondition, Located, Refused, Start, locate
+from bem.path.locating import LOCATED, Condition, Located, Refused, Start, locate
 from bem.path.span import Span
 from bem.path.stand import SHORT, Row
 
@@ -35,7 +35,7 @@ class Touch:
 
 
 @dataclass(eq=False)
-class GapCloses(ClosingCondition):
+class GapCloses(Condition):
     """Condition that the lowest of some gaps vanishes.
 
     Attributes

@@ -1,7 +1,5 @@
 """The curve of equilibria: its derivatives against differences, and spans of it around Johnson's fold."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from johnson_branch import AMPLITUDE, johnson, lowest, resting, waves
@@ -12,7 +10,7 @@ from bem.loading.control import DisplacementControl, LoadControl
 from bem.path.locating import Refused
 from bem.path.span import Span
 from bem.path.stand import first_stand, stand_near
-from bem.path.steps import BENT, Way, predicted, step_from
+from bem.path.steps import LONGER, Way, growth, predicted, step_from
 
 TOLERANCE = 1e-12
 CONTROLS = {"Delta": DisplacementControl(), "spring": DisplacementControl(0.7), "load": LoadControl()}
@@ -95,24 +93,23 @@ def test_a_piece_fits_the_better_the_shorter_it_is():
 
 def test_a_step_is_no_longer_than_asked_and_ends_a_little_beyond_the_goal():
     _, at = begin(DisplacementControl(), 0.5)
-    motion, change = at.ahead(predicted(at, 0.1, Way(-1.0, -np.inf, 0.1, np.inf, TOLERANCE)))
-    assert np.max(np.abs(motion / at.unit)) == pytest.approx(0.1, rel=3e-2)
-    _, bounded = at.ahead(predicted(at, 0.1, Way(-1.0, -np.inf, 0.1, 1e-3, TOLERANCE)))
+    motion, change = predicted(at, 0.1, Way(-1.0, -np.inf, 0.1, np.inf, TOLERANCE))
+    assert np.max(np.abs(motion / at.unit)) == pytest.approx(0.1, rel=1e-2)
+    _, bounded = predicted(at, 0.1, Way(-1.0, -np.inf, 0.1, 1e-3, TOLERANCE))
     assert change < -1e-3
     assert bounded == pytest.approx(-1e-3, rel=1e-9)
-    _, last = at.ahead(predicted(at, 0.1, Way(-1.0, 0.499, 0.1, np.inf, TOLERANCE)))
+    _, last = predicted(at, 0.1, Way(-1.0, 0.499, 0.1, np.inf, TOLERANCE))
     assert last == pytest.approx(1.05 * (0.499 - at.value), rel=1e-9)
 
 
-def test_a_step_is_so_short_that_its_second_order_counts_little():
-    _, at = begin(DisplacementControl(), 0.5)
-    at = replace(at, bend=3 * at.rate)
-    h = predicted(at, 5.0, Way(-1.0, -np.inf, 5.0, np.inf, TOLERANCE))
-    bent = at.ahead(h)[0] - h * at.rate
-    assert np.max(np.abs(bent / at.unit)) == pytest.approx(BENT * h * at.speed)
+def test_the_next_step_grows_with_the_root_of_how_good_the_last_was():
+    system, at = begin(DisplacementControl(), 0.5)
+    way = Way(-1.0, -np.inf, 0.15, np.inf, TOLERANCE)
+    span = step_from(system, at, predicted(at, 0.01, way), way)
+    assert growth(span) == pytest.approx(LONGER)
 
 
 def test_a_step_into_overlap_is_refused_by_name():
     system, at = begin(DisplacementControl(), 0.5)
     way = Way(-1.0, -np.inf, 5.0, np.inf, TOLERANCE)
-    assert step_from(system, at, 30.0 / at.speed, way) is Refused.OVERLAP
+    assert step_from(system, at, (-3 * at.unit, 0.0), way) is Refused.OVERLAP
