@@ -28,7 +28,7 @@ FINEST = 1e-14  # derived: tolerance of an evaluation
 FEW_DIGITS = 1e-4  # accuracy.tolerance of an adhesive path that stores few states
 STATES_APART = 20.0  # format: times the largest increment between them: a state takes as long as ten steps
 COARSEST_WAY = 1e-4  # tolerance of evaluations on the way to targets, at most
-COARSEST_EVENT = 0.002  # of the rms height (or its equal in load): events are never resolved coarser
+COARSEST_EVENT = Increments.deepest / INCREMENTS_PER_LARGEST  # rms heights, or their equal in load: as by default
 
 
 @dataclass(frozen=True, eq=False)

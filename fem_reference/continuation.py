@@ -141,7 +141,7 @@ class Branch:
         border = np.append(np.zeros(evaluation.edges.size), direction)
         place = np.append(evaluation.edges.ravel(), value)
         kept = KeptFactors()
-        slope = self._by_edges(self.evaluated(evaluation.states.mesh, value, kept), value, kept)
+        slope = self.by_edges_of(self.evaluated(evaluation.states.mesh, value, kept), value, kept)
         return self._point(self.solved(evaluation.states.mesh, slope, place, border), border)
 
     def step(self, start: Point, length: float, value: float | None = None) -> Point | None:
@@ -212,7 +212,8 @@ class Branch:
                 return None
         return None
 
-    def _by_edges(self, evaluation: Evaluation, value: float, kept: KeptFactors) -> FloatArray:
+    def by_edges_of(self, evaluation: Evaluation, value: float, kept: KeptFactors) -> FloatArray:
+        """Return the derivatives (2 n, 2 n) of F by the edges, by differences."""
         base = self.residual(evaluation, value)
         mesh = evaluation.states.mesh
         return difference_jacobian(self.problem, mesh, self.resolution, self.control(value), base, kept)
@@ -222,7 +223,7 @@ class Branch:
         if solution is None:
             return None
         evaluation, value, by_value = solution.evaluation, solution.value, solution.by_value
-        slope = self._by_edges(evaluation, value, solution.kept)
+        slope = self.by_edges_of(evaluation, value, solution.kept)
         system = np.vstack([np.column_stack([slope, by_value]), border])
         try:
             tangent = np.linalg.solve(system, np.append(np.zeros(len(by_value)), 1.0))

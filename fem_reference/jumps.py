@@ -23,6 +23,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 from fem_reference.closure import ControlKind, Evaluation
+from fem_reference.contact import KeptFactors
 from fem_reference.continuation import Branch, Point, Solution, gap_minima
 from fem_reference.mesh import Resolution, layer_mesh
 from fem_reference.path import LOADS, Jump, PathError
@@ -117,18 +118,20 @@ def _about(branch: Branch, point: Point) -> tuple[FloatArray, list[Solution]]:
 
 
 def _row(branch: Branch, point: Point, steps: FloatArray, border: FloatArray) -> list[Solution]:
-    """Solve at steps (n, 2 n_patches + 1) from a coarse point on, each with the derivatives of the last one."""
-    problem, states = branch.problem, list[Solution]()
-    mesh = layer_mesh(problem.depth, point.edges, branch.resolution, problem.highest_order)
-    slope = point.by_edges
-    for step in steps:
-        place = point.place + step
+    """Solve at steps (n, 2 n_patches + 1) from a coarse point on, the middle one first and the others beside it."""
+    problem, middle = branch.problem, len(steps) // 2
+    mesh, kept = layer_mesh(problem.depth, point.edges, branch.resolution, problem.highest_order), KeptFactors()
+    slope = branch.by_edges_of(branch.evaluated(mesh, point.value, kept), point.value, kept)
+    base, states = point.place, dict[int, Solution]()
+    for k in sorted(range(len(steps)), key=lambda k: abs(k - middle)):
+        place = base + steps[k] - (steps[middle] if states else 0.0)
         state = branch.solved(mesh, slope, place, border, CLOSED)
         if state is None:
             raise PathError(f"no state on the mesh {branch.resolution} near {branch.kind} {place[-1]:.6g}")
-        states.append(state)
-        slope, mesh = state.by_edges, state.evaluation.states.mesh
-    return states
+        if not states:
+            base, slope, mesh = state.place, state.by_edges, state.evaluation.states.mesh
+        states[k] = state
+    return [states[k] for k in range(len(steps))]
 
 
 def potential(kind: ControlKind, evaluation: Evaluation) -> float:

@@ -30,13 +30,12 @@ from bem.geometry.minima import BESIDE, refined
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 
-DISPLACEMENT_ROUNDING = 5e-14  # of u on a patch, rms heights; measured with 155 patches
+DISPLACEMENT_ROUNDING = 5e-14  # of u, rms heights or over the load, a sum of all patches; measured 2.6e-14
 CHARGE_ROUNDING = 1e-14  # of charges of order 1, per coefficient; measured
 SMALLEST_VARIATION = 2 * DISPLACEMENT_ROUNDING / 1e-8  # rms heights, of which rounding is half of what is demanded
 SMALLEST_CHARGE = 3 * CHARGE_ROUNDING / 1e-8  # per coefficient of a patch, of which rounding is a third of that
 RESOLVED = 1e-12  # derived: rms heights; last Chebyshev coefficients of the displacement in a gap, charges of order 1
 POSITION_ROUNDING = 4e-15  # of positions up to 2 pi; half a last digit of them is 4.4e-16
-LOAD_ROUNDING = 5e-14  # of displacements over the load, sums over all patches; measured 2.6e-14 at 508 patches
 ROUNDING = 10 * DISPLACEMENT_ROUNDING  # of a contact residual, times the largest charge where that exceeds 1
 AT_EDGE = "at an edge of patch"
 
@@ -214,7 +213,7 @@ def certify(
     min_gap = -verdict.judge("interpenetration", depth, demands.interpenetration, "in the gap behind patch")
     verdict.reasons.extend(f"displacement not resolved in the gap behind patch {i}" for i in unresolved)
     error = abs(float(np.sum(gap_integrals)) / (2 * np.pi) - (profile.max_height - penetration))
-    summed = max(demands.mean_gap_error, LOAD_ROUNDING * abs(pressure.load))
+    summed = max(demands.mean_gap_error, DISPLACEMENT_ROUNDING * abs(pressure.load))
     mean_gap_error = verdict.judge("mean gap less separation", error, summed, "")
     return verdict.certificate(
         closure=closure,
@@ -254,7 +253,7 @@ class _Misfit:
         excess = field.in_contact(x, owner) - (height - profile.max_height + penetration)
         variation = np.maximum.reduceat(height, first) - np.minimum.reduceat(height, first)
         rounded = POSITION_ROUNDING * np.maximum.reduceat(np.abs(slope), first)
-        rounded += LOAD_ROUNDING * abs(field.pressure.load)
+        rounded += DISPLACEMENT_ROUNDING * abs(field.pressure.load)
         largest = np.maximum.reduceat(np.abs(excess), first)
         return cls(excess, first, sizes, largest, np.maximum(variation, SMALLEST_VARIATION), rounded)
 

@@ -53,10 +53,6 @@ class PressureDistribution:
         """Centers of the bins, (n_bins,)."""
         return np.asarray((self.levels[1:] + self.levels[:-1]) / 2)
 
-    def tail_share(self, level: float) -> float:
-        """Return the share of the period that the tail alone puts below a level < 0, A / (2 level^2)."""
-        return self.tail_coefficient / (2 * level * level)
-
 
 class Curve:
     """Pressure N / D on cells of a coordinate tau: N a quintic Hermite polynomial, D = r sin(tau), or 1 without r.

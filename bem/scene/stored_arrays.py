@@ -17,35 +17,35 @@ from numpy.typing import NDArray
 
 from bem.geometry.ranges import shown
 
-FIELDS = {  # name without the k of a state: what it runs along, and its unit
-    **dict.fromkeys(("x", "displacement", "gap"), ("point_{k}", "m")),
-    "pressure": ("point_{k}", "Pa"),
-    "patch": ("point_{k}", "1"),
-    **dict.fromkeys(("C_h", "C_u"), ("wavenumber", "m^3")),
-    "C_sigma": ("wavenumber", "Pa^2 m"),
-    "q": ("wavenumber", "rad/m"),
-    "sigma": ("level_{k}", "Pa"),
-    "P": ("level_{k}", "1/Pa"),
-    "sigma_bounds": ("bound_{k}", "Pa"),
-    "outside_contact": ("", "1"),
-    "tail_coefficient": ("", "Pa^2"),
-    **dict.fromkeys(("scan_x", "scan_h"), ("scan_point", "m")),
-    **dict.fromkeys(("profile_x", "profile_h"), ("profile_point", "m")),
-    "scan_wavelength": ("scan_band", "m"),
-    "scan_density": ("scan_band", "m^3"),
-    "profile_q": ("profile_line", "rad/m"),
-    "profile_amplitude": ("profile_line", "m"),
-    "profile_phase": ("profile_line", "1"),
-}
-GROUPS = (  # arrays that are stored together, those of a state each named with "_k"
-    ("x", "displacement", "gap", "pressure", "patch"),
-    ("C_u", "C_sigma"),
-    ("sigma", "P", "sigma_bounds", "outside_contact", "tail_coefficient"),
-    ("q", "C_h"),
-    ("scan_x", "scan_h", "profile_x", "profile_h", "scan_wavelength", "scan_density"),
-    ("profile_q", "profile_amplitude", "profile_phase"),
+GROUPS = (  # arrays that are stored together: name without the k of a state, what an array runs along, and its unit
+    {
+        **dict.fromkeys(("x", "displacement", "gap"), ("point_{k}", "m")),
+        "pressure": ("point_{k}", "Pa"),
+        "patch": ("point_{k}", "1"),
+    },
+    {"C_u": ("wavenumber", "m^3"), "C_sigma": ("wavenumber", "Pa^2 m")},
+    {
+        "sigma": ("level_{k}", "Pa"),
+        "P": ("level_{k}", "1/Pa"),
+        "sigma_bounds": ("bound_{k}", "Pa"),
+        "outside_contact": ("", "1"),
+        "tail_coefficient": ("", "Pa^2"),
+    },
+    {"q": ("wavenumber", "rad/m"), "C_h": ("wavenumber", "m^3")},
+    {
+        **dict.fromkeys(("scan_x", "scan_h"), ("scan_point", "m")),
+        **dict.fromkeys(("profile_x", "profile_h"), ("profile_point", "m")),
+        "scan_wavelength": ("scan_band", "m"),
+        "scan_density": ("scan_band", "m^3"),
+    },
+    {
+        "profile_q": ("profile_line", "rad/m"),
+        "profile_amplitude": ("profile_line", "m"),
+        "profile_phase": ("profile_line", "1"),
+    },
 )
-OF_STATES = GROUPS[:3]
+OF_STATES = GROUPS[:3]  # named with "_k"
+FIELDS = {stem: along for group in GROUPS for stem, along in group.items()}
 WHOLE, WITH_NAN = ("patch",), ("pressure", "scan_h")  # outside contact; where a sample is missing
 
 
@@ -103,7 +103,7 @@ def array_mistakes(arrays: Mapping[str, NDArray[Any]], states: Set[str]) -> Iter
     sizes = dict[str, tuple[str, int]]()
     for name, values in arrays.items():
         stem, k = split(name)
-        group: tuple[str, ...] = next((names for names in GROUPS if stem in names), ())
+        group: Mapping[str, Any] = next((names for names in GROUPS if stem in names), {})
         if not group or (k not in states if group in OF_STATES else k):
             yield name, "an unknown name", "arrays of the stored states of this result"
             continue

@@ -59,13 +59,11 @@ def test_sum_does_not_depend_on_the_number_of_boxes(boxes, monkeypatch):
     check(potential(x), potential, x)
 
 
-def test_what_is_prepared_for_many_calls_serves_each_of_them(monkeypatch):
+def test_what_is_prepared_for_many_calls_serves_each_of_them():
     one, x = random_charges(MANY[0]), turns_of_points(200).reshape(2, 100)
     often = LogarithmicPotential(one.position, one.charge, calls=10)
     for points in x:
         check(often(points), one, points)
-    monkeypatch.setattr(logarithmic_potential, "box_moments", None)
-    check(often(x[0]), one, x[0])
 
 
 @pytest.mark.parametrize(("charges", "points"), AMOUNTS)
