@@ -439,6 +439,24 @@ def test_a_damaged_line_of_a_journal_is_named(tmp_path):
         read_result(tmp_path)
 
 
+def test_lines_of_a_journal_that_do_not_match_are_told(tmp_path):
+    journal = Journal(tmp_path)
+    journal.begin(replace(RESULT, fields={}), [Entry((), replace(STATE, stored=None, events=0))] * 2)
+    with pytest.raises(CorruptResultError, match=r"journal\.jsonl: states\[1\]\.index is 0; allowed: 1 at a target"):
+        read_result(tmp_path)
+
+
+def test_a_journal_with_arrays_that_are_no_text_is_told(tmp_path):
+    journal = Journal(tmp_path)
+    journal.begin(replace(RESULT, fields={}), [])
+    content = json.loads(journal.path.read_text())
+    del content["checksum"]
+    content["fields"] = 3
+    journal.path.write_text(json.dumps(content | {"checksum": digest(content)}) + "\n")
+    with pytest.raises(CorruptResultError, match=r"line 1: fields is 3.*no text of base64"):
+        read_result(tmp_path)
+
+
 def test_a_pipe_in_place_of_a_result_is_refused_at_once(tmp_path):
     os.mkfifo(tmp_path / "result.json")
     with pytest.raises(CorruptResultError, match=r"result\.json: is a folder, a pipe or a device"):
