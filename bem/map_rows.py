@@ -30,6 +30,7 @@ from bem.scene.state import FINAL_STATUSES
 from bem.scene.stored_json import CorruptResultError
 from bem.solver import solve
 
+ROW_FOLDERS = "row-[0-9]*"  # of `folder_of_row`
 QUANTILES = (0.16, 0.5, 0.84)  # format: of the answers of all rows
 SKIPPED = ("branch", "status", "target", "certified")  # columns of the answer that are no quantities
 

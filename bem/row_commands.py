@@ -15,7 +15,7 @@ from bem.command_line.checkpoint import ANSWERS, OutputFolderError, remove_answe
 from bem.command_line.folder_lock import locked
 from bem.command_line.perform import DONE, FAILED
 from bem.geometry.ranges import Mistake
-from bem.map_rows import RowResults, rows_of, solve_rows
+from bem.map_rows import ROW_FOLDERS, RowResults, rows_of, solve_rows
 from bem.scene.atomic_file import write_atomically
 from bem.scene.journal import JOURNAL_FILE
 from bem.scene.memory_estimate import refuse_beyond_memory
@@ -23,7 +23,7 @@ from bem.scene.result_file import FIELDS_FILE, RESULT_FILE
 from bem.scene.result_views import UNITS
 from bem.scene.scene_error import SceneError
 
-TABLE, ROW_FOLDERS = ANSWERS[0], "row-[0-9]*"
+TABLE = ANSWERS[0]
 DIGITS = 3  # format: of a median and its scatter
 
 

@@ -10,6 +10,7 @@ Limits: Gmsh formats 2.2 and 4.1, nodes without parametric coordinates, every el
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import meshio
 import numpy as np
@@ -44,6 +45,11 @@ class ImportedLayer:
     points: FloatArray
     triangles: IntArray
     boundaries: dict[str, IntArray]
+
+    @property
+    def mesh(self) -> Any:
+        """Mesh of scikit-fem (MeshTri1), coordinates in m."""
+        return MeshTri1(self.points, self.triangles)
 
     @property
     def period(self) -> float:

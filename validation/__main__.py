@@ -20,6 +20,7 @@ from bem.command_line.folder_lock import FolderError, locked
 from bem.command_line.perform import DONE, FAILED
 from bem.command_line.perform import perform as perform_command
 from bem.geometry.regular_file import read_regular
+from bem.map_rows import ROW_FOLDERS
 from bem.scene.atomic_file import write_atomically
 from bem.scene.provenance import installed_version
 from bem.scene.result_file import RESULT_FILE
@@ -74,6 +75,10 @@ def read_report(folder: Path) -> dict[str, Any]:
     try:
         content = json.loads(read_regular(path).decode())
     except FileNotFoundError as error:
+        rows = sorted(folder.glob(ROW_FOLDERS))
+        if rows:
+            hint = f"holds rows of a map; linecontact report {rows[0]} for the page of one, answer.csv has the median"
+            raise ReportError(f"{folder}: {hint} and scatter of all") from error
         raise ReportError(f"{path}: no report there, and no result of a run") from error
     except OSError as error:
         raise ReportError(f"{path}: {error.strerror}") from error

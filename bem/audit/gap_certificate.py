@@ -1,7 +1,7 @@
 """Is a state given by its gaps correct?  Checks of contact next to complete contact, where pressures hide its gaps.
 
 At a relative distance d from complete contact the last gap holds back tensions d times the pressure, over a width of
-the order of the root of d: what a certificate of pressures sees of it drowns in rounding.  So here all is measured
+the order of the root of d: what a certificate of pressures sees of it drowns in rounding.  So middle all is measured
 against the tension that a gap holds back.  Given are the gaps, the series g = sqrt(1 - t^2) sum g_n U_n(t) of their
 openings, the mean pressure and what it lacks to complete contact.  The pressure is recomputed from the dislocations g',
 of which the series is -sum (n + 1) g_n T_{n+1} / sqrt(1 - t^2),

@@ -203,9 +203,10 @@ def evaluate_gaps(body: CompletedBody, gaps: Gaps, condition: LinearControl, fin
     IllConditionedSystemError
         More unknowns than fit, or a matrix that is not positive definite.
     """
-    sizes = np.ceil(_sizes(body, gaps) * (4 / 3 if finer else 1)).astype(np.int64)
-    if not np.sum(sizes) <= MOST_UNKNOWNS:
-        raise IllConditionedSystemError(f"{np.sum(sizes)} unknowns needed in gaps, at most {MOST_UNKNOWNS} fit")
+    wanted = np.ceil(_sizes(body, gaps))
+    if not np.sum(wanted) <= MOST_UNKNOWNS:
+        raise IllConditionedSystemError(f"{np.sum(wanted):.0f} unknowns needed in gaps, at most {MOST_UNKNOWNS} fit")
+    sizes = np.ceil(wanted * (4 / 3 if finer else 1)).astype(np.int64)
     starts = np.concatenate([[0], np.cumsum(sizes)])
     owner = np.repeat(np.arange(gaps.count), sizes)
     a = gaps.half_width[owner]

@@ -184,5 +184,5 @@ def _with_gaps_under_tension(state: GapEvaluation) -> Gaps | None:
         tension = state.deficit - body.at_anchor(x % TWO_PI) - body.lowest - state.added(gap, angle)
         under_tension = tension > ROUNDINGS * body.rounding
         cracks.append(np.array([x, tension, dip.curvature / (r**3 * np.sin(angle))])[:, under_tension])
-    found = np.hstack([np.empty((3, 0)), *cracks])
-    return _with_cracks(gaps, body, *found) if found.size else None
+    sites = np.hstack([np.empty((3, 0)), *cracks])
+    return _with_cracks(gaps, body, *sites) if sites.size else None

@@ -80,6 +80,7 @@ def _whole_mistakes(result: Result) -> Iterator[Mistake]:
     yield from _unless(status in ENDINGS, "status", status, ", ".join(ENDINGS))
     met = all(state.found and state.certificate.ok for state in result.targets)
     yield from _unless(met or status != "converged", "status", status, "another one, as a target is not met")
+    yield from _unless(not met or status != "unreachable", "status", status, "another one, as every target is met")
     told = bool(failure) if status in MISSED else failure is None
     yield from _unless(told, "failure", failure, f"a text where the status is {' or '.join(MISSED)}, else null")
     sha256, own = result.provenance.get("scene_sha256"), digest(result.scene)
@@ -97,7 +98,7 @@ def _path_mistakes(result: Result) -> Iterator[Mistake]:
     events, stored, target, branch, passed = 0, 0, 0, "", set[int]()
     for k, state in enumerate(result.states):
         passed = passed if state.branch == branch else set()  # every leg meets the mean pressures asked for
-        indices = [i for i in (target, *range(ahead, asked)) if i < asked and i not in passed]
+        indices = [i for i in (*range(ahead)[target : target + 1], *range(ahead, asked)) if i not in passed]
         met = state.index in indices if state.target else state.index is None
         allowed = f"{' or '.join(map(str, indices)) or 'none'} at a target, each once and in order, else null"
         yield from _unless(met, f"states[{k}].index", state.index, allowed)
@@ -108,6 +109,8 @@ def _path_mistakes(result: Result) -> Iterator[Mistake]:
         if state.index is not None:
             target += state.index == target
             passed.add(state.index)
+    whole = target == ahead or result.status in ("not_converged", "interrupted") or "stop_at_mean_pressure" in loading
+    yield from _unless(whole, "status", result.status, f"another one, as target {target} has no state")
 
 
 def _part_mistakes(result: Result) -> Iterator[Mistake]:

@@ -77,3 +77,5 @@ def test_surfaces_cannot_overlap():
     status, (state,) = states("penetration", [1e-6])
     assert status == "unreachable"
     assert state.status == "unreachable"
+    assert state.penetration == 1e-6
+    assert math.isnan(state.separation)

@@ -226,6 +226,14 @@ def test_events_beyond_the_pressure_at_which_a_path_stops_do_not_happen(control,
     assert [event.kind for event in whole.events] == ["first_touch", "complete_contact"]
 
 
+@pytest.mark.parametrize("adhesion", [None, 0.03], ids=["without adhesion", "with adhesion"])
+def test_a_mean_pressure_asked_for_that_is_a_target_has_one_row(adhesion):
+    loading = {"control": "mean_pressure", "targets": [300.0, 800.0], "at_mean_pressures": [300.0, 500.0]}
+    result = solve(rough_scene([], 12, adhesion=adhesion, loading=loading | {"stop_at_mean_pressure": 800.0}))
+    assert [state.index for state in result.targets] == [0, 3, 1]
+    assert result.status == "converged"
+
+
 def test_load_control_meets_the_states_of_separation_control(rough):
     stable = next(state for state in rough.targets if state.stable_at_fixed_load)
     twin = solve(rough_scene([stable.mean_pressure], control="mean_pressure")).targets[0]

@@ -74,14 +74,14 @@ def test_the_scene_solved_again_gives_the_same_answer(answered, tmp_path, monkey
 def test_every_choice_is_a_line_of_the_scene(answered):
     text = (answered / "scene.toml").read_text("utf-8")
     profile = profile_of(answered)
-    assert (profile["detrend"], profile["periodic"], profile["cutoff_short"]) == ("line", "mirror", 16 * SPACING)
+    assert (profile["detrend"], profile["periodic"], profile["cutoff_short"]) == ("line", "mirror", 5e-6)
     assert "the tilt of 0.00" in text
     assert '# unit_x = "mm": stated by the file' in text
     assert "# harmonics = " in text
 
 
 def test_the_cut_is_the_one_that_check_suggests(tmp_path, capsys):
-    """With enough noise; the trace falls below it at a wave of more than 16 samples."""
+    """With enough noise: the trace falls below it at a wave of more than its length over 125."""
     write_trace(tmp_path, noise=15e-9, n=3000)
     out = tmp_path / "out"
     assert answer(tmp_path / "trace.csv", *SOLID, "--pressure", "20e3", "--out", out, "--quiet") == 0
@@ -90,7 +90,15 @@ def test_the_cut_is_the_one_that_check_suggests(tmp_path, capsys):
     steps = json.loads(capsys.readouterr().out)["profile_preparation"]
     (suggested,) = (step["suggested_cutoff"] for step in steps if step["step"] == "spectrum")
     assert profile_of(out)["cutoff_short"] == pytest.approx(suggested, rel=1e-3)
-    assert suggested > 16 * SPACING
+    assert suggested > 24 * SPACING
+
+
+def test_a_long_trace_is_cut_to_what_takes_seconds(tmp_path):
+    out = tmp_path / "out"
+    assert answer(write_trace(tmp_path, n=1500), *SOLID, "--pressure", "20e3", "--out", out, "--quiet") == 0
+    assert profile_of(out)["cutoff_short"] == pytest.approx(1500 / 125 * SPACING, rel=1e-3)
+    text = (out / "scene.toml").read_text("utf-8")
+    assert "125 waves along the trace" in text and "leaves an rms slope of" in text.replace("\n# ", " ")
 
 
 def test_a_trace_whose_ends_meet_repeats_as_it_is(tmp_path):

@@ -79,3 +79,9 @@ def test_commands_that_are_gone_say_what_to_write_instead(capsys, words, message
     with pytest.raises(SystemExit) as ended:
         sys.exit(main(list(words)))
     assert (ended.value.code, message in capsys.readouterr().err) == (2, True)
+
+
+def test_the_report_of_rows_names_where_their_answers_are(tmp_path, capsys):
+    (tmp_path / "row-0000").mkdir()
+    assert main(["report", str(tmp_path)]) == 2
+    assert f"linecontact report {tmp_path / 'row-0000'}" in capsys.readouterr().err

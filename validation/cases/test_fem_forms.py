@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from skfem import MeshTri1
 
 import bem
 from fem_reference.by_forms import layer_state
@@ -27,8 +26,7 @@ PROFILE = (lambda x: -HEIGHT * np.cos(WAVE * x), lambda x: HEIGHT * WAVE * np.si
 @pytest.mark.quick
 def test_gmsh_mesh(rows):
     """Do scikit-fem's forms on an unstructured mesh find the load, energy and G of boundary elements at given edges?"""
-    layer = read_layer_mesh(Path(str(files("fem_reference"))) / "meshes" / "layer.msh")
-    mesh = MeshTri1(layer.points, layer.triangles)
+    mesh = read_layer_mesh(Path(str(files("fem_reference"))) / "meshes" / "layer.msh").mesh
     profile = bem.Profile.from_harmonics(1.0, [1], [HEIGHT], [np.pi])
     state = bem.ContactState(profile, bem.Solid(MODULUS, RATIO), EDGES, PENETRATION, bem.Layer(0.5))
     softness = 0.5 * (1 - 2 * RATIO) * (1 + RATIO) / (MODULUS * (1 - RATIO))  # c(0), m/Pa

@@ -6,7 +6,8 @@ units      the ones that the file states, else --profile unit_x=.. unit_h=.., el
 detrend    the least-squares line, which is the tilt of the instrument; the mean alone where the ends meet without
 periodic   as it is where the ends of the trace meet within `LARGEST_JUMP` rms steps, else followed by its mirror image
 cut        the wavelength at which the trace falls below its noise floor, where `check` suggests one, but at least
-           `FEWEST_SAMPLES` samples; both are named where they differ, with the rms slope that the cut leaves
+           `FEWEST_SAMPLES` samples, as ISO 3274 has it, and at most `MOST_WAVES` waves along the trace, which take
+           seconds with adhesion; the reason is named, with the rms slope that the cut leaves
 tolerance  1e-3, three digits
 
 The scene is then solved as `linecontact run DIR/scene.toml` solves it.  The trace stays where it is; the scene names
@@ -41,7 +42,7 @@ from validation.studies.scene_settings import LARGEST_JUMP
 
 SCENE_FILE = "scene.toml"
 TOLERANCE = 1e-3
-FEWEST_SAMPLES = 16  # of the trace in the shortest wave: seconds, not minutes, for 2,000 points with adhesion
+FEWEST_SAMPLES, MOST_WAVES = 5, 125  # samples in the shortest wave, and waves of its length along the trace
 WIDTH = 100  # characters of a line of the scene, where a file name allows
 NEGATIVE = re.compile(r"-\d*\.?\d+(?:[eE][-+]?\d+)?$")
 
@@ -180,8 +181,7 @@ def choice_for(options: argparse.Namespace, given: Mapping[str, Any]) -> Choice:
     if "periodic" not in given:
         tables["profile"]["periodic"] = "mirror" if scan.end_jump > LARGEST_JUMP else "as_is"
     if not {"cutoff_short", "harmonics"} & given.keys():
-        resolved = FEWEST_SAMPLES * scan.spacing
-        tables["profile"]["cutoff_short"] = float(f"{max(scan.spectrum.crossing or 0.0, resolved):.4g}")
+        tables["profile"]["cutoff_short"] = float(f"{max(scan.spectrum.crossing or 0.0, _coarse(scan)[0]):.4g}")
     return Choice(tables, parse_scene(tables, trace.parent), _scan(tables, trace), given, scan.end_jump)
 
 
@@ -190,6 +190,14 @@ def _scan(tables: Mapping[str, Any], trace: Path) -> Scan:
     scan = parse_scene(tables, trace.parent).scan
     assert scan is not None
     return scan
+
+
+def _coarse(scan: Scan) -> tuple[float, str]:
+    """Return the shortest wave (m) that a first answer has, and the reason."""
+    samples = scan.spectrum.h.size
+    if samples > FEWEST_SAMPLES * MOST_WAVES:
+        return scan.spacing * samples / MOST_WAVES, f"{MOST_WAVES} waves along the trace, for a first answer in seconds"
+    return FEWEST_SAMPLES * scan.spacing, f"{FEWEST_SAMPLES} samples, as in ISO 3274"
 
 
 def _path_from(folder: Path, trace: Path) -> str:
@@ -241,11 +249,11 @@ def _reasons(choice: Choice) -> dict[str, str]:
     mirrored = choice.tables["profile"].get("periodic") == "mirror"
     reasons["periodic"] = f"{apart}: it is followed by its mirror image" if mirrored else f"{apart}: it repeats"
     reasons["periodic"] += f'; "window" tapers the ends. Period {scan.period * 1e3:.6g} mm'
-    coarse = f"{FEWEST_SAMPLES} samples, for a quick first answer"
+    least, coarse = _coarse(scan)
     crossing, noise = scan.spectrum.crossing, steps["spectrum"]["noise"]
     if crossing is None:
         reason = f"{coarse}; the data suggest no other cut: {noise}"
-    elif crossing >= FEWEST_SAMPLES * scan.spacing:
+    elif crossing >= least:
         reason = f"there the trace falls below its noise of {scan.spectrum.noise_rms:.2g} m rms"
     else:
         reason = f"{coarse}; the trace falls below its noise at {crossing:.3g} m only, try that next"

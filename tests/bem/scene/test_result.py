@@ -28,7 +28,7 @@ SCENE = parse_scene(
         "title": "é",
         "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.1 + 0.2},
         "profile": {"kind": "harmonics", "period": 0.01, "orders": [1], "amplitudes": [1e-5], "phases": [0.0]},
-        "loading": {"control": "separation", "targets": [2e-5, 1e-5]},
+        "loading": {"control": "separation", "targets": [2e-5], "at_mean_pressures": [1e3]},
     }
 ).resolved()
 STATE = stored_state(
@@ -276,7 +276,7 @@ WRONG = {
     "states[0].more is 1": lambda c: c["states"][0].update(more=1),
     "states[0].certificate is null": lambda c: c["states"][0].update(certificate=None),
     'states[0].status is "fine"': lambda c: c["states"][0].update(status="fine"),
-    "states[0].index is 2; allowed: 0 at a target": lambda c: c["states"][0].update(index=2),
+    "states[0].index is 2; allowed: 0 or 1 at a target": lambda c: c["states"][0].update(index=2),
     "states[0].index is null": lambda c: c["states"][0].update(index=None),
     "states[1].events is 3; allowed: 1 to 2": lambda c: c["states"][1].update(events=3),
     "states[0].contact_fraction is 7.0; allowed: 0.1": lambda c: c["states"][0].update(contact_fraction=7.0),
@@ -301,8 +301,12 @@ WRONG = {
     "warnings is missing": lambda c: c.pop("warnings"),
     "groups is missing": lambda c: c.pop("groups"),
     "states[1].stored is missing": lambda c: c["states"][1].pop("stored"),
+    'status is "converged"; allowed: another one, as target 0 has no state': lambda c: c["states"][0].update(index=1),
+    'status is "unreachable"; allowed: another one, as every target is met': lambda c: c.update(
+        status="unreachable", failure="no state"
+    ),
     'failure is "no state"': lambda c: c.update(failure="no state"),
-    "failure is null; allowed: a text": lambda c: c.update(status="unreachable"),
+    "failure is null; allowed: a text": lambda c: c.update(status="not_converged"),
     'status is "separated"': lambda c: c.update(status="separated"),
     "provenance.scene_sha256 is": lambda c: c["scene"].update(title="another"),
     "provenance.fields_sha256 is null": lambda c: c["provenance"].update(fields_sha256=None),
@@ -432,6 +436,24 @@ def test_a_damaged_line_of_a_journal_is_named(tmp_path):
     raw = journal.path.read_bytes().split(b"\n")
     journal.path.write_bytes(b"\n".join([*raw[:2], raw[2].replace(b"0.1", b"0.2"), *raw[3:]]))
     with pytest.raises(CorruptResultError, match=r"line 3.*checksum"):
+        read_result(tmp_path)
+
+
+def test_lines_of_a_journal_that_do_not_match_are_told(tmp_path):
+    journal = Journal(tmp_path)
+    journal.begin(replace(RESULT, fields={}), [Entry((), replace(STATE, stored=None, events=0))] * 2)
+    with pytest.raises(CorruptResultError, match=r"journal\.jsonl: states\[1\]\.index is 0; allowed: 1 at a target"):
+        read_result(tmp_path)
+
+
+def test_a_journal_with_arrays_that_are_no_text_is_told(tmp_path):
+    journal = Journal(tmp_path)
+    journal.begin(replace(RESULT, fields={}), [])
+    content = json.loads(journal.path.read_text())
+    del content["checksum"]
+    content["fields"] = 3
+    journal.path.write_text(json.dumps(content | {"checksum": digest(content)}) + "\n")
+    with pytest.raises(CorruptResultError, match=r"line 1: fields is 3.*no text of base64"):
         read_result(tmp_path)
 
 

@@ -335,11 +335,9 @@ def test_a_byte_order_mark_is_no_part_of_a_scene(tmp_path):
 
 
 def stored_result(folder, tables=None, **changes):
-    """A result of BASE and more tables with one state, in folder/before."""
+    """An interrupted result of BASE and more tables with one state, in folder/before."""
     scene, state = parse_scene(BASE | (tables or {})).resolved(), replace(STATE, **changes)
-    failure = None if state.certificate.ok else "not certified"
-    ending = "converged" if state.certificate.ok else "not_converged"
-    write_result(Result(scene, (), provenance(scene), (state,), (), ending, failure=failure), folder / "before")
+    write_result(Result(scene, (), provenance(scene), (state,), (), "interrupted"), folder / "before")
     return scene_with("loading.initial", {"result": "before", "state": 0})
 
 
