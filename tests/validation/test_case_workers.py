@@ -166,7 +166,8 @@ def test_progress_is_on_stderr_and_one_line_on_stdout(verify):
         (("--only", ","), "--only ',': no letter"),
         (("--only", "nothing_like_it"), "--only nothing_like_it: no case matches"),
         (("--jobs", "0"), "--jobs 0: at least 1"),
-        (("--store",), "--store: needs --reason TEXT"),
+        (("--store",), "stored.csv does not exist; make it, empty"),
+        (("--reason", "new"), "--reason: says why stored numbers change; add --store"),
     ],
 )
 def test_bad_input_is_one_sentence(verify, options, message):
@@ -174,6 +175,15 @@ def test_bad_input_is_one_sentence(verify, options, message):
     assert (code, out) == (2, "")
     assert message in err
     assert "Traceback" not in err
+
+
+def test_errors_of_own_cases_are_stored_in_an_empty_file_with_a_reason(verify):
+    stored = verify.record.parents[1] / "cases" / "stored.csv"
+    stored.touch()
+    code, out, err, _ = verify({"test_a.py": case("test_x")}, "--store")
+    assert (code, out) == (2, "") and "--store: needs --reason TEXT" in err
+    code, _, _, _ = verify({"test_a.py": case("test_x")}, "--store", "--reason", "new")
+    assert code == 0 and "test_a.py::test_x" in stored.read_text()
 
 
 def test_own_cases_import_modules_beside_them(verify):

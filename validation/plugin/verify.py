@@ -13,6 +13,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from validation.plugin.stored import FILE
+
 PLUGIN = Path(__file__).parent
 CASES = PLUGIN.parent / "cases"
 EXIT = {0: 0, 1: 1, 2: 130}  # of pytest: passed, failed, interrupted; all else is bad input
@@ -53,6 +55,10 @@ def run(options: argparse.Namespace) -> int:
         return _refused(f"--jobs {options.jobs}: at least 1")
     if options.cases is not None and not options.cases.is_dir():
         return _refused(f"--cases {options.cases}: no such folder")
+    if options.store and options.cases is not None and not any(options.cases.rglob(FILE)):
+        return _refused(f"--store: {options.cases / FILE} does not exist; make it, empty, and errors are stored there")
+    if options.reason and not options.store:
+        return _refused("--reason: says why stored numbers change; add --store")
     os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
     os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"
     os.environ.pop("PYTEST_ADDOPTS", None)
@@ -69,6 +75,8 @@ def run(options: argparse.Namespace) -> int:
     words += ["--resume"] * options.resume
     words += ["--store", options.store, "--reason", options.reason] if options.store else []
     status = int(pytest.main([*words, str(folder)]))
+    if status == pytest.ExitCode.USAGE_ERROR:  # pytest has said which
+        return 2
     if status == NOTHING_MATCHED and options.only:
         return _refused(f"--only {options.only}: no case matches")
     report = options.out / "report.json"
