@@ -6,7 +6,9 @@ journal.py).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import is_dataclass
 from itertools import chain
 from typing import Any
 
@@ -14,12 +16,13 @@ from bem.geometry.ranges import Mistake, shown
 from bem.geometry.table import TableError, plain
 from bem.scene.provenance import digest
 from bem.scene.result import Event, LargestTension, Result
-from bem.scene.scene_rules import REQUIRED
+from bem.scene.scene_rules import REQUIRED, loading_mistakes, profile_mistakes
 from bem.scene.scene_tables import REQUIRED_TABLES, TABLES, WITH_DEFAULTS, class_of
 from bem.scene.state import FINAL_STATUSES, State
 from bem.scene.stored_arrays import array_mistakes
 
 SUM_ROUNDING = 1e-9  # derived: of a period or a sum of energies; rounding, with a margin
+LARGEST = 1e150  # derived: magnitude of any number in SI units, whose square is a double with room for a factor
 MISSED = ("unreachable", "not_converged")
 ENDINGS = ("converged", *MISSED, "interrupted")
 
@@ -34,7 +37,13 @@ class InvariantError(ValueError):
 
 def check_result(result: Result) -> Result:
     """Return a result in which everything holds; raise InvariantError for the first mistake."""
-    parts = (_scene_mistakes(result.scene), _path_mistakes(result), _part_mistakes(result), _whole_mistakes(result))
+    parts = (
+        _scene_mistakes(result.scene),
+        _number_mistakes(result),
+        _path_mistakes(result),
+        _part_mistakes(result),
+        _whole_mistakes(result),
+    )
     for mistake in chain(*parts):
         raise InvariantError(mistake)
     return result
@@ -44,6 +53,29 @@ def _unless(holds: bool, key: str, value: Any, allowed: str) -> Iterator[Mistake
     """Yield a mistake unless a condition holds."""
     if not holds:
         yield Mistake(key, f"is {shown(value)}", allowed)
+
+
+def _number_mistakes(result: Result) -> Iterator[Mistake]:
+    """Yield numbers beyond `LARGEST`; NaN is a number that does not exist, an infinite error one not estimated."""
+    for name, part in vars(result).items():
+        if name in ("scene", "fields"):  # which have limits of their own
+            continue
+        for key, number in _numbers(name, part):
+            holds = abs(number) < LARGEST or number != number or (number == math.inf and ".error_estimate." in key)
+            yield from _unless(holds, key, number, f"a number below {LARGEST:g} in magnitude")
+
+
+def _numbers(key: str, part: Any) -> Iterator[tuple[str, float]]:
+    """Yield all numbers of a part of a result with their keys, but for edges, which lie within the period."""
+    if isinstance(part, int | float):
+        yield key, part
+    elif isinstance(part, list | tuple):
+        for k, item in enumerate(part):
+            yield from _numbers(f"{key}[{k}]", item)
+    elif isinstance(part, Mapping) or is_dataclass(part):
+        for name, item in (part if isinstance(part, Mapping) else vars(part)).items():
+            if name != "edges":
+                yield from _numbers(f"{key}.{name}", item)
 
 
 def _scene_mistakes(scene: Mapping[str, Any]) -> Iterator[Mistake]:
@@ -57,6 +89,16 @@ def _scene_mistakes(scene: Mapping[str, Any]) -> Iterator[Mistake]:
             yield Mistake(f"scene.{name}", "is missing", "a table or null")
         yield from _unless(isinstance(table, dict), f"scene.{name}", table, "a table")
         yield from _table_mistakes(name, {**scene[name]})
+    tables = [name for name in TABLES if scene[name] is not None]
+    profile, loading = ({**scene[name]} for name in ("profile", "loading"))
+    profile.pop("sha256", None)
+    yield from map(_of_scene, profile_mistakes(profile, profile))
+    yield from map(_of_scene, loading_mistakes(loading, loading, tables, profile["period"]))
+
+
+def _of_scene(mistake: Mistake) -> Mistake:
+    """Return a mistake of a scene as that of the scene of a result."""
+    return Mistake(f"scene.{mistake.path}", mistake.found, mistake.allowed)
 
 
 def _table_mistakes(name: str, stored: dict[str, Any]) -> Iterator[Mistake]:
@@ -67,11 +109,13 @@ def _table_mistakes(name: str, stored: dict[str, Any]) -> Iterator[Mistake]:
     try:
         needed = [*plain(class_of(name)(**given))]
     except TableError as error:
-        yield from (Mistake(f"scene.{wrong.path}", wrong.found, wrong.allowed) for wrong in error.mistakes)
+        yield from map(_of_scene, error.mistakes)
         return
     for key in (*needed, *(("period", *REQUIRED[stored["kind"]]) if name == "profile" else ())):
         if key not in stored:
             yield Mistake(f"scene.{name}.{key}", "is missing", "a resolved scene has every key")
+    for key, value in given.items():
+        yield from _unless(value is not None, f"scene.{name}.{key}", value, "a value, or no such key")
 
 
 def _whole_mistakes(result: Result) -> Iterator[Mistake]:
@@ -120,6 +164,9 @@ def _part_mistakes(result: Result) -> Iterator[Mistake]:
         yield from _state_mistakes(f"states[{k}]", state, period)
     for k, event in enumerate(result.events):
         yield from _error_mistakes(f"events[{k}]", event)
+        known, bound = not math.isnan(event.mean_pressure), event.error_estimate.mean_pressure
+        allowed = "null where the tension has no bound and mean_pressure is null, else a number"
+        yield from _unless(known == (bound is not None), f"events[{k}].error_estimate.mean_pressure", bound, allowed)
         for name, end in (("before", event.before), ("after", event.after)):
             yield from _edge_mistakes(f"events[{k}].{name}", () if end is None else end.edges, period)
     stored = {str(state.stored) for state in result.states if state.stored is not None}
