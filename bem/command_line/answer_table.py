@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 
 from bem.scene.result import LargestTension, Result
 from bem.scene.result_views import UNITS
@@ -217,14 +218,18 @@ def pull_off_words(result: Result, inputs: Inputs | None = None) -> str:
         if apart is None
         else f"the surfaces come apart at {readable(apart, 'm', MOST_DIGITS)}"
     )
-    claim = f"{FORCED} After that the load turns at" if forced else "Pull-off: the largest tension on the way out is"
+    if forced:
+        claim = f"{FORCED} After that the load turns at"
+    elif was_exceeded(result):
+        claim = "Pull-off: the way out begins in larger tension, and the load turns at"
+    else:
+        claim = "Pull-off: the largest tension on the way out is"
     return f"{claim} {where}; {parting}."
 
 
 def pull_off(result: Result) -> LargestTension | None:
     """Return the located tension that is the largest of the way out; None where the path does not know the largest."""
-    unknown = was_forced_open(result) or end_in_tension(result) is not None
-    return None if unknown else result.largest_tension
+    return None if was_forced_open(result) or was_exceeded(result) else result.largest_tension
 
 
 def end_in_tension(result: Result) -> State | None:
@@ -232,17 +237,32 @@ def end_in_tension(result: Result) -> State | None:
 
     A way out ends, or turns back, at a target, where nothing depends on the increment; else the path broke off.
     """
-    states = [state for state in result.states if state.found]
+    states = [*(state for state in result.states if state.found), None]
     ends = [
         state
-        for state, after in zip(states, [*states[1:], None], strict=True)
-        if state.branch == "unloading" and (after is None or after.branch == "loading") and state.mean_pressure < 0
+        for state, after in pairwise(states)
+        if state is not None
+        and state.branch == "unloading"
+        and (after is None or after.branch == "loading")
+        and state.mean_pressure < 0
     ]
     end = min(ends, key=lambda state: state.mean_pressure, default=None)
     tension = result.largest_tension
     if end is None or tension is None:
         return end
-    return end if end.mean_pressure < tension.mean_pressure - tension.error_estimate.mean_pressure else None
+    return end if _exceeds(end, tension) else None
+
+
+def _exceeds(state: State, tension: LargestTension) -> bool:
+    """Return whether a state is in larger tension than the largest that was located, beyond its error."""
+    return state.mean_pressure < tension.mean_pressure - tension.error_estimate.mean_pressure
+
+
+def was_exceeded(result: Result) -> bool:
+    """Return whether the way out begins or ends in larger tension than it has at any turn, fold or jump."""
+    tension = result.largest_tension
+    out = [state for state in result.states if state.found and state.branch == "unloading"]
+    return tension is not None and any(_exceeds(state, tension) for state in out)
 
 
 def stays_complete(result: Result) -> bool:
