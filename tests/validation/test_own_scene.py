@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -223,6 +224,8 @@ def test_a_study_continues_and_its_page_is_written(tmp_path):
     assert all(row["cpu_seconds"] > 0 for row in stored["tolerances"])
     page = (tmp_path / "out" / "study.html").read_text()
     assert "rubber on &lt;glass&gt;" in page
+    columns = re.findall(r'<th scope="col">(.*?)</th>', page.partition("</thead>")[0])
+    assert columns == ["target", "answer", "value", "±", "unit", "numerical", "cut", "seed", "length"]
     del stored["solved"]["cut: 4 harmonics"]
     (tmp_path / "out" / "study.json").write_text(json.dumps(stored))
     again = []

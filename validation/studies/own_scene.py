@@ -312,8 +312,9 @@ def _listed(setting: Setting, solved: Solved | None) -> dict[str, Any]:
 
 
 def study_page(content: Mapping[str, Any]) -> str:
-    """Return the page of the content of a study.json."""
-    return filled("study_page.jinja", {"share": share}, study=content)
+    """Return the page of the content of a study.json; its table has a column for each source that moves an answer."""
+    varied = [name for name in ("numerical", *SOURCES) if any(name in row["moved"] for row in content["answers"])]
+    return filled("study_page.jinja", {"share": share}, study=content, varied=varied)
 
 
 def text_lines(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
