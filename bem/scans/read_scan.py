@@ -1,8 +1,8 @@
 """Positions and heights of a measured line in m, out of a text file or an instrument's file.
 
-Text is read by read_text.py, and read_columns.py takes a line out of it; every other file is read by SurfaceTopography
-(read_instrument.py).  Units come from the scene or the file (read_units.py).  Missing heights are NaN; prepare_scan.py
-decides what is done about them, and about all else that changes a height.
+Text is read by read_text.py, and read_columns.py takes a line out of it; `.npy` files are read by read_array.py, and
+every other file by SurfaceTopography (read_instrument.py).  Units come from the scene or the file (read_units.py).
+Missing heights are NaN; prepare_scan.py decides what is done about them, and about all else that changes a height.
 """
 
 from __future__ import annotations
@@ -17,9 +17,10 @@ import numpy as np
 
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.lengths import METRES
+from bem.scans.read_array import SIGNATURE, read_npy
 from bem.scans.read_bytes import content_of, text_of
 from bem.scans.read_columns import TableLine, line_of
-from bem.scans.read_instrument import RASTER_TEXT, read_instrument
+from bem.scans.read_instrument import RASTER_TEXT, InstrumentScan, read_instrument
 from bem.scans.read_map import row_of, rows_allowed, without_missing
 from bem.scans.read_text import DELIMITERS, LISTED, read_table
 from bem.scans.read_units import resolved_units
@@ -58,11 +59,14 @@ def read_scan(path: Path, values: Mapping[str, Any]) -> RawScan:
     position is missing.
     """
     content = content_of(path)
-    decoded = text_of(content)
-    if decoded is None or content.startswith(RASTER_TEXT):
-        raw = _from_instrument(path, content, values)
-    else:
+    decoded = None if content.startswith((SIGNATURE, *RASTER_TEXT)) else text_of(content)
+    if decoded is not None:
         raw = _from_text(*decoded, values)
+    elif content.startswith(SIGNATURE):
+        heights = read_npy(content)
+        raw = _from_rows(InstrumentScan(None, heights, "", {"format": "npy", "points": list(heights.shape)}), values)
+    else:
+        raw = _from_rows(read_instrument(path, content, values.get("channel")), values)
     return replace(raw, sha256=hashlib.sha256(content).hexdigest())
 
 
@@ -119,10 +123,9 @@ def _half_digit(text: str) -> float:
     return 0.5 * 10.0 ** (int(power or 0) - len(digits.partition(".")[2]))
 
 
-def _from_instrument(path: Path, content: bytes, values: Mapping[str, Any]) -> RawScan:
-    """Return a line of an instrument's file; `spacing` is needed only where the file has no lengths."""
+def _from_rows(scan: InstrumentScan, values: Mapping[str, Any]) -> RawScan:
+    """Return a line of a trace or map; `spacing` is needed only where the file has no lengths."""
     _refuse_keys(values, TEXT_KEYS, "is for text files")
-    scan = read_instrument(path, content, values.get("channel"))
     heights = without_missing(scan.heights, values)
     if heights.ndim == 1:
         _refuse_keys(values, ["row"], "of a line scan")
