@@ -14,10 +14,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.lengths import METRES
-from bem.scans.read_array import SIGNATURE, read_npy
+from bem.scans.read_array import SIGNATURE, read_npy, real_array
 from bem.scans.read_bytes import content_of, text_of
 from bem.scans.read_columns import TableLine, line_of
 from bem.scans.read_instrument import RASTER_TEXT, InstrumentScan, read_instrument
@@ -67,20 +68,30 @@ def read_scan(path: Path, values: Mapping[str, Any]) -> RawScan:
         raw = _from_rows(InstrumentScan(None, heights, "", {"format": "npy", "points": list(heights.shape)}), values)
     else:
         raw = _from_rows(read_instrument(path, content, values.get("channel")), values)
-    return replace(raw, sha256=hashlib.sha256(content).hexdigest())
+    return _placed(replace(raw, sha256=hashlib.sha256(content).hexdigest()))
 
 
-def scan_of_arrays(x: FloatArray, h: FloatArray, values: Mapping[str, Any]) -> RawScan:
-    """Return a measured line that is given as arrays of positions and heights in m, NaN where a height is missing.
+def scan_of_arrays(positions: ArrayLike, heights: ArrayLike, values: Mapping[str, Any]) -> RawScan:
+    """Return a measured line that is given as arrays in m; heights are missing where masked, NaN or infinite.
 
-    `values` are the keys of [profile]; ScanFileError for keys that say how a file is read, and for unlike arrays.
+    `values` are the keys of [profile]; ScanFileError for keys that say how a file is read, for unlike arrays, and for a
+    position that is missing.
     """
     _refuse_keys(values, SCAN_KEYS, "is for files, arrays are in m")
+    x, h = real_array("x", positions), without_missing(real_array("h", heights), {})
     if x.ndim != 1 or x.shape != h.shape:
         raise refused("x", f"of shape {x.shape} beside h of shape {h.shape}", "two arrays of one dimension and length")
-    x, h = x.astype(np.float64), h.astype(np.float64)
     facts = {"format": "arrays", "unit_x": "m", "unit_h": "m", "unit_x_from": "file", "unit_h_from": "file"}
-    return RawScan(x, h, None, facts, hashlib.sha256(x.tobytes() + h.tobytes()).hexdigest())
+    return _placed(RawScan(x, h, None, facts, hashlib.sha256(x.tobytes() + h.tobytes()).hexdigest()))
+
+
+def _placed(raw: RawScan) -> RawScan:
+    """Return a line; raise ScanFileError if a position is missing or infinite."""
+    lost = ~np.isfinite(raw.x)
+    if lost.any():
+        problem = f"{raw.place(int(np.argmax(lost)))} has no position"
+        raise refused("file", problem, "a position of every height: only heights may be missing")
+    return raw
 
 
 def _from_text(text: str, encoding: str, values: Mapping[str, Any]) -> RawScan:

@@ -60,3 +60,8 @@ def test_broken_header_is_refused(content, tmp_path):
     (tmp_path / "scan.npy").write_bytes(content)
     with pytest.raises(ScanFileError, match="header cannot be read"):
         read_scan(tmp_path / "scan.npy", VALUES)
+
+
+def test_infinite_heights_of_a_file_are_missing(tmp_path):
+    scan = read_scan(saved(tmp_path, np.where(np.arange(64) == 3, np.inf, H)), VALUES)
+    assert np.flatnonzero(np.isnan(scan.h)).tolist() == [3]
