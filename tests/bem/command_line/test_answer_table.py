@@ -1,4 +1,4 @@
-"""The answer of a run: a row for each target in units that a person reads, and the same in SI."""
+"""The answer of a run: a line for each quantity in a unit that a person reads, and the same in SI."""
 
 import csv
 import io
@@ -62,8 +62,8 @@ def test_the_answer_of_a_wave_is_that_of_westergaard(wave):
 
 def shown(result, inputs=None):
     """The texts of each target by their headings."""
-    heads, rows = answer(result, inputs)
-    return [dict(zip(heads, (text for text, _ in row), strict=True)) for row in rows]
+    lines = answer(result, inputs)
+    return [{head: texts[k] for head, texts in lines} for k in range(len(result.targets))]
 
 
 def test_a_person_can_read_it(wave):
@@ -79,6 +79,20 @@ def test_digits_are_those_that_the_uncertainty_of_the_input_leaves(wave):
     assert (cells["contact fraction"], cells["± contact fraction"]) == ("0.40", "< 0.01 % numerical, 14 % input")
     assert cells["± separation"] == "< 0.01 % numerical, 0.40 % input"
     assert len(cells["separation"].split()[0].replace(".", "")) == digits(0.004) == 3
+
+
+def test_digits_are_not_those_of_another_quantity(wave):
+    (cells,) = shown(wave, {0: {"contact_fraction": 0.14}})
+    assert (cells["contact fraction"], cells["± separation"]) == ("0.40", "< 0.01 % numerical")
+    assert len(cells["separation"].split()[0].replace(".", "").lstrip("-0")) == 4
+
+
+def test_a_quantity_has_one_unit_in_all_columns():
+    result = bem.solve(WAVE | {"loading": {"control": "mean_pressure", "targets": [500.0, 2000.0]}})
+    for head, texts in answer(result):
+        units = {text.split()[-1] for text in texts if text.endswith(("m", "Pa"))}
+        assert len(units) < 2, (head, texts)
+    assert dict(answer(result))["mean pressure (held)"] == ["500 Pa", "2000 Pa"]
 
 
 def test_an_uncertainty_belongs_to_one_quantity_and_is_never_printed_at_another(wave):
