@@ -174,12 +174,14 @@ def test_what_a_later_version_adds_is_shown(result):
 
     richer = replace(result)
     added = {"groups": {"rms_slope": 0.125, "pressure_scale": 1.25e6}, "warnings": (Caution,)}
-    added["profile_preparation"] = ({"step": "detrend", "method": "line", "rms_height": [2e-6, 1e-6]},)
+    added["profile_preparation"] = (
+        {"step": "detrend", "method": "line", "removed": [3e-6, 4e-6], "rms_height": [2e-6, 1e-6]},
+    )
     vars(richer).update(added)
     page = render_run(richer)
     assert "above 1 m: is the unit mm?" in page
     assert 'rms slope</th><td class="num">0.125</td>' in page
-    assert "method line, rms height 2e-06 → 1e-06" in page
+    assert "3 µm at the first sample and 4 µm at the last; rms height 2 µm before, 1 µm after.</li>" in page
     assert "1.25 MPa" in page
 
 

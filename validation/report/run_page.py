@@ -8,7 +8,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 from markupsafe import Markup
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
@@ -26,6 +26,7 @@ from bem.command_line.answer_table import (
     units_of,
 )
 from bem.command_line.console import scene_text
+from bem.command_line.preparation_words import preparation_sentences
 from bem.geometry.regular_file import read_regular
 from bem.scene.atomic_file import write_atomically
 from bem.scene.plausibility import MEANINGS
@@ -159,7 +160,7 @@ def render_run(result: Result, inputs: Inputs | None = None) -> str:
         words=scene_in_words(result.scene),
         toml=scene_text(result.scene),
         meanings=defaultdict(str, MEANINGS),
-        preparation=[_step(step) for step in result.profile_preparation],
+        preparation=preparation_sentences(result.profile_preparation),
         path=moving_path(result, theories),
         moving_style=Markup(asset("moving.css")),
         moving_script=Markup(asset("moving.js")),
@@ -236,15 +237,3 @@ def _certificate(result: Result) -> Iterator[tuple[str, str]]:
 def _measure(value: float, name: str) -> str:
     """Return a number with its unit, if it has a unit."""
     return quantity(value, UNITS[name]) if name in UNITS else number(value)
-
-
-def _step(step: Mapping[str, Any]) -> tuple[str, str]:
-    """Return the name of a step of the preparation of a scan, and its facts."""
-    facts = {key: value for key, value in step.items() if key != "step"}
-    words = [f"{key.replace('_', ' ')} {_plain(value)}" for key, value in facts.items()]
-    return str(step.get("step", "")), ", ".join(words)
-
-
-def _plain(value: Any) -> str:
-    """Return a number, or a number before and after a step."""
-    return " → ".join(map(_plain, value)) if isinstance(value, list | tuple) else str(number(value))

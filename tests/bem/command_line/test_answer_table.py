@@ -16,10 +16,12 @@ from bem.command_line.answer_table import (
     answer,
     csv_text,
     digits,
+    fixed,
     pull_off,
     pull_off_words,
     readable,
     table_text,
+    units_of,
 )
 from bem.scene.result import LargestTension, TensionError
 from bem.scene.result_file import write_result
@@ -136,7 +138,9 @@ def test_a_path_that_ends_in_tension_does_not_give_an_earlier_turn_as_its_pull_o
     """States and turns of the rough scene, up to one whose tension is above all turns before it."""
     end = next(state for state in rough.states if state.branch == "unloading" and state.mean_pressure < 0)
     way = rough.states[: rough.states.index(end)]
-    ended = replace(rough, states=(*way, replace(end, target=True)), events=(), largest_tension=None)
+    ended = replace(
+        rough, states=(*way, replace(end, target=True, index=len(rough.targets))), events=(), largest_tension=None
+    )
     words = f"not reached. The way out ends in tension, {readable(-end.mean_pressure, 'Pa', 4)} at"
     assert words in pull_off_words(ended) and pull_off_words(ended).endswith("beyond.")
     before = LargestTension(end.mean_pressure / 2, 1e-6, 8.5e-5, "turn", TensionError(1e-3))
@@ -161,7 +165,9 @@ def test_complete_contact_that_the_control_forces_open_has_no_largest_tension(in
     loading = {"control": "separation", "targets": [0.0, 1e-6], "initial": "complete_contact"}
     accuracy = {"max_increment": increment}
     part = bem.solve(FORCED_OPEN | {"loading": loading, "accuracy": accuracy})
-    assert pull_off_words(part) == f"{FORCED} The way out ends in tension, 6.788 kPa at a separation of 1.000 µm."
+    factor, unit = units_of(part)["separation"]
+    apart = f"{fixed(1e-6 * factor, 4)} {unit}"
+    assert pull_off_words(part) == f"{FORCED} The way out ends in tension, 6.788 kPa at a separation of {apart}."
     assert pull_off(part) is None
 
 
