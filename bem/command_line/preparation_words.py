@@ -104,7 +104,8 @@ def _periodic(step: Step) -> str:
         return f"The trace is followed by its mirror image: the period is {_length(step['period'])}"
     jump = f"from its last sample to its first is a step of {step['end_jump']:.2g} times the rms step between samples"
     if method == "window":
-        return f"Each end is tapered to zero over {step['taper']:.0%} of the trace: the period is {_length(step['period'])}"
+        taper = f"Each end is tapered to zero over {step['taper']:.0%} of the trace"
+        return f"{taper}: the period is {_length(step['period'])}"
     return f"The trace is repeated as it is, with the period {_length(step['period'])}; {jump}"
 
 
