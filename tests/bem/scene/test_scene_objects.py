@@ -127,6 +127,22 @@ def test_keys_of_files_are_refused_beside_arrays(tmp_path):
         bem.solve(**tables)
 
 
+@pytest.mark.parametrize(
+    ("samples", "told"),
+    [
+        ({"h": np.zeros(9)}, ["profile.x is missing"]),
+        ({"x": np.arange(9.0)}, ["profile.h is missing"]),
+        ({"x": [0.0, 1.0], "h": [1.0, 0.0]}, ["profile.x is a list", "profile.h is a list"]),
+    ],
+    ids=["no x", "no h", "lists"],
+)
+def test_samples_in_memory_that_are_incomplete_are_told_what_they_need(samples, told):
+    with pytest.raises(bem.SceneError) as caught:
+        bem.solve(**OBJECTS | {"profile": {"kind": "samples", **samples}})
+    need = "; allowed: samples in memory need x and h, two NumPy arrays in m"
+    assert list(map(str, caught.value.mistakes)) == [text + need for text in told]
+
+
 @pytest.mark.parametrize(("x", "h"), [([0, 1, 2.5, 3], [0, 1, 0, 1]), ([0, 1, 2, 3], [0, np.nan, 0, 1])])
 def test_a_profile_of_samples_that_need_preparation_is_refused(x, h):
     with pytest.raises(ValueError, match="finite heights at equal steps"):
