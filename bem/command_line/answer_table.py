@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 
-from bem.scene.result import Result
+from bem.scene.result import LargestTension, Result
 from bem.scene.result_views import UNITS
 from bem.scene.state import State
 
@@ -38,10 +39,10 @@ TRIPLES = {  # columns shown in one cell, which is sorted by the second
     "width_median": ("width_least", "width_median", "width_largest"),
     "open_gap_p50": ("open_gap_p10", "open_gap_p50", "open_gap_p90"),
 }
-NO_FLAW = (
-    "No pull-off: complete contact cannot open without a flaw, as a gap of no width needs an unbounded tension. Set "
-    "loading.flaw, a length without adhesion: its size decides at what tension the contact opens (shorter: larger)."
-)
+UNBOUNDED = "complete contact cannot open without a flaw, as a gap of no width needs an unbounded tension."
+FLAW = "loading.flaw, a length without adhesion: its size decides at what tension the contact opens (shorter: larger)."
+NO_FLAW = f"No pull-off: {UNBOUNDED} Set {FLAW}"
+FORCED = f"No largest tension: {UNBOUNDED} The control forced it open. Under a given mean pressure, set {FLAW}"
 
 Cell = tuple[str, float | str]  # text, and what it is sorted by
 Inputs = Mapping[int | None, Mapping[str, float]]  # relative uncertainty of the input, by target (None: the path)
@@ -190,7 +191,7 @@ def pull_off_words(result: Result, inputs: Inputs | None = None) -> str:
     """Return words on the largest tension of the way out, or on its absence; nothing without tension."""
     if stays_complete(result):
         return NO_FLAW
-    tension, held, where = result.largest_tension, rising_tension(result), ""
+    tension, end, where = result.largest_tension, end_in_tension(result), ""
     if tension is not None:
         error = tension.error_estimate.mean_pressure / -tension.mean_pressure
         outer = (inputs or {}).get(None, {}).get(PULL_OFF, math.nan)
@@ -199,34 +200,69 @@ def pull_off_words(result: Result, inputs: Inputs | None = None) -> str:
             known, figures = f"{known}, {share(outer)} input", digits(math.hypot(error, outer))
         where = f"{readable(-tension.mean_pressure, 'Pa', figures)} ({known}), at a separation of "
         where += readable(tension.separation, "m", MOST_DIGITS)
-    if held is not None:
-        words = (
-            f"Pull-off: not reached. The way out ends in tension, {readable(-held.mean_pressure, 'Pa', MOST_DIGITS)}"
-        )
-        words += f" at a separation of {readable(held.separation, 'm', MOST_DIGITS)}"
-        return f"{words}, and larger tensions may lie beyond" + (
-            f"; before that it turns at {where}." if where else "."
-        )
+    forced = was_forced_open(result)
+    if end is not None:
+        words = "The way out ends in tension"
+        if end.target:
+            words += f", {readable(-end.mean_pressure, 'Pa', MOST_DIGITS)}"
+            words += f" at a separation of {readable(end.separation, 'm', MOST_DIGITS)}"
+        if forced:
+            return f"{FORCED} {words}" + (f"; the load turns at {where}." if where else ".")
+        words = f"Pull-off: not reached. {words}, and larger tensions may lie beyond"
+        return words + (f"; before that it turns at {where}." if where else ".")
     if tension is None:
-        return ""
-    where = f"Pull-off: the largest tension on the way out is {where}"
+        return FORCED if forced else ""
     apart = result.came_apart()
-    if apart is None:
-        return f"{where}; the surfaces have not come apart on this path."
-    return f"{where}; the surfaces come apart at {readable(apart, 'm', MOST_DIGITS)}."
+    parting = (
+        "the surfaces have not come apart on this path"
+        if apart is None
+        else f"the surfaces come apart at {readable(apart, 'm', MOST_DIGITS)}"
+    )
+    if forced:
+        claim = f"{FORCED} After that the load turns at"
+    elif was_exceeded(result):
+        claim = "Pull-off: the way out begins in larger tension, and the load turns at"
+    else:
+        claim = "Pull-off: the largest tension on the way out is"
+    return f"{claim} {where}; {parting}."
 
 
-def rising_tension(result: Result) -> State | None:
-    """Return the state of largest tension on the way out, if no turn, fold or jump of the load has a larger one.
+def pull_off(result: Result) -> LargestTension | None:
+    """Return the located tension that is the largest of the way out; None where the path does not know the largest."""
+    return None if was_forced_open(result) or was_exceeded(result) else result.largest_tension
 
-    There the way out ends or turns back before the tension has reached its maximum.
+
+def end_in_tension(result: Result) -> State | None:
+    """Return the end of a way out of largest tension, if no turn, fold or jump of the load has a larger one.
+
+    A way out ends, or turns back, at a target, where nothing depends on the increment; else the path broke off.
     """
-    on_way_out = [state for state in result.states if state.found and state.branch == "unloading"]
-    held = min((state for state in on_way_out if state.mean_pressure < 0), key=lambda s: s.mean_pressure, default=None)
+    states = [*(state for state in result.states if state.found), None]
+    ends = [
+        state
+        for state, after in pairwise(states)
+        if state is not None
+        and state.branch == "unloading"
+        and (after is None or after.branch == "loading")
+        and state.mean_pressure < 0
+    ]
+    end = min(ends, key=lambda state: state.mean_pressure, default=None)
     tension = result.largest_tension
-    if held is None or tension is None:
-        return held
-    return held if held.mean_pressure < tension.mean_pressure - tension.error_estimate.mean_pressure else None
+    if end is None or tension is None:
+        return end
+    return end if _exceeds(end, tension) else None
+
+
+def _exceeds(state: State, tension: LargestTension) -> bool:
+    """Return whether a state is in larger tension than the largest that was located, beyond its error."""
+    return state.mean_pressure < tension.mean_pressure - tension.error_estimate.mean_pressure
+
+
+def was_exceeded(result: Result) -> bool:
+    """Return whether the way out begins or ends in larger tension than it has at any turn, fold or jump."""
+    tension = result.largest_tension
+    out = [state for state in result.states if state.found and state.branch == "unloading"]
+    return tension is not None and any(_exceeds(state, tension) for state in out)
 
 
 def stays_complete(result: Result) -> bool:
@@ -234,6 +270,11 @@ def stays_complete(result: Result) -> bool:
     last = next((state for state in reversed(result.states) if state.found), None)
     unflawed = result.scene["adhesion"] is not None and result.scene["loading"].get("flaw") is None
     return unflawed and last is not None and (last.status, last.branch) == ("complete_contact", "unloading")
+
+
+def was_forced_open(result: Result) -> bool:
+    """Return whether a given separation or penetration opened complete contact, at a tension without bound."""
+    return any(event.kind == "opening" and math.isnan(event.mean_pressure) for event in result.events)
 
 
 def csv_text(result: Result) -> str:

@@ -20,7 +20,7 @@ from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.ranges import check, check_harmonics
 from bem.kernels.heights import taylor
 
-EQUAL_STEPS = 1e-6  # limit: of the mean step: larger differences would move heights
+EQUAL_STEPS = 1e-3  # format: of a step: admitted deviation of a position from equal steps
 EQUAL_HEIGHTS = 1e-12  # derived: of the rms height: crests as high as each other, to rounding
 POINTS_PER_WAVELENGTH = 16  # derived: of the table of heights: with `_TAYLOR_TERMS` its truncation is 1e-15 of h
 _TAYLOR_TERMS = 14  # derived: terms about a point of the table
@@ -106,7 +106,8 @@ class Profile:
         Parameters
         ----------
         x, h : (n,) array
-            Uniform increasing positions (end point of the period excluded) and heights, in m.
+            Increasing positions within `EQUAL_STEPS` of equal steps (end point of the period excluded), and heights,
+            in m.
         harmonics : int
             Highest order kept, below n/2.
         detrend : {"mean", "line"}
@@ -116,8 +117,7 @@ class Profile:
         """
         position, height = np.asarray(x, dtype=np.float64), np.asarray(h, dtype=np.float64)
         n = position.size
-        steps = np.diff(position)
-        equal = n > 1 and np.all(np.abs(steps - steps.mean()) <= EQUAL_STEPS * steps.mean())
+        equal = n > 1 and position[-1] > position[0] and float(off_equal_steps(position).max()) <= EQUAL_STEPS
         if not equal or not np.all(np.isfinite(height)):
             fault = "missing heights" if equal else "unequal or falling steps"
             prepared = 'profile={"kind": "samples", "x": x, "h": h} of bem.solve prepares them'
@@ -260,3 +260,15 @@ class Profile:
         position = np.asarray(x, dtype=np.float64, order="C")
         values = taylor(self.table, position.ravel(), self.table.shape[0] / self.period, derivatives)
         return values.reshape(derivatives + 1, *position.shape)
+
+
+def off_equal_steps(x: FloatArray) -> FloatArray:
+    """Return the deviations of increasing positions from equal steps between their ends, in steps.
+
+    Examples
+    --------
+    >>> off_equal_steps(np.array([0.0, 1.25, 2.0, 3.0])).tolist()
+    [0.0, 0.25, 0.0, 0.0]
+    """
+    step = (x[-1] - x[0]) / (x.size - 1)
+    return np.asarray(np.abs((x - x[0]) / step - np.arange(x.size)))

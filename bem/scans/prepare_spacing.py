@@ -1,8 +1,9 @@
 """Positions of samples at equal steps: checked as far as their digits tell, or resampled.
 
-Steps are equal if every position is one of x_0 + k dx within `UNIFORMITY` of dx, or within half a unit of the last
-digit that is printed: of such x_0 and dx the ones that leave most room are taken (a linear program in two unknowns,
-which only the corners of two convex hulls bound).  "resample" puts as many samples at equal distances on a curve
+Steps are equal if every position is one of x_0 + k dx within `EQUAL_STEPS` of dx, where the ends are exact, or within
+half a unit of the last digit that is printed: of such x_0 and dx the ones that leave most room are taken (a linear
+program in two unknowns, which only the corners of two convex hulls bound).  The samples then have exactly these
+positions: heights stay as they are.  "resample" puts as many samples at equal distances on a curve
 through the measured ones that does not overshoot (Fritsch, Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300).
 """
 
@@ -13,11 +14,10 @@ from importlib import import_module
 import numpy as np
 
 from bem.geometry.arrays import FloatArray
+from bem.geometry.profile import EQUAL_STEPS, off_equal_steps
 from bem.scans.prepared_scan import Step, Trace
 from bem.scans.read_scan import RawScan
 from bem.scans.scan_refusal import refused
-
-UNIFORMITY = 1e-3  # format: admitted deviation of a position, in sample distances
 
 
 def refuse_disorder(raw: RawScan) -> None:
@@ -40,11 +40,11 @@ def equally_spaced(raw: RawScan, line: Trace, first: int, method: str) -> tuple[
     """
     x, h = line
     grid = x[0] + (x[-1] - x[0]) * np.arange(x.size) / (x.size - 1)
-    deviations = np.abs(x - grid) * ((x.size - 1) / (x[-1] - x[0]))  # in sample distances
+    deviations = off_equal_steps(x)
     worst = int(np.argmax(deviations))
     facts: Step = {"deviation": float(deviations[worst])}
-    if facts["deviation"] <= UNIFORMITY:
-        return line, facts
+    if facts["deviation"] <= EQUAL_STEPS:
+        return (grid, h), facts
     if raw.half_digits is not None:
         half = raw.half_digits()[first : first + x.size]
         even = _line_through(x, grid, half + 4 * np.spacing(np.abs(x).max()))
@@ -52,7 +52,7 @@ def equally_spaced(raw: RawScan, line: Trace, first: int, method: str) -> tuple[
             return (even, h), facts | {"printed_to": 2 * float(half.min())}
     if method == "refuse":
         problem = f"is not uniform in x: {raw.place(first + worst)} is {deviations[worst]:.2g} sample distances off a"
-        allowed = f'at most {UNIFORMITY:g}, or half the last digit printed; or unequal_spacing = "resample"'
+        allowed = f'at most {EQUAL_STEPS:g}, or half the last digit printed; or unequal_spacing = "resample"'
         raise refused("file", f"{problem} uniform grid", allowed)
     curve = import_module("scipy.interpolate").PchipInterpolator(x, h)
     gaps = np.diff(x)

@@ -26,7 +26,7 @@ import numpy as np
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 import bem
-from bem.command_line.answer_table import rising_tension
+from bem.command_line.answer_table import pull_off
 from bem.geometry.regular_file import read_regular
 from bem.scene.atomic_file import write_atomically
 from bem.scene.progress import Progress
@@ -243,8 +243,8 @@ def answers_of(result: Result) -> Iterator[Answer]:
         for quantity, (value, error) in numbers.items():
             if value is not None and math.isfinite(value):
                 yield Answer(state.index, state.branch, quantity, float(value), _number(error))
-    tension = result.largest_tension
-    if tension is not None and rising_tension(result) is None:
+    tension = pull_off(result)
+    if tension is not None:
         yield Answer(
             None, "unloading", "pull-off", -tension.mean_pressure, _number(tension.error_estimate.mean_pressure)
         )

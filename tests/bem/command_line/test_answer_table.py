@@ -10,16 +10,19 @@ from rough_scene import ROUGH
 
 import bem
 from bem.command_line.answer_table import (
+    FORCED,
     NO_FLAW,
     UNKNOWN,
     answer,
     csv_text,
     digits,
+    pull_off,
     pull_off_words,
     readable,
     table_text,
 )
 from bem.scene.result import LargestTension, TensionError
+from bem.scene.result_file import write_result
 from bem.scene_commands import main
 
 PERIOD, HEIGHT, MODULUS = 0.01, 1e-4, 1e6 / 0.75
@@ -117,15 +120,55 @@ def test_the_pull_off_is_said_with_its_own_error_and_where_the_surfaces_came_apa
 
 def test_a_path_that_ends_in_tension_does_not_give_an_earlier_turn_as_its_pull_off(rough):
     """States and turns of the rough scene, up to one whose tension is above all turns before it."""
-    held = next(state for state in rough.states if state.branch == "unloading" and state.mean_pressure < 0)
-    ended = replace(rough, states=rough.states[: rough.states.index(held) + 1], events=(), largest_tension=None)
-    said = f"not reached. The way out ends in tension, {readable(-held.mean_pressure, 'Pa', 4)} at"
-    assert said in pull_off_words(ended) and pull_off_words(ended).endswith("beyond.")
-    before = LargestTension(held.mean_pressure / 2, 1e-6, 8.5e-5, "turn", TensionError(1e-3))
-    words = pull_off_words(replace(ended, largest_tension=before))
-    assert said in words and f"before that it turns at {readable(-held.mean_pressure / 2, 'Pa', 4)}" in words
-    beyond = replace(before, mean_pressure=held.mean_pressure - 1e-4)
+    end = next(state for state in rough.states if state.branch == "unloading" and state.mean_pressure < 0)
+    way = rough.states[: rough.states.index(end)]
+    ended = replace(rough, states=(*way, replace(end, target=True)), events=(), largest_tension=None)
+    words = f"not reached. The way out ends in tension, {readable(-end.mean_pressure, 'Pa', 4)} at"
+    assert words in pull_off_words(ended) and pull_off_words(ended).endswith("beyond.")
+    before = LargestTension(end.mean_pressure / 2, 1e-6, 8.5e-5, "turn", TensionError(1e-3))
+    turned = pull_off_words(replace(ended, largest_tension=before))
+    assert words in turned and f"before that it turns at {readable(-end.mean_pressure / 2, 'Pa', 4)}" in turned
+    beyond = replace(before, mean_pressure=end.mean_pressure - 1e-4)
     assert "largest tension on the way out" in pull_off_words(replace(ended, largest_tension=beyond))
+    broken_off = replace(ended, states=(*way, replace(end, target=False)))  # its tension depends on the increment
+    assert "The way out ends in tension, and larger tensions" in pull_off_words(broken_off)
+
+
+FORCED_OPEN = {
+    "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
+    "profile": {"kind": "self_affine", "period": 0.01, "hurst": 0.8, "rms_height": 1e-6, "harmonics": 6, "seed": 2},
+    "adhesion": {"work_of_adhesion": 0.05},
+}
+
+
+@pytest.mark.parametrize("increment", [0.3, 1.0])
+def test_complete_contact_that_the_control_forces_open_has_no_largest_tension(increment):
+    """The tensions of stored states have no part in the words: they grow without bound with a smaller increment."""
+    loading = {"control": "separation", "targets": [0.0, 1e-6], "initial": "complete_contact"}
+    accuracy = {"max_increment": increment}
+    part = bem.solve(FORCED_OPEN | {"loading": loading, "accuracy": accuracy})
+    assert pull_off_words(part) == f"{FORCED} The way out ends in tension, 6.788 kPa at a separation of 1.000 µm."
+    assert pull_off(part) is None
+
+
+def test_the_load_turns_after_complete_contact_was_forced_open():
+    loading = {"control": "separation", "targets": [0.0, 20e-6], "initial": "complete_contact"}
+    whole = bem.solve(FORCED_OPEN | {"loading": loading, "accuracy": {"max_increment": 1.0}})
+    assert pull_off_words(whole) == (
+        f"{FORCED} After that the load turns at 1.173 kPa (± < 0.01 % numerical), at a separation of 14.05 µm; "
+        "the surfaces come apart at 14.05 µm."
+    )
+    assert pull_off(whole) is None
+
+
+def test_a_way_out_that_begins_in_larger_tension_than_it_turns_at_says_so(tmp_path):
+    loading = {"control": "separation", "targets": [0.0, 1e-6], "initial": "complete_contact"}
+    coarse = {"accuracy": {"max_increment": 1.0}}
+    write_result(bem.solve(FORCED_OPEN | coarse | {"loading": loading}), tmp_path / "start")
+    onward = loading | {"targets": [20e-6], "initial": {"result": str(tmp_path / "start"), "state": 1}}
+    result = bem.solve(FORCED_OPEN | coarse | {"loading": onward})
+    assert "the way out begins in larger tension, and the load turns at 1.173 kPa" in pull_off_words(result)
+    assert pull_off(result) is None
 
 
 def test_without_tension_there_is_no_pull_off(wave):

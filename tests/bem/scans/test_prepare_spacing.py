@@ -6,8 +6,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scene_tables import tables
 
+from bem.geometry.profile import EQUAL_STEPS, Profile
 from bem.scans.prepare_scan import prepare
-from bem.scans.prepare_spacing import UNIFORMITY
 from bem.scans.read_scan import read_scan
 from bem.scans.scan_refusal import ScanFileError
 from bem.scene.scene import parse_scene
@@ -62,9 +62,22 @@ def test_one_position_beyond_half_a_digit_is_unequal(far, tmp_path):
 
 def test_exact_positions_with_many_digits_are_not_rounded_ones(tmp_path):
     x = 0.15625 * np.arange(COUNT)
-    x[7] += 2 * UNIFORMITY * 0.15625
+    x[7] += 2 * EQUAL_STEPS * 0.15625
     with pytest.raises(ScanFileError, match="not uniform in x: line 8"):
         scan_of(tmp_path, [f"{value:.9f}" for value in x])
+
+
+@pytest.mark.parametrize("kind", ["digits", "single"])
+@pytest.mark.parametrize("decimals", [2, 3, 4, 5])
+def test_positions_that_count_as_equal_make_a_profile(decimals, kind, tmp_path):
+    """Thirds of a micrometre with few digits, and in single precision: the samples are those of exact thirds."""
+    exact = np.arange(COUNT) / 3
+    x = np.round(exact, decimals) if kind == "digits" else exact.astype(np.float32)
+    scan = scan_of(tmp_path, [f"{value:.{decimals}f}" if kind == "digits" else repr(float(value)) for value in x])
+    assert np.ptp(np.diff(scan.x)) <= 4 * np.spacing(scan.x[-1])
+    surface = Profile.from_samples(scan.x, scan.h, 50)
+    reference = Profile.from_samples(exact * 1e-6, HEIGHTS * 1e-6, 50)
+    assert surface.rms_slope == pytest.approx(reference.rms_slope, rel=10.0**-decimals)  # a digit over the length
 
 
 def test_rounding_is_recorded_and_told(tmp_path):
@@ -100,7 +113,7 @@ def test_equal_steps_are_those_that_a_search_finds(tmp_path_factory, count, step
     if not (np.diff(x) > digit / 2).all():
         return
     grid = x[0] + (x[-1] - x[0]) * np.arange(count) / (count - 1)
-    if np.abs(x - grid).max() <= 1.1 * UNIFORMITY * (x[-1] - x[0]) / (count - 1):
+    if np.abs(x - grid).max() <= 1.1 * EQUAL_STEPS * (x[-1] - x[0]) / (count - 1):
         return
     room = _most_room(x, digit / 2)
     if abs(room) < 1e-6 * digit:
