@@ -134,7 +134,11 @@ def _study(options: argparse.Namespace) -> int:
     given = {key: value for key in ("seeds", "budget") if (value := getattr(options, key)) is not None}
     plan = module.Options(jobs=options.jobs, quick=options.quick, overwrite=options.overwrite, **given)
     with locked(options.out):
-        return int(module.run(options.scene, options.out, plan, say))
+        code = int(module.run(options.scene, options.out, plan, say))
+        if code == DONE and (options.out / RESULT_FILE).exists():
+            write_run_page(options.out)  # with the uncertainty of the input
+            print(options.out / PAGE)
+    return code
 
 
 def _gone(options: argparse.Namespace) -> int:

@@ -12,6 +12,8 @@ import math
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
+import numpy as np
+
 from bem.scene.result import LargestTension, Result
 from bem.scene.result_views import UNITS
 from bem.scene.state import State
@@ -19,6 +21,7 @@ from bem.scene.state import State
 PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 FEWEST_DIGITS, MOST_DIGITS = 2, 4  # format
 UNKNOWN = "–"
+INPUT = "input_uncertainty_"  # before the name of a quantity
 QUANTITIES = {  # name of a column of `to_table("targets")`: heading
     "mean_pressure": "mean pressure",
     "contact_fraction": "contact fraction",
@@ -277,10 +280,17 @@ def was_forced_open(result: Result) -> bool:
     return any(event.kind == "opening" and math.isnan(event.mean_pressure) for event in result.events)
 
 
-def csv_text(result: Result) -> str:
-    """Return the answer as comma-separated values in SI units, named in the headings; unknown values are empty."""
+def csv_text(result: Result, inputs: Inputs | None = None) -> str:
+    """Return the answer as comma-separated values in SI units, named in the headings; unknown values are empty.
+
+    A column `input_uncertainty_NAME` holds the uncertainty of the input of the quantity NAME, where `inputs` know it.
+    """
     columns = result.to_table("targets")
-    units = {name: UNITS.get(name.removeprefix("error_estimate_"), "") for name in columns}
+    known = [(inputs or {}).get(k, {}) for k in range(len(result.targets))]
+    for name in [name for name in QUANTITIES if any(name in relative for relative in known)]:
+        shares = np.array([relative.get(name, math.nan) for relative in known])
+        columns[INPUT + name] = np.abs(columns[name]) * shares
+    units = {name: UNITS.get(name.removeprefix("error_estimate_").removeprefix(INPUT), "") for name in columns}
     lines = [",".join(f"{name} / {unit}" if unit else name for name, unit in units.items())]
     for row in zip(*(values.tolist() for values in columns.values()), strict=True):
         lines.append(",".join(value if isinstance(value, str) else _plain(value) for value in row))

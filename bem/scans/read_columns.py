@@ -74,9 +74,6 @@ def line_of(table: TextTable, values: Mapping[str, Any]) -> TableLine:
     map_rows = None if points is None else len(points[1])
     lines = table.lines[rows]
     x = None if x_column is None else table.values[rows, x_column]
-    if x is not None and np.isnan(x).any():
-        problem = f"line {lines[int(np.argmax(np.isnan(x)))]} has no position"
-        raise refused("file", problem, "a position in every line: only heights may be missing")
     return TableLine(x, heights, None if row == "mean" else lines, (x_column, h_column), rows, map_rows)
 
 

@@ -99,9 +99,10 @@ def map_of(table: TextTable, values: Mapping[str, Any]) -> FloatArray:
 
 
 def without_missing(heights: FloatArray, values: Mapping[str, Any]) -> FloatArray:
-    """Return heights, NaN where they are the missing_value of the scene."""
+    """Return heights, NaN where they are infinite or the missing_value of the scene."""
     missing = values.get("missing_value", "none")
-    return heights if missing == "none" else np.where(heights == missing, np.nan, heights)
+    known = np.isfinite(heights) & (True if missing == "none" else heights != missing)
+    return np.where(known, heights, np.nan)
 
 
 def refuse_numbers_above(table: TextTable, heights: FloatArray, values: Mapping[str, Any]) -> None:

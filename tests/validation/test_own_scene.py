@@ -1,7 +1,9 @@
 """Study of a scene: its answers against closed forms, what is varied, and the folder that it keeps."""
 
+import csv
 import json
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -223,6 +225,8 @@ def test_a_study_continues_and_its_page_is_written(tmp_path):
     assert all(row["cpu_seconds"] > 0 for row in stored["tolerances"])
     page = (tmp_path / "out" / "study.html").read_text()
     assert "rubber on &lt;glass&gt;" in page
+    columns = re.findall(r'<th scope="col">(.*?)</th>', page.partition("</thead>")[0])
+    assert columns == ["target", "answer", "value", "±", "unit", "numerical", "cut", "seed", "length"]
     del stored["solved"]["cut: 4 harmonics"]
     (tmp_path / "out" / "study.json").write_text(json.dumps(stored))
     again = []
@@ -270,6 +274,26 @@ def test_a_file_that_is_no_json_is_refused_and_overwritten_where_asked(tmp_path)
     rows = json.loads((tmp_path / "out" / "study.json").read_text())["settings"]
     assert {row["status"] for row in rows} == {"converged", "left out"}
     assert "beyond the budget" in rows[-1]["reason"]
+
+
+def test_a_study_beside_its_run_refreshes_the_page_and_the_table_of_the_run(tmp_path, capsys):
+    path, out = (
+        scene_file(tmp_path, SCENE | {"loading": {"control": "mean_pressure", "targets": [2e4]}}),
+        tmp_path / "out",
+    )
+    assert main(["run", str(path), "--out", str(out), "--quiet"]) == 0
+    assert main(["study", "scene", str(path), "--quick", "--out", str(out), "--jobs", "1"]) == 0
+    told = capsys.readouterr().out
+    assert told.splitlines()[-1] == str(out / "report.html")
+    assert "contact fraction at 20 kPa, loading: " in told and "mean pressure at" not in told
+    stored = json.loads((out / "study.json").read_text())
+    assert stored["command"] == f"linecontact study scene {path} --quick --out {out}"
+    (row,) = csv.DictReader((out / "answer.csv").read_text().splitlines())
+    (fraction,) = (answer for answer in stored["answers"] if answer["quantity"] == "contact fraction")
+    left_open = math.hypot(*(move for source, move in fraction["moved"].items() if source != "numerical"))
+    assert float(row["input_uncertainty_contact_fraction"]) == pytest.approx(left_open * fraction["value"], rel=1e-6)
+    assert float(row["input_uncertainty_separation / m"]) > 0
+    assert "% input" in (out / "report.html").read_text()
 
 
 def test_a_scene_that_does_not_converge_as_it_is_fails(tmp_path, capsys):

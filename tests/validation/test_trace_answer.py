@@ -54,6 +54,7 @@ def test_a_trace_is_answered_by_a_page(tmp_path, capsys):
     told = capsys.readouterr()
     assert told.out.splitlines()[-1] == str(out / "report.html")
     assert "three digits" in told.err
+    assert told.err.splitlines()[-1].endswith(f"linecontact study scene {out / 'scene.toml'} --quick --out {out}")
     assert {path.name for path in out.iterdir()} >= {"scene.toml", "result.json", "report.html", "answer.csv"}
     scene = tomllib.loads((out / "scene.toml").read_text("utf-8"))
     assert scene["solid"] == {"youngs_modulus": 5e6, "poisson_ratio": 0.49}

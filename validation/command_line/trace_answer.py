@@ -161,7 +161,13 @@ def _answer(options: argparse.Namespace) -> int:
                 file=sys.stderr,
             )
         write_run_page(folder)
-    print(folder / PAGE)
+    print(folder / PAGE, flush=True)
+    if not code and not options.quiet:
+        print(
+            f"next, how far its choices move the answer: linecontact study scene {folder / SCENE_FILE} --quick "
+            f"--out {folder}",
+            file=sys.stderr,
+        )
     return code
 
 

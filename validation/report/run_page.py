@@ -35,6 +35,7 @@ STUDIED_PULL_OFF = "pull-off"  # answer of a study, of the path
 STUDIED = {  # answers of a study, as quantities of the answer
     "contact fraction": "contact_fraction",
     "mean pressure": "mean_pressure",
+    "separation": "separation",
     "mean open gap": "open_gap_mean",
     "peak pressure": "peak_pressure",
 }
@@ -79,10 +80,11 @@ class Study:
 def write_run_page(folder: Path) -> Result:
     """Render the result of a folder (`read_result`) into report.html and answer.csv beside it; the result."""
     result = read_result(folder)
+    inputs = inputs_of(result, folder)
     with threadpool_limits(limits=1, user_api="blas"):  # two threads are slower for small systems
-        page = render_run(result, inputs_of(result, folder))
+        page = render_run(result, inputs)
     write_atomically(folder / PAGE, page)
-    write_atomically(folder / TABLE, csv_text(result))
+    write_atomically(folder / TABLE, csv_text(result, inputs))
     return result
 
 
