@@ -22,8 +22,8 @@ from bem.scans.read_array import SIGNATURE, read_npy, real_array
 from bem.scans.read_bytes import content_of, text_of
 from bem.scans.read_columns import TableLine, line_of
 from bem.scans.read_instrument import RASTER_TEXT, InstrumentScan, read_instrument
-from bem.scans.read_map import row_of, rows_allowed, without_missing
-from bem.scans.read_text import DELIMITERS, LISTED, read_table
+from bem.scans.read_map import ARRAY_LINES, MAP_LINES, row_of, rows_allowed, without_missing
+from bem.scans.read_text import COMMENT, DELIMITERS, LISTED, read_table
 from bem.scans.read_units import resolved_units
 from bem.scans.scan_keys import SCAN_KEYS, TEXT_KEYS
 from bem.scans.scan_refusal import Refusal, ScanFileError, refused
@@ -106,9 +106,12 @@ def _from_text(text: str, encoding: str, values: Mapping[str, Any]) -> RawScan:
         "decimal": table.reading.decimal,
         "width": table.values.shape[1],
     }
-    if values.get("skip_lines"):
-        skipped = (text[:40] for number, text in table.above[:LISTED] if number <= values["skip_lines"])
-        facts["skipped"] = " | ".join(skipped)
+    skip_lines = values.get("skip_lines", 0)
+    over = [
+        line for number, line in table.above if number <= skip_lines or (number < table.heading and line[0] in COMMENT)
+    ]
+    if over:
+        facts["skipped"] = " | ".join(line[:40] for line in over[:LISTED])
     facts |= {} if line.map_rows is None else {"rows": line.map_rows}
     stated = {axis: table.units[column] for axis, column in zip("xh", line.columns, strict=True) if column is not None}
     raw = _in_metres(line, stated, f"line {table.heading}", facts, values)
@@ -137,15 +140,14 @@ def _half_digit(text: str) -> float:
 def _from_rows(scan: InstrumentScan, values: Mapping[str, Any]) -> RawScan:
     """Return a line of a trace or map; `spacing` is needed only where the file has no lengths."""
     _refuse_keys(values, TEXT_KEYS, "is for text files")
-    heights = without_missing(scan.heights, values)
+    heights, lines = without_missing(scan.heights, values), ARRAY_LINES if scan.x is None else MAP_LINES
     if heights.ndim == 1:
         _refuse_keys(values, ["row"], "of a line scan")
     elif "row" not in values:
-        rows = heights.shape[0]
-        allowed = rows_allowed(rows)
-        raise refused("row", f"is needed: the file holds a map of {rows} rows", allowed)
+        count = heights.shape[0]
+        raise refused("row", f"is needed: the file holds a map of {count} rows", rows_allowed(count, lines))
     else:
-        heights, scan.facts["rows"] = row_of(heights, values["row"]), heights.shape[0]
+        heights, scan.facts["rows"] = row_of(heights, values["row"], lines), heights.shape[0]
     if scan.x is not None:
         _refuse_keys(values, ["spacing"], "beside the lengths in the file")
     stated = dict.fromkeys("xh" if scan.x is not None else "h", scan.unit)
@@ -163,10 +165,16 @@ def _in_metres(
     line: TableLine, stated: Mapping[str, str], source: str, facts: Mapping[str, Any], values: Mapping[str, Any]
 ) -> RawScan:
     """Return positions and heights in m, in the units that the source states or the scene gives."""
+    missing = []
     if line.x is None and "spacing" not in values:
         problem = "is missing: the file has heights alone, without positions or lengths"
-        raise refused("spacing", problem, "spacing = the distance of two samples, in unit_x")
-    units = resolved_units(values, stated, source)
+        missing = [Refusal("spacing", problem, "spacing = the distance of two samples, in unit_x")]
+    try:
+        units = resolved_units(values, stated, source)
+    except ScanFileError as error:
+        raise ScanFileError([*missing, *error.refusals]) from None
+    if missing:
+        raise ScanFileError(missing)
     metres = METRES[units["x"]]
     x = line.x * metres if line.x is not None else values["spacing"] * metres * np.arange(line.h.size)
     read = dict(facts) | {f"unit_{axis}": units[axis] for axis in "xh"}

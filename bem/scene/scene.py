@@ -249,7 +249,8 @@ def parse_scene(data: Mapping[str, Any], base_dir: Path | str = ".") -> Scene:
     ((2e-06, 1e-06), None)
     """
     base_dir, mistakes = Path(base_dir), []
-    data, arrays = _without_arrays(data)
+    data, arrays, incomplete = _without_arrays(data)
+    mistakes += incomplete
     for name in data:
         if name not in TABLES and name != "title":
             mistakes.append(Mistake(name, f"= {shown(data[name])} is unknown", unknown_key(name, ["title", *TABLES])))
@@ -269,7 +270,7 @@ def parse_scene(data: Mapping[str, Any], base_dir: Path | str = ".") -> Scene:
     if "loading" in data:
         tables = [name for name in TABLES if data.get(name) is not None]
         mistakes += loading_mistakes(loading, given["loading"], tables, profile.get("period"))
-    scan, wrong = _scan(profile, given["profile"], base_dir, arrays)
+    scan, wrong = (None, []) if incomplete else _scan(profile, given["profile"], base_dir, arrays)
     mistakes += wrong
     start, wrong = stored_start(loading.get("initial"), loading.get("control"), base_dir)
     mistakes += wrong
@@ -278,16 +279,20 @@ def parse_scene(data: Mapping[str, Any], base_dir: Path | str = ".") -> Scene:
     return _resolved(data.get("title", ""), made, scan, start)
 
 
-def _without_arrays(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], Samples | None]:
-    """Return the tables with a name in place of the arrays x and h of a profile of samples, and the arrays."""
+def _without_arrays(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], Samples | None, list[Mistake]]:
+    """Return the tables with a name in place of the samples x and h of a profile, the samples, and their mistakes."""
     profile = data.get("profile")
     if not isinstance(profile, Mapping) or "file" in profile or profile.get("kind") != "samples":
-        return data, None
+        return data, None, []
     x, h = profile.get("x"), profile.get("h")
-    if x is None or h is None:
-        return data, None
+    if x is None and h is None:
+        return data, None, []
     rest = {key: value for key, value in profile.items() if key not in ("x", "h")}
-    return {**data, "profile": rest | {"file": IN_MEMORY}}, (x, h)
+    data = {**data, "profile": rest | {"file": IN_MEMORY}}
+    if x is None or h is None:
+        allowed = "samples in memory need x and h, arrays of equal length in m"
+        return data, None, [Mistake(f"profile.{'x' if x is None else 'h'}", "is missing", allowed)]
+    return data, (x, h), []
 
 
 def _as_mapping(table: Any) -> Any:

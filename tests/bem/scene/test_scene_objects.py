@@ -164,6 +164,21 @@ def test_keys_of_files_are_refused_beside_arrays(tmp_path):
         bem.solve(**tables)
 
 
+@pytest.mark.parametrize(
+    ("samples", "told"),
+    [
+        ({"h": np.zeros(9)}, "profile.x is missing"),
+        ({"x": [0.0, 1.0], "h": None}, "profile.h is missing"),
+    ],
+    ids=["no x", "no h"],
+)
+def test_samples_in_memory_that_are_incomplete_are_told_what_they_need(samples, told):
+    with pytest.raises(bem.SceneError) as caught:
+        bem.solve(**OBJECTS | {"profile": {"kind": "samples", **samples}})
+    need = "; allowed: samples in memory need x and h, arrays of equal length in m"
+    assert list(map(str, caught.value.mistakes)) == [told + need]
+
+
 MASKED = np.ma.masked_equal([0.0, -9999.0, 0.0, 1.0], -9999.0)
 
 
