@@ -22,7 +22,7 @@ from bem.scans.read_array import SIGNATURE, read_npy, real_array
 from bem.scans.read_bytes import content_of, text_of
 from bem.scans.read_columns import TableLine, line_of
 from bem.scans.read_instrument import RASTER_TEXT, InstrumentScan, read_instrument
-from bem.scans.read_map import row_of, rows_allowed, without_missing
+from bem.scans.read_map import ARRAY_LINES, MAP_LINES, row_of, rows_allowed, without_missing
 from bem.scans.read_text import COMMENT, DELIMITERS, LISTED, read_table
 from bem.scans.read_units import resolved_units
 from bem.scans.scan_keys import SCAN_KEYS, TEXT_KEYS
@@ -140,15 +140,14 @@ def _half_digit(text: str) -> float:
 def _from_rows(scan: InstrumentScan, values: Mapping[str, Any]) -> RawScan:
     """Return a line of a trace or map; `spacing` is needed only where the file has no lengths."""
     _refuse_keys(values, TEXT_KEYS, "is for text files")
-    heights = without_missing(scan.heights, values)
+    heights, lines = without_missing(scan.heights, values), ARRAY_LINES if scan.x is None else MAP_LINES
     if heights.ndim == 1:
         _refuse_keys(values, ["row"], "of a line scan")
     elif "row" not in values:
-        rows = heights.shape[0]
-        allowed = rows_allowed(rows)
-        raise refused("row", f"is needed: the file holds a map of {rows} rows", allowed)
+        count = heights.shape[0]
+        raise refused("row", f"is needed: the file holds a map of {count} rows", rows_allowed(count, lines))
     else:
-        heights, scan.facts["rows"] = row_of(heights, values["row"]), heights.shape[0]
+        heights, scan.facts["rows"] = row_of(heights, values["row"], lines), heights.shape[0]
     if scan.x is not None:
         _refuse_keys(values, ["spacing"], "beside the lengths in the file")
     stated = dict.fromkeys("xh" if scan.x is not None else "h", scan.unit)

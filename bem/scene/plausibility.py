@@ -5,9 +5,9 @@ harmonics h_m of the profile, q_m = 2 pi m / period and E* = E / (1 - nu^2), `ME
 of complete contact is that of Persson, Tosatti, J. Chem. Phys. 115 (2001) 5597; for one wave the group is 2 pi alpha^2
 with the alpha of Johnson, Int. J. Solids Struct. 32 (1995) 423.
 
-Five mistakes are looked for: lengths in mm instead of m, pressures or moduli in MPa instead of Pa, slopes beyond small
-strain, adhesion that outweighs elasticity, and a cut within the noise of a scan.  Nothing that is computed depends on
-this module.
+Six mistakes are looked for: lengths in mm instead of m, pressures or moduli in MPa instead of Pa, slopes beyond small
+strain, adhesion that outweighs elasticity, a cut within the noise of a scan, and a scan without any heights but
+constant ones.  Nothing that is computed depends on this module.
 """
 
 from __future__ import annotations
@@ -35,6 +35,7 @@ PRESSURES = (1e-7, 10.0)  # format: of E* times the rms slope
 MODULI = (1e2, 1e13)  # format: Pa, from the weakest gel to beyond diamond
 LARGEST_WORK = 10.0  # format: J/m^2
 LARGEST_ADHESION = 10.0  # format: of the elastic energy of complete contact
+ROUNDING = 4.0  # derived: of heights less a trend, in their last digit
 MOST_NOISE = 0.5  # format: of the mean square slope
 
 
@@ -66,7 +67,7 @@ def groups_of(scene: Scene) -> dict[str, float]:
 
 def cautions_of(scene: Scene, groups: Mapping[str, float]) -> tuple[Caution, ...]:
     """Return the warnings about a scene with these groups, each with the probable cause."""
-    warnings = (_lengths, _pressures, _slopes, _adhesion, _noise)
+    warnings = (_lengths, _pressures, _slopes, _adhesion, _noise, _constant)
     return tuple(Caution(about, message) for warn in warnings for about, message in warn(scene, groups))
 
 
@@ -142,6 +143,17 @@ def _noise(scene: Scene, groups: Mapping[str, float]) -> Warnings:
         reason = f"there the profile, as f^{-spectrum.law.exponent:.2g}, falls below the noise floor"
         told = f"{told}: cutoff_short = {spectrum.crossing:.3g} ({spectrum.crossing * 1e6:.3g} um), {reason}"
     yield "profile.cutoff_short", told
+
+
+def _constant(scene: Scene, groups: Mapping[str, float]) -> Warnings:
+    """Yield a warning of a scan that is flat to the rounding of its heights."""
+    if scene.scan is not None and groups["rms_height"] <= ROUNDING * np.spacing(
+        np.nanmax(np.abs(scene.scan.measured[1]))
+    ):
+        yield (
+            "rms_height",
+            "the heights are constant, less their trend: a flat surface is solved; are they the heights?",
+        )
 
 
 def _doubted(scene: Scene, *keys: str) -> list[str]:
