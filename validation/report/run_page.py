@@ -14,7 +14,17 @@ from markupsafe import Markup
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 from threadpoolctl import threadpool_limits
 
-from bem.command_line.answer_table import PULL_OFF, Cell, Inputs, answer, csv_text, pull_off_words, quantity, share
+from bem.command_line.answer_table import (
+    PULL_OFF,
+    Cell,
+    Inputs,
+    answer,
+    csv_text,
+    pull_off_words,
+    quantity,
+    share,
+    slope_words,
+)
 from bem.command_line.console import scene_text
 from bem.geometry.regular_file import read_regular
 from bem.scene.atomic_file import write_atomically
@@ -147,6 +157,7 @@ def render_run(result: Result, inputs: Inputs | None = None) -> str:
         columns=columns,
         answer=rows[:MOST_ROWS],
         pull_off=pull_off_words(result, inputs),
+        slope=slope_words(result),
         words=scene_in_words(result.scene),
         toml=scene_text(result.scene),
         meanings=defaultdict(str, MEANINGS),
