@@ -77,8 +77,8 @@ def read_report(folder: Path) -> dict[str, Any]:
     except FileNotFoundError as error:
         rows = sorted(folder.glob(ROW_FOLDERS))
         if rows:
-            hint = f"holds rows of a map; linecontact report {rows[0]} for the page of one, answer.csv has the median"
-            raise ReportError(f"{folder}: {hint} and scatter of all") from error
+            hint = f"holds a map that was solved row by row; linecontact report {rows[0]} writes the page of one row, "
+            raise ReportError(f"{folder}: {hint}answer.csv there has median and scatter over all rows") from error
         raise ReportError(f"{path}: no report there, and no result of a run") from error
     except OSError as error:
         raise ReportError(f"{path}: {error.strerror}") from error

@@ -1,4 +1,4 @@
-"""Arrays of heights: `.npy` files (NumPy, versions 1 and 2 of the format).
+"""Arrays: heights in `.npy` files (NumPy, versions 1 and 2 of the format), and positions and heights given in Python.
 
 An array holds real numbers.  A file is as long as its header says, to the byte.  An array of one index, or with one
 sample along one of two, is a trace; of any other the first index runs along x, so that row j is the column a[:, j].
@@ -8,9 +8,11 @@ from __future__ import annotations
 
 from io import BytesIO
 from math import prod
+from typing import Any
 
 import numpy as np
 from numpy.lib import format as npy
+from numpy.typing import ArrayLike
 
 from bem.geometry.arrays import FloatArray
 from bem.scans.scan_refusal import refused
@@ -53,3 +55,20 @@ def rows_of(array: FloatArray) -> FloatArray:
     ((8, 64), (64,), (64,))
     """
     return array.ravel() if 1 in array.shape else array.T
+
+
+def real_array(name: str, values: ArrayLike) -> FloatArray:
+    """Return values given in Python, NaN where they are masked; ScanFileError for anything but real numbers.
+
+    Examples
+    --------
+    >>> real_array("h", [1, 2]), real_array("h", np.ma.masked_equal([1.0, -9999.0], -9999.0))
+    (array([1., 2.]), array([ 1., nan]))
+    """
+    try:
+        array: np.ma.MaskedArray[tuple[int, ...], np.dtype[Any]] = np.ma.asarray(values)
+    except ValueError as error:  # lists of unlike lengths
+        raise refused(name, f"of {type(values).__name__}: {error}", REAL_NUMBERS) from error
+    if array.dtype.kind not in REAL:
+        raise refused(name, f"of type {array.dtype}", REAL_NUMBERS)
+    return np.asarray(np.ma.filled(array.astype(np.float64), np.nan))

@@ -74,7 +74,7 @@ def read_instrument(path: Path, content: bytes, channel: int | None) -> Instrume
             problem = f"cannot be read by {LIBRARY}: {_reason(error)}{'; ' * bool(no_text)}{no_text}"
             raise refused("file", problem, FORMATS) from error
     facts = {"format": reader.format(), "channel": str(chosen.name), "points": list(heights.shape)}
-    facts |= {"missing_points": int(np.isnan(heights).sum())}
+    facts |= {"missing_points": int(np.count_nonzero(~np.isfinite(heights)))}
     unit = "" if chosen.unit is None else unit_of(str(chosen.unit)) or "no unit"
     if heights.ndim == 2:
         x = None if lengths is None else np.arange(heights.shape[0]) * (float(lengths[0]) / heights.shape[0])

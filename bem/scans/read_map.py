@@ -20,6 +20,11 @@ FEWEST_SAMPLES = 3  # derived: samples that carry one harmonic
 FEWEST_STEPPED, FEWEST_ORDERED = 4, 8  # format: numbers on an axis, at equal steps or in order; by chance, 1 in 20,000
 EQUAL = 0.01  # format: admitted deviation of a step of an axis, in steps
 
+TEXT_LINES = "the lines of heights, from the first in the file"
+SCAN_LINES = "the scan lines, from the first in the file"
+ARRAY_LINES = "the columns a[:, row] of the array"
+MAP_LINES = "the lines along x, from the first in the file"
+
 ScanLines = tuple[int, list[slice]]  # of points x y h: the column along the scan lines, from 0, and the rows of each
 
 
@@ -55,30 +60,32 @@ def scan_line(table: TextTable, points: ScanLines, heights: FloatArray, row: int
     """Return the rows and heights of a scan line of points x y h; for the mean, rows of the first line."""
     along, lines = points
     if isinstance(row, int):
-        rows = lines[_checked_row(row, len(lines))]
+        rows = lines[_checked_row(row, len(lines), SCAN_LINES)]
         return rows, heights[rows]
     first = table.values[lines[0], along]
     if any(not np.array_equal(table.values[line, along], first) for line in lines):
-        allowed = f"row = 0 to {len(lines) - 1} in the order of the file"
+        allowed = f"row = 0 to {len(lines) - 1} for one of {SCAN_LINES}"
         raise refused("row", '= "mean" of scan lines with different positions', allowed)
     return lines[0], np.asarray(np.mean([heights[line] for line in lines], axis=0))
 
 
-def row_of(heights: FloatArray, row: int | str) -> FloatArray:
+def row_of(heights: FloatArray, row: int | str, lines: str) -> FloatArray:
     """Return a row of a map, (n_rows, n), or the mean of all rows; NaN where a height of the mean is missing."""
-    return np.asarray(heights.mean(axis=0) if isinstance(row, str) else heights[_checked_row(row, heights.shape[0])])
+    if isinstance(row, str):
+        return np.asarray(heights.mean(axis=0))
+    return np.asarray(heights[_checked_row(row, heights.shape[0], lines)])
 
 
-def _checked_row(row: int, count: int) -> int:
+def _checked_row(row: int, count: int, lines: str) -> int:
     """Return the row of a number; raise ScanFileError if the map has no such row."""
     if row >= count:
-        raise refused("row", f"= {row}", rows_allowed(count))
+        raise refused("row", f"= {row}", rows_allowed(count, lines))
     return row
 
 
-def rows_allowed(count: int) -> str:
-    """Return the allowed values of `row` in words."""
-    return f'row = 0 to {count - 1} in the order of the file, row = "mean", or row = "all" for each'
+def rows_allowed(count: int, lines: str) -> str:
+    """Return the allowed values of `row` in words, with the lines of the file that it counts."""
+    return f'row = 0 to {count - 1} for one of {lines}, row = "mean", or row = "all" for each'
 
 
 def map_of(table: TextTable, values: Mapping[str, Any]) -> FloatArray:
@@ -99,9 +106,10 @@ def map_of(table: TextTable, values: Mapping[str, Any]) -> FloatArray:
 
 
 def without_missing(heights: FloatArray, values: Mapping[str, Any]) -> FloatArray:
-    """Return heights, NaN where they are the missing_value of the scene."""
+    """Return heights, NaN where they are infinite or the missing_value of the scene."""
     missing = values.get("missing_value", "none")
-    return heights if missing == "none" else np.where(heights == missing, np.nan, heights)
+    known = np.isfinite(heights) & (True if missing == "none" else heights != missing)
+    return np.where(known, heights, np.nan)
 
 
 def refuse_numbers_above(table: TextTable, heights: FloatArray, values: Mapping[str, Any]) -> None:

@@ -21,7 +21,7 @@ import re
 import sys
 import textwrap
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -30,13 +30,13 @@ from bem import scene_commands
 from bem.command_line.checkpoint import OutputFolderError, usable
 from bem.command_line.console import positive, toml_text
 from bem.command_line.folder_lock import locked
-from bem.command_line.perform import INTERRUPTED, perform
+from bem.command_line.perform import BAD_INPUT, INTERRUPTED, perform
 from bem.path_for import check_path
 from bem.scans.prepared_scan import Scan
 from bem.scene.atomic_file import write_atomically
 from bem.scene.memory_estimate import refuse_beyond_memory
 from bem.scene.plausibility import cautions_of, groups_of
-from bem.scene.scene import Scene, load_scene, parse_scene
+from bem.scene.scene import Scene, SceneError, load_scene, parse_scene
 from validation.report.pages import PAGE
 from validation.report.run_page import write_run_page
 from validation.studies.scene_settings import LARGEST_JUMP
@@ -77,6 +77,21 @@ class _Rising(argparse.Action):
         setattr(namespace, self.dest, values)
 
 
+PRESSURES: dict[str, Any] = {"required": True, "nargs": "+", "action": _Rising, "help": "mean pressures, Pa, rising"}
+
+
+def _number(allowed: str) -> Callable[[str], float]:
+    """Return the reader of a number of the command line; `allowed` are the words of its error message."""
+
+    def read(word: str) -> float:
+        try:
+            return float(word)
+        except ValueError as error:
+            raise argparse.ArgumentTypeError(f"{word!r}; allowed: {allowed}") from error
+
+    return read
+
+
 def add_command(commands: Any) -> None:
     """Add `answer` to the commands of a program."""
     parser = commands.add_parser(
@@ -89,14 +104,18 @@ def add_command(commands: Any) -> None:
         "trace", type=Path, metavar="TRACE", help="text file of positions and heights, or an instrument's file"
     )
     parser._negative_number_matcher = NEGATIVE  # or -5e6 is no number to it, and the scene cannot say why it is refused
-    number = {"type": float, "metavar": "NUMBER"}
-    parser.add_argument("--youngs-modulus", required=True, help="of the solid, Pa", **number)
-    parser.add_argument("--poisson-ratio", required=True, help="of the solid; 0.5: incompressible", **number)
-    parser.add_argument(
-        "--pressure", required=True, nargs="+", action=_Rising, help="mean pressures, Pa, rising", **number
-    )
-    parser.add_argument("--work-of-adhesion", help="J/m^2 (default: no adhesion)", **number)
-    parser.add_argument("--thickness", help="of the solid on a rigid plate, m (default: a half-space)", **number)
+    for flag, needed, keywords in (
+        ("--youngs-modulus", "a number in Pa, as in 50e6", {"required": True, "help": "of the solid, Pa"}),
+        ("--poisson-ratio", "a number, as in 0.49", {"required": True, "help": "of the solid; 0.5: incompressible"}),
+        ("--pressure", "numbers in Pa, as in 50e3 1e6", PRESSURES),
+        ("--work-of-adhesion", "a number in J/m^2, as in 0.05", {"help": "J/m^2 (default: no adhesion)"}),
+        (
+            "--thickness",
+            "a number in m, as in 1e-3",
+            {"help": "of the solid on a rigid plate, m (default: a half-space)"},
+        ),
+    ):
+        parser.add_argument(flag, type=_number(needed), metavar="NUMBER", **keywords)
     parser.add_argument(
         "--profile",
         nargs="+",
@@ -117,7 +136,11 @@ def _answer(options: argparse.Namespace) -> int:
     """Write the scene of a trace, solve it, and write its page; the last line is the path of the page."""
     folder: Path = options.out or Path(f"{options.trace.stem}-answer")
     given = dict(options.profile)
-    choice = choice_for(options, given)
+    try:
+        choice = choice_for(options, given)
+    except SceneError as error:
+        print(f"error: {error}{_flags(error)}", file=sys.stderr)
+        return BAD_INPUT
     refuse_beyond_memory(choice.scene)
     check_path(choice.scene)
     usable(folder)
@@ -148,6 +171,13 @@ def _answer(options: argparse.Namespace) -> int:
             file=sys.stderr,
         )
     return code
+
+
+def _flags(error: SceneError) -> str:
+    """Return a line that says how the keys of [profile] in an error are given here; nothing if there are none."""
+    keys = [mistake.path.removeprefix("profile.") for mistake in error.mistakes if mistake.path.startswith("profile.")]
+    named = " ".join(f"{key}=.." for key in dict.fromkeys(keys) if key != "file") or "KEY=VALUE"
+    return f"\n  keys of [profile] are given as: --profile {named}" if keys else ""
 
 
 def _key_and_value(word: str) -> tuple[str, Any]:

@@ -256,3 +256,15 @@ ALONE = rows(H)
 def test_keys_that_do_not_fit_the_columns_are_refused(text, values, key, problem, tmp_path):
     refusal = refusal_of(tmp_path, text, **values)
     assert (refusal.key, problem in refusal.problem) == (key, True), refusal
+
+
+@pytest.mark.parametrize(
+    ("text", "values", "lines"),
+    [
+        (MAP, SPACED, "row = 0, 1, .. for one of the lines of heights"),
+        (MAP, {"row": 6, **SPACED}, "row = 0 to 5 for one of the lines of heights"),
+        (RASTER, UNITS, "row = 0 to 2 for one of the scan lines"),
+    ],
+)
+def test_row_is_told_with_the_lines_that_it_counts(text, values, lines, tmp_path):
+    assert lines in refusal_of(tmp_path, text, **values).allowed

@@ -117,6 +117,9 @@ def test_arrays_without_lengths_take_the_spacing(ending, row, along, topography,
     values = dict(UNITS) if row is None else {"row": row, **UNITS}
     with pytest.raises(ScanFileError, match="spacing: is missing: the file has heights alone"):
         read_scan(tmp_path / f"scan.{ending}", values)
+    with pytest.raises(ScanFileError) as caught:
+        read_scan(tmp_path / f"scan.{ending}", {} if row is None else {"row": row})
+    assert [refusal.key for refusal in caught.value.refusals] == ["spacing", "unit_x", "unit_h"]
     scan = read_scan(tmp_path / f"scan.{ending}", {"spacing": 0.5, "missing_value": MAP[3, 0], **values})
     expected = np.where(heights == MAP[3, 0], np.nan, heights).squeeze()
     expected = {1: expected[..., -2], "mean": np.mean(expected, axis=-1), None: expected}[row] if row else expected

@@ -213,6 +213,11 @@ def test_unknown_key_suggests_the_closest(path, suggested):
     assert mistake.allowed == f'did you mean "{suggested}"?'
 
 
+def test_an_unknown_key_that_two_keys_begin_with_suggests_both():
+    (mistake,) = mistakes_of(scene_with("profile.cutoff", 8e-6))
+    assert mistake.allowed == 'did you mean "cutoff_short" or "cutoff_long"?'
+
+
 def test_a_removed_key_says_what_to_do_instead():
     (mistake,) = mistakes_of(scene_with("output.cut_sensitivity", True))
     assert str(mistake).startswith("output.cut_sensitivity = true is no longer a key; allowed: leave it out")
