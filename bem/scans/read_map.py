@@ -1,13 +1,14 @@
 """Rows of a map in a text file.
 
 map      A row of heights on each line of the file: `row` names one, or the mean of all.  A line or column of axes at a
-         side is refused: numbers in order where those of the next two lines or columns are not.
+         side is refused: numbers in order where those of the next two lines or columns are not.  An axis that is in
+         order but for a number at its end has a corner there, so that the side that it meets holds an axis too.
 points   Columns x, y and h, one scan line after another: `row` names one, or the mean of all.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ FEWEST_SAMPLES = 3  # derived: samples that carry one harmonic
 FEWEST_STEPPED, FEWEST_ORDERED = 4, 8  # format: numbers on an axis, at equal steps or in order; by chance, 1 in 20,000
 EQUAL = 0.01  # format: admitted deviation of a step of an axis, in steps
 
+BESIDE_CORNER = {"first": slice(1, None), "last": slice(None, -1)}  # numbers of an axis, by the end with a corner
 TEXT_LINES = "the lines of heights, from the first in the file"
 SCAN_LINES = "the scan lines, from the first in the file"
 ARRAY_LINES = "the columns a[:, row] of the array"
@@ -127,24 +129,34 @@ def refuse_numbers_above(table: TextTable, heights: FloatArray, values: Mapping[
         raise refused("missing_value", f"is needed: numbers above the heights equal heights: {told}", allowed)
 
 
-def refuse_axes(table: TextTable, sides: Iterable[str]) -> None:
-    """Raise ScanFileError for sides of the table that hold axes."""
+def refuse_axes(table: TextTable, sides: Sequence[str]) -> None:
+    """Raise ScanFileError for sides of the table that hold axes; a corner shows that two sides do."""
     turned = {"line": table.values, "column": table.values.T}
-    rows = {side: turned[side.split()[1]][:: 1 if side.startswith("first") else -1] for side in sides}
-    axes = " and ".join(f"the {side}" for side in sides if _has_axis(rows[side]))
-    if axes:
-        allowed = f"heights alone: remove {axes}, and give the step of the axis along the lines as spacing"
-        raise refused("file", f"has axes in {axes}, which are no heights", allowed)
+    axes = set()
+    for side in sides:
+        end, direction = side.split()
+        axis = _axis(turned[direction][:: 1 if end == "first" else -1])
+        if axis is not None:
+            crossing = "column" if direction == "line" else "line"
+            axes |= {side} | {f"{place} {crossing}" for place, part in BESIDE_CORNER.items() if part == axis}
+    told = [side for side in sides if side in axes]
+    if told:
+        named = " and ".join(f"the {side}" for side in told)
+        kinds = [{side.split()[1] for side in group} for group in (sides, told)]
+        more = "".join(f" (and a {kind} of positions, if there is one)" for kind in kinds[0] - kinds[1])
+        allowed = f"heights alone: remove {named}{more}, and give the step of the axis along the lines as spacing"
+        raise refused("file", f"has axes in {named}, which are no heights", allowed)
 
 
-def _has_axis(rows: FloatArray) -> bool:
-    """Return whether the first row, but for a corner, holds positions: in order where the next two rows are not."""
-    parts = rows[:3], rows[:3, 1:], rows[:3, :-1]
-    return rows.shape[0] > 1 and any(
-        any(_ordered(part[0], stepped) for part in parts)
-        and not any(_ordered(row, stepped) for part in parts for row in part[1:])
-        for stepped in (True, False)
-    )
+def _axis(rows: FloatArray) -> slice | None:
+    """Return the part of the first row that holds positions: in order where the next two rows are not."""
+    parts = (slice(None), *BESIDE_CORNER.values())
+    for stepped in (True, False):
+        axes = [part for part in parts if _ordered(rows[0, part], stepped)]
+        others = any(_ordered(row[part], stepped) for part in parts for row in rows[1:3])
+        if axes and not others and rows.shape[0] > 1:
+            return axes[0]
+    return None
 
 
 def _ordered(row: FloatArray, stepped: bool) -> bool:

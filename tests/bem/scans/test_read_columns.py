@@ -175,6 +175,30 @@ def test_axes_of_a_map_are_refused_by_name(heights, along, down, corner, end, tm
     assert refusal.problem == f"has axes in {' and '.join(sides)}, which are no heights"
 
 
+@pytest.mark.parametrize("count", [1, 2, 3, 5, 6])
+@pytest.mark.parametrize("corner", ["0", "7", "nan", "-1.5"])
+@pytest.mark.parametrize("tilt", [0, 2])
+@pytest.mark.parametrize("end", [False, True])
+def test_axes_that_meet_in_a_corner_are_both_named_at_any_number_of_lines(count, corner, tilt, end, tmp_path):
+    at, positions = (COUNT if end else 0), list(map(str, X))
+    heights = [list(map(str, line)) for line in ROWS[:count] + tilt * np.arange(count)[:, None]]
+    for k, line in enumerate(heights):
+        line.insert(at, str(0.5 * k))
+    positions.insert(at, corner)
+    text = "".join(",".join(line) + "\n" for line in (positions, *heights))
+    refusal = refusal_of(tmp_path, text, row=0, **SPACED)
+    assert (
+        refusal.problem
+        == f"has axes in the first line and the {'last' if end else 'first'} column, which are no heights"
+    )
+
+
+def test_axis_without_a_corner_asks_for_the_other(tmp_path):
+    lines = [-0.25 + np.arange(COUNT + 1) * 0.25, *np.column_stack([[0.0, 0.5], ROWS[:2]])]
+    refusal = refusal_of(tmp_path, "".join(",".join(map(str, line)) + "\n" for line in lines), row=0, **SPACED)
+    assert "remove the first line (and a column of positions, if there is one)" in refusal.allowed
+
+
 def test_axis_above_columns_is_refused(tmp_path):
     lines = [[-1.0, *np.arange(6) * 0.5], *np.column_stack([X, ROWS.T])]
     text = "".join(",".join(map(str, line)) + "\n" for line in lines)
