@@ -17,6 +17,7 @@ from bem.scene.result import LargestTension, TensionError
 from bem.scene.result_file import write_result
 from validation.command_line.front_door import main
 from validation.report import run_page
+from validation.report.figures import svg_of
 from validation.report.path_states import path_of
 from validation.report.run_figures import figures_of
 from validation.report.run_page import render_run
@@ -166,6 +167,17 @@ def test_the_answer_of_the_page_is_that_of_the_terminal_a_line_for_each_quantity
     table = page.partition('answer">')[2].partition("</table>")[0]
     lines = [re.findall(r"<t[hd][^>]*>([^<]*)</t", line) for line in table.split("<tr>")[1:]]
     assert [(html.unescape(head), [*map(html.unescape, texts)]) for head, *texts in lines] == answer(result)
+
+
+def test_errors_along_the_path_need_two_states_and_count_them_in_whole_numbers(result):
+    def errors(states):
+        return [figure for figure in figures_of(replace(result, states=states), []) if figure.id == "errors"]
+
+    assert errors(result.states[:1]) == []
+    (figure,) = errors(result.states[1:4])
+    texts = re.findall("<text[^>]*>([^<]*)</text>", str(svg_of(figure, "errors")))
+    assert {"1", "2", "3"} <= set(texts)
+    assert not [text for text in texts if "." in text]
 
 
 def test_what_a_later_version_adds_is_shown(result):
