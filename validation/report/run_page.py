@@ -24,6 +24,7 @@ from bem.command_line.answer_table import (
     pull_off_words,
     quantity,
     share,
+    slope_words,
     units_of,
 )
 from bem.command_line.console import scene_text
@@ -162,6 +163,7 @@ def render_run(result: Result, inputs: Inputs | None = None) -> str:
         answer=answer(result, inputs),
         units={name: unit for name, (_, unit) in units.items()},
         pull_off=pull_off_words(result, inputs),
+        slope=slope_words(result),
         words=scene_in_words(result.scene),
         toml=scene_text(result.scene),
         meanings=defaultdict(str, MEANINGS),
