@@ -313,6 +313,20 @@ def was_exceeded(result: Result) -> bool:
     return tension is not None and any(_exceeds(state, tension) for state in out)
 
 
+def slope_words(result: Result) -> str:
+    """Return words on the rms slope that filter and cut leave of a prepared scan; nothing without one."""
+    steps = {step["step"]: step for step in result.profile_preparation}
+    if "cut" not in steps:
+        return ""
+    before, after = steps.get("filter", steps["cut"])["rms_slope"][0], steps["cut"]["rms_slope"][1]
+    if before == 0:
+        return ""
+    return (
+        f"Roughness: filter and cut leave {fixed(100 * after / before, 3)} % of the rms slope, {fixed(after, 3)} of "
+        f"{fixed(before, 3)}; a small contact area without adhesion goes as its inverse."
+    )
+
+
 def stays_complete(result: Result) -> bool:
     """Return whether the way out ends in complete contact that nothing can open: with adhesion, without a flaw."""
     last = next((state for state in reversed(result.states) if state.found), None)
@@ -354,7 +368,7 @@ def table_text(result: Result, inputs: Inputs | None = None) -> str:
         _padded(column, k) for k, column in enumerate(zip(*((head, *texts) for head, texts in lines), strict=True))
     ]
     listed = ["  ".join(line).rstrip() for line in zip(*columns, strict=True)]
-    return "\n".join([*listed, *filter(None, [pull_off_words(result, inputs)])])
+    return "\n".join([*listed, *filter(None, [pull_off_words(result, inputs), slope_words(result)])])
 
 
 def _padded(column: Sequence[str], place: int) -> list[str]:

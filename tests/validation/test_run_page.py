@@ -13,10 +13,12 @@ from rough_scene import ROUGH
 
 import bem
 from bem.command_line.answer_table import answer, units_of
+from bem.scene.provenance import digest
 from bem.scene.result import LargestTension, TensionError
 from bem.scene.result_file import write_result
 from validation.command_line.front_door import main
 from validation.report import run_page
+from validation.report.figures import svg_of
 from validation.report.path_states import path_of
 from validation.report.run_figures import figures_of
 from validation.report.run_page import render_run
@@ -168,6 +170,17 @@ def test_the_answer_of_the_page_is_that_of_the_terminal_a_line_for_each_quantity
     assert [(html.unescape(head), [*map(html.unescape, texts)]) for head, *texts in lines] == answer(result)
 
 
+def test_errors_along_the_path_need_two_states_and_count_them_in_whole_numbers(result):
+    def errors(states):
+        return [figure for figure in figures_of(replace(result, states=states), []) if figure.id == "errors"]
+
+    assert errors(result.states[:1]) == []
+    (figure,) = errors(result.states[1:4])
+    texts = re.findall("<text[^>]*>([^<]*)</text>", str(svg_of(figure, "errors")))
+    assert {"1", "2", "3"} <= set(texts)
+    assert not [text for text in texts if "." in text]
+
+
 def test_what_a_later_version_adds_is_shown(result):
     class Caution:
         about, message = "profile.period", "above 1 m: is the unit mm?"
@@ -266,7 +279,7 @@ def study_beside(result, folder, shares, **changes):
     ]
     study = {"scene_sha256": result.provenance["scene_sha256"], "answers": rows} | changes
     study = {key: value for key, value in study.items() if value is not None}
-    (folder / "study.json").write_text(json.dumps(study))
+    (folder / "study.json").write_text(json.dumps(study | {"checksum": digest(study)}))
 
 
 def test_the_answer_comes_first_with_the_uncertainty_of_the_input_of_a_study_beside_it(result, tmp_path, capsys):
@@ -320,7 +333,7 @@ def test_a_study_of_other_numbers_is_not_used(result, tmp_path):
 def test_a_file_that_is_no_study_is_told_by_its_key(answers, key, result, tmp_path, capsys):
     write_result(result, tmp_path)
     study = {"scene_sha256": result.provenance["scene_sha256"], "answers": answers}
-    (tmp_path / "study.json").write_text(json.dumps(study))
+    (tmp_path / "study.json").write_text(json.dumps(study | {"checksum": digest(study)}))
     assert main(["report", str(tmp_path)]) == 2
     assert f"study.json: not the study of a scene: {key}" in capsys.readouterr().err
 

@@ -82,7 +82,7 @@ def test_every_choice_is_a_line_of_the_scene(answered):
 
 
 def test_the_cut_is_the_one_that_check_suggests(tmp_path, capsys):
-    """With enough noise: the trace falls below it at a wave of more than its length over 125."""
+    """With enough noise: the trace falls below it at a wave of more than five samples."""
     write_trace(tmp_path, noise=15e-9, n=3000)
     out = tmp_path / "out"
     assert answer(tmp_path / "trace.csv", *SOLID, "--pressure", "20e3", "--out", out, "--quiet") == 0
@@ -94,9 +94,38 @@ def test_the_cut_is_the_one_that_check_suggests(tmp_path, capsys):
     assert suggested > 24 * SPACING
 
 
-def test_a_long_trace_is_cut_to_what_takes_seconds(tmp_path):
+def test_a_long_trace_without_adhesion_is_not_cut_further_and_the_slope_that_is_left_is_told(tmp_path, capsys):
     out = tmp_path / "out"
     assert answer(write_trace(tmp_path, n=1500), *SOLID, "--pressure", "20e3", "--out", out, "--quiet") == 0
+    assert profile_of(out)["cutoff_short"] == pytest.approx(5 * SPACING, rel=1e-3)
+    steps = {step["step"]: step for step in bem.read_result(out).profile_preparation}
+    share = steps["cut"]["rms_slope"][1] / steps["filter"]["rms_slope"][0]
+    told = f"filter and cut leave {100 * share:.1f} % of the rms slope"
+    assert told in capsys.readouterr().out
+    assert told in (out / "report.html").read_text("utf-8")
+
+
+def test_a_bow_is_told_on_the_terminal_in_the_scene_and_in_the_result(tmp_path, capsys):
+    trace, out = write_trace(tmp_path), tmp_path / "out"
+    heading, *lines = trace.read_text("utf-8").splitlines()
+    pairs = [tuple(map(float, line.split(";"))) for line in lines]
+    middle = pairs[len(pairs) // 2][0]
+    bowed = (f"{a};{b + 3 * ((a - middle) / middle) ** 2}" for a, b in pairs)
+    trace.write_text("\n".join([heading, *bowed]) + "\n", "utf-8")
+    words = (trace, *SOLID, "--pressure", "20e3", "--out", out)
+    assert answer(*words) == 0
+    (warning,) = bem.read_result(out).warnings
+    assert warning.about == "profile.detrend" and "of the rms height: form?" in warning.message
+    assert warning.message in capsys.readouterr().err
+    assert warning.message in (out / "scene.toml").read_text("utf-8").replace("\n# ", " ")
+    assert answer(*words, "--overwrite", "--profile", "detrend=quadratic") == 0
+    assert "bow of" not in capsys.readouterr().err
+
+
+def test_a_long_trace_with_adhesion_is_cut_to_what_takes_seconds(tmp_path):
+    out = tmp_path / "out"
+    words = ("--pressure", "20e3", "--work-of-adhesion", "1e-4", "--out", out, "--quiet")
+    assert answer(write_trace(tmp_path, n=1500), *SOLID, *words) == 0
     assert profile_of(out)["cutoff_short"] == pytest.approx(1500 / 125 * SPACING, rel=1e-3)
     text = (out / "scene.toml").read_text("utf-8")
     assert "125 waves along the trace" in text and "leaves an rms slope of" in text.replace("\n# ", " ")

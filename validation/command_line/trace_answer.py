@@ -6,8 +6,8 @@ units      the ones that the file states, else --profile unit_x=.. unit_h=.., el
 detrend    the least-squares line, which is the tilt of the instrument; the mean alone where the ends meet without
 periodic   as it is where the ends of the trace meet within `LARGEST_JUMP` rms steps, else followed by its mirror image
 cut        the wavelength at which the trace falls below its noise floor, where `check` suggests one, but at least
-           `FEWEST_SAMPLES` samples, as ISO 3274 has it, and at most `MOST_WAVES` waves along the trace, which take
-           seconds with adhesion; the reason is named, with the rms slope that the cut leaves
+           `FEWEST_SAMPLES` samples, as ISO 3274 has it, and at most `MOST_WAVES` waves along the trace, or
+           `MOST_ADHERING` with adhesion, which take seconds; the reason is named, with the rms slope that it leaves
 tolerance  1e-3, three digits
 
 The scene is then solved as `linecontact run DIR/scene.toml` solves it.  The trace stays where it is; the scene names
@@ -35,6 +35,7 @@ from bem.path_for import check_path
 from bem.scans.prepared_scan import Scan
 from bem.scene.atomic_file import write_atomically
 from bem.scene.memory_estimate import refuse_beyond_memory
+from bem.scene.plausibility import cautions_of, groups_of
 from bem.scene.scene import Scene, SceneError, load_scene, parse_scene
 from validation.report.pages import PAGE
 from validation.report.run_page import write_run_page
@@ -42,7 +43,8 @@ from validation.studies.scene_settings import LARGEST_JUMP
 
 SCENE_FILE = "scene.toml"
 TOLERANCE = 1e-3
-FEWEST_SAMPLES, MOST_WAVES = 5, 125  # samples in the shortest wave, and waves of its length along the trace
+FEWEST_SAMPLES = 5  # in the shortest wave
+MOST_WAVES, MOST_ADHERING = 800, 125  # of the shortest wave along the trace, without and with adhesion
 WIDTH = 100  # characters of a line of the scene, where a file name allows
 NEGATIVE = re.compile(r"-\d*\.?\d+(?:[eE][-+]?\d+)?$")
 
@@ -217,7 +219,8 @@ def choice_for(options: argparse.Namespace, given: Mapping[str, Any]) -> Choice:
     if "periodic" not in given:
         tables["profile"]["periodic"] = "mirror" if scan.end_jump > LARGEST_JUMP else "as_is"
     if not {"cutoff_short", "harmonics"} & given.keys():
-        tables["profile"]["cutoff_short"] = float(f"{max(scan.spectrum.crossing or 0.0, _coarse(scan)[0]):.4g}")
+        coarse = _coarse(scan, _most(tables))[0]
+        tables["profile"]["cutoff_short"] = float(f"{max(scan.spectrum.crossing or 0.0, coarse):.4g}")
     return Choice(tables, parse_scene(tables, trace.parent), _scan(tables, trace), given, scan.end_jump)
 
 
@@ -228,11 +231,16 @@ def _scan(tables: Mapping[str, Any], trace: Path) -> Scan:
     return scan
 
 
-def _coarse(scan: Scan) -> tuple[float, str]:
-    """Return the shortest wave (m) that a first answer has, and the reason."""
+def _most(tables: Mapping[str, Any]) -> int:
+    """Return the most waves along a trace that a first answer has."""
+    return MOST_ADHERING if "adhesion" in tables else MOST_WAVES
+
+
+def _coarse(scan: Scan, most: int) -> tuple[float, str]:
+    """Return the shortest wave (m) that a first answer has, at most so many along the trace, and the reason."""
     samples = scan.spectrum.h.size
-    if samples > FEWEST_SAMPLES * MOST_WAVES:
-        return scan.spacing * samples / MOST_WAVES, f"{MOST_WAVES} waves along the trace, for a first answer in seconds"
+    if samples > FEWEST_SAMPLES * most:
+        return scan.spacing * samples / most, f"{most} waves along the trace, for a first answer in seconds"
     return FEWEST_SAMPLES * scan.spacing, f"{FEWEST_SAMPLES} samples, as in ISO 3274"
 
 
@@ -279,13 +287,16 @@ def _reasons(choice: Choice) -> dict[str, str]:
     line, tilt = steps["detrend"]["method"] == "line", steps["detrend"]["tilt"]
     taken = f'the tilt of {tilt:.3g} is subtracted; "mean" keeps it, "quadratic" takes a bow away too'
     reasons = {"detrend": taken if line else 'the ends of the trace meet without; "line" subtracts a tilt'}
+    cautions = cautions_of(choice.scene, groups_of(choice.scene))
+    forms = [caution.message for caution in cautions if caution.about == "profile.detrend"]
+    reasons["detrend"] += "".join(f"; {form}, or --profile detrend=quadratic" for form in forms)
     samples = int(scan.spectrum.h.size)
     reasons["file"] = f"{samples} samples at {scan.spacing * 1e6:.4g} um; its path is from the folder of this scene"
     apart = f"the ends of the trace are {choice.jump:.2g} rms steps apart"
     mirrored = choice.tables["profile"].get("periodic") == "mirror"
     reasons["periodic"] = f"{apart}: it is followed by its mirror image" if mirrored else f"{apart}: it repeats"
     reasons["periodic"] += f'; "window" tapers the ends. Period {scan.period * 1e3:.6g} mm'
-    least, coarse = _coarse(scan)
+    least, coarse = _coarse(scan, _most(choice.tables))
     crossing, noise = scan.spectrum.crossing, steps["spectrum"]["noise"]
     if crossing is None:
         reason = f"{coarse}; the data suggest no other cut: {noise}"

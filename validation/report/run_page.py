@@ -3,6 +3,7 @@
 The uncertainty of the input is that of a study of the same scene, where its study.json lies beside the result.
 """
 
+import json
 import math
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
@@ -23,6 +24,7 @@ from bem.command_line.answer_table import (
     pull_off_words,
     quantity,
     share,
+    slope_words,
     units_of,
 )
 from bem.command_line.console import scene_text
@@ -32,7 +34,9 @@ from bem.scene.atomic_file import write_atomically
 from bem.scene.plausibility import MEANINGS
 from bem.scene.result import Result
 from bem.scene.result_file import read_result
+from bem.scene.result_invariants import LARGEST
 from bem.scene.state import State
+from bem.scene.stored_json import verified
 from validation.report.figures import svg_of
 from validation.report.moving_path import moving_path
 from validation.report.pages import PAGE, ReportError, asset, filled, judgement, number
@@ -75,8 +79,8 @@ class StudiedAnswer:
 
     quantity: str
     target: int | None
-    value: float
-    moved: dict[str, Annotated[float, Field(ge=0)]]
+    value: Annotated[float, Field(gt=-LARGEST, lt=LARGEST)]
+    moved: dict[str, Annotated[float, Field(ge=0, lt=LARGEST)]]
 
 
 @dataclass(frozen=True)
@@ -107,7 +111,7 @@ def inputs_of(result: Result, folder: Path) -> dict[int | None, dict[str, float]
     """
     path = folder / STUDY
     try:
-        study = TypeAdapter(Study).validate_json(read_regular(path))
+        study = TypeAdapter(Study).validate_json(json.dumps(verified(read_regular(path), str(path))))
     except FileNotFoundError:
         return {}
     except OSError as error:
@@ -159,6 +163,7 @@ def render_run(result: Result, inputs: Inputs | None = None) -> str:
         answer=answer(result, inputs),
         units={name: unit for name, (_, unit) in units.items()},
         pull_off=pull_off_words(result, inputs),
+        slope=slope_words(result),
         words=scene_in_words(result.scene),
         toml=scene_text(result.scene),
         meanings=defaultdict(str, MEANINGS),
