@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from rough_scene import ROUGH
 
+from bem.scene.provenance import digest
 from bem.scene.scene import parse_scene
 from validation.command_line.front_door import main
 from validation.references.closed_forms import Sinusoid
@@ -236,13 +237,25 @@ def test_a_study_continues_and_its_page_is_written(tmp_path):
     assert "rubber on &lt;glass&gt;" in page
     columns = re.findall(r'<th scope="col">(.*?)</th>', page.partition("</thead>")[0])
     assert columns == ["target", "answer", "value", "±", "unit", "numerical", "cut", "seed", "length"]
-    del stored["solved"]["cut: 4 harmonics"]
-    (tmp_path / "out" / "study.json").write_text(json.dumps(stored))
+    del stored["solved"]["cut: 4 harmonics"], stored["checksum"]
+    (tmp_path / "out" / "study.json").write_text(json.dumps(stored | {"checksum": digest(stored)}))
     again = []
     assert run(path, tmp_path / "out", QUICK, again.append) == 0
     assert [note.split(":")[0] for note in again] == [BASE, "cut"]
     after = json.loads((tmp_path / "out" / "study.json").read_text())
     assert after["answers"] == stored["answers"]
+
+
+def answer(content, **changes):
+    """Give the unchanged scene of a study one answer with changes."""
+    good = {"target": 0, "branch": "loading", "quantity": "mean pressure", "value": 1.0, "error": None}
+    content["solved"][BASE].update(answers=[good | changes])
+
+
+def test_a_study_whose_content_does_not_match_its_checksum_is_refused(tmp_path):
+    (tmp_path / "study.json").write_text(json.dumps({"schema": "linecontact-scene-study/2", "checksum": "0"}))
+    with pytest.raises(ReportError, match=r"study\.json: corrupt, its checksum does not match.*--overwrite"):
+        run(scene_file(tmp_path, SCENE), tmp_path, QUICK, quiet)
 
 
 @pytest.mark.parametrize(
@@ -257,6 +270,9 @@ def test_a_study_continues_and_its_page_is_written(tmp_path):
         (lambda content: content.update(scene_sha256="0"), "scene_sha256: the study of another scene"),
         (lambda content: content.update(schema="other"), "schema: 'other', not"),
         (lambda content: content.clear(), "schema: Field required"),
+        (lambda content: answer(content, error=1e300), r"solved\.as it is\.answers\.0\.error: "),
+        (lambda content: answer(content, value=10**400), r"solved\.as it is\.answers\.0\.value: "),
+        (lambda content: answer(content, quantity="x"), r"solved\.as it is\.answers\.0\.quantity: "),
     ],
 )
 def test_a_study_that_is_foreign_or_changed_is_refused_by_file_and_key(change, words, tmp_path):
@@ -268,7 +284,7 @@ def test_a_study_that_is_foreign_or_changed_is_refused_by_file_and_key(change, w
         "solved": {BASE: {"sha256": "1", "status": "converged", "reason": "", "cpu_seconds": 1.0, "answers": []}},
     }
     change(content)
-    (tmp_path / "out" / "study.json").write_text(json.dumps(content))
+    (tmp_path / "out" / "study.json").write_text(json.dumps(content | {"checksum": digest(content)}))
     with pytest.raises(ReportError, match=words):
         run(scene_file(tmp_path, SCENE), tmp_path / "out", QUICK, quiet)
 
@@ -276,7 +292,7 @@ def test_a_study_that_is_foreign_or_changed_is_refused_by_file_and_key(change, w
 def test_a_file_that_is_no_json_is_refused_and_overwritten_where_asked(tmp_path):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "study.json").write_text("{")
-    with pytest.raises(ReportError, match=r"study\.json: the file: .*--overwrite"):
+    with pytest.raises(ReportError, match=r"study\.json: corrupt, not JSON.*--overwrite"):
         run(scene_file(tmp_path, SCENE), tmp_path / "out", QUICK, quiet)
     options = replace(QUICK, overwrite=True, budget=1e-9)
     assert run(scene_file(tmp_path, SCENE), tmp_path / "out", options, quiet) == 0

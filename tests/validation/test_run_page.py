@@ -13,6 +13,7 @@ from rough_scene import ROUGH
 
 import bem
 from bem.command_line.answer_table import answer, units_of
+from bem.scene.provenance import digest
 from bem.scene.result import LargestTension, TensionError
 from bem.scene.result_file import write_result
 from validation.command_line.front_door import main
@@ -278,7 +279,7 @@ def study_beside(result, folder, shares, **changes):
     ]
     study = {"scene_sha256": result.provenance["scene_sha256"], "answers": rows} | changes
     study = {key: value for key, value in study.items() if value is not None}
-    (folder / "study.json").write_text(json.dumps(study))
+    (folder / "study.json").write_text(json.dumps(study | {"checksum": digest(study)}))
 
 
 def test_the_answer_comes_first_with_the_uncertainty_of_the_input_of_a_study_beside_it(result, tmp_path, capsys):
@@ -332,7 +333,7 @@ def test_a_study_of_other_numbers_is_not_used(result, tmp_path):
 def test_a_file_that_is_no_study_is_told_by_its_key(answers, key, result, tmp_path, capsys):
     write_result(result, tmp_path)
     study = {"scene_sha256": result.provenance["scene_sha256"], "answers": answers}
-    (tmp_path / "study.json").write_text(json.dumps(study))
+    (tmp_path / "study.json").write_text(json.dumps(study | {"checksum": digest(study)}))
     assert main(["report", str(tmp_path)]) == 2
     assert f"study.json: not the study of a scene: {key}" in capsys.readouterr().err
 

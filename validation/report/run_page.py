@@ -3,6 +3,7 @@
 The uncertainty of the input is that of a study of the same scene, where its study.json lies beside the result.
 """
 
+import json
 import math
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
@@ -33,7 +34,9 @@ from bem.scene.atomic_file import write_atomically
 from bem.scene.plausibility import MEANINGS
 from bem.scene.result import Result
 from bem.scene.result_file import read_result
+from bem.scene.result_invariants import LARGEST
 from bem.scene.state import State
+from bem.scene.stored_json import verified
 from validation.report.figures import svg_of
 from validation.report.moving_path import moving_path
 from validation.report.pages import PAGE, ReportError, asset, filled, judgement, number
@@ -76,8 +79,8 @@ class StudiedAnswer:
 
     quantity: str
     target: int | None
-    value: float
-    moved: dict[str, Annotated[float, Field(ge=0)]]
+    value: Annotated[float, Field(gt=-LARGEST, lt=LARGEST)]
+    moved: dict[str, Annotated[float, Field(ge=0, lt=LARGEST)]]
 
 
 @dataclass(frozen=True)
@@ -108,7 +111,7 @@ def inputs_of(result: Result, folder: Path) -> dict[int | None, dict[str, float]
     """
     path = folder / STUDY
     try:
-        study = TypeAdapter(Study).validate_json(read_regular(path))
+        study = TypeAdapter(Study).validate_json(json.dumps(verified(read_regular(path), str(path))))
     except FileNotFoundError:
         return {}
     except OSError as error:

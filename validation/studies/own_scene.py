@@ -22,10 +22,10 @@ from dataclasses import asdict, dataclass, field
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import ConfigDict, TypeAdapter, ValidationError
+from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 
 import bem
 from bem.command_line.answer_table import pull_off
@@ -35,8 +35,10 @@ from bem.scene.atomic_file import write_atomically
 from bem.scene.progress import Progress
 from bem.scene.provenance import digest
 from bem.scene.result import Result, asked_for
+from bem.scene.result_invariants import LARGEST
 from bem.scene.scene import Scene, SceneError, load_scene, parse_scene, read_tables
 from bem.scene.state import FINAL_STATUSES
+from bem.scene.stored_json import CorruptResultError, verified
 from validation.harness.provenance import provenance
 from validation.plugin.content import finite
 from validation.report.pages import ReportError, filled
@@ -71,6 +73,7 @@ class Options:
 
 OWN = {"seeds": SEEDS, "budget": BUDGET}  # options with a value that the command line may leave out
 STRICT = ConfigDict(strict=True, extra="forbid")
+Number = Annotated[float, Field(gt=-LARGEST, lt=LARGEST)]
 
 
 @dataclass(frozen=True)
@@ -81,9 +84,9 @@ class Answer:
 
     target: int | None
     branch: str
-    quantity: str
-    value: float
-    error: float | None
+    quantity: Annotated[str, Field(pattern=f"^({'|'.join(UNITS)})$")]
+    value: Number
+    error: Number | None
 
 
 @dataclass(frozen=True)
@@ -95,7 +98,7 @@ class Solved:
     sha256: str
     status: str
     reason: str = ""
-    cpu_seconds: float = 0.0
+    cpu_seconds: Number = 0.0
     answers: list[Answer] = field(default_factory=list)
 
     @property
@@ -138,7 +141,8 @@ def run(path: Path, folder: Path, options: Options, say: Callable[[str], None]) 
 
     def store(**more: Any) -> None:
         stored = {name: asdict(outcome) for name, outcome in solved.items()}
-        text = json.dumps(finite(head | {"solved": stored} | more), indent=1, allow_nan=False) + "\n"
+        content = finite(head | {"solved": stored} | more)
+        text = json.dumps(content | {"checksum": digest(content)}, indent=1, allow_nan=False) + "\n"
         folder.mkdir(parents=True, exist_ok=True)
         write_atomically(folder / FILE, text)
         if more:
@@ -207,9 +211,11 @@ def read_solved(folder: Path, sha256: str, overwrite: bool) -> dict[str, Solved]
     if not path.exists():
         return {}
     try:
-        stored = TypeAdapter(Stored).validate_json(read_regular(path))
+        stored = TypeAdapter(Stored).validate_json(json.dumps(verified(read_regular(path), str(path))))
     except OSError as error:
         raise ReportError(f"{path}: {error.strerror}") from error
+    except CorruptResultError as error:
+        problem = str(error).removeprefix(f"{path}: ")
     except ValidationError as error:
         first = error.errors()[0]
         problem = f"{'.'.join(map(str, first['loc'])) or 'the file'}: {first['msg']}"
@@ -327,7 +333,7 @@ def moves_of(
             if apart:
                 spread = float(np.std([0.0, *apart], ddof=1)) if source == SEED else max(map(abs, apart))
                 moved[source] = spread / scale
-        total = math.sqrt(sum(move**2 for move in moved.values() if move is not None))
+        total = math.hypot(*(move for move in moved.values() if move is not None))
         rows.append({**asdict(answer), "unit": UNITS[answer.quantity], "moved": moved, "uncertainty": total * scale})
     tightest = next((values for source, _, values in reversed(changes) if source == TOLERANCE), {})
     tolerances = []
