@@ -144,8 +144,8 @@ def test_lists_masked_and_infinite_heights_are_those_of_a_file(given, tmp_path):
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"h": np.ones(200) * 1j}, r"profile\.h of type complex128; allowed: real numbers"),
-        ({"h": ["a"] * 200}, r"profile\.h of type <U1"),
+        ({"h": np.ones(200) * 1j}, r"profile\.h holds an array of type complex128; allowed: real numbers"),
+        ({"h": ["a"] * 200}, r"profile\.h holds an array of type <U1"),
         ({"x": [[0.0, 1.0], [2.0]]}, r"profile\.x of list: "),
         ({"x": list(range(199))}, r"profile\.x of shape \(199,\) beside h of shape \(200,\)"),
         ({"x": np.append(np.arange(199.0), np.inf)}, "sample 200 has no position"),
