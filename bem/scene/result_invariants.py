@@ -199,6 +199,23 @@ def _part_mistakes(result: Result) -> Iterator[Mistake]:
     stored = {str(state.stored) for state in result.states if state.stored is not None}
     for name, fault, allowed in array_mistakes(result.fields, stored):
         yield Mistake(f"fields.{name}", f"is {fault}", allowed)
+    for state in result.states:
+        if f"x_{state.stored}" in result.fields:
+            yield from _shape_mistakes(result.fields, state, period, depth)
+
+
+def _shape_mistakes(fields: Mapping[str, Any], state: State, period: float, depth: float) -> Iterator[Mistake]:
+    """Yield mistakes of the shape of a state: positions, gaps down to -`depth` or rounding, patches and pressures."""
+    x, gap, patch, pressure = (fields[f"{name}_{state.stored}"] for name in ("x", "gap", "patch", "pressure"))
+    height = max(depth, SUM_ROUNDING * float(gap.max()))
+    for name, holds, allowed in (
+        ("x", (x[1:] >= x[:-1]).all() and x[-1] - x[0] <= period * (1 + SUM_ROUNDING), f"rising within {period:g} m"),
+        ("gap", gap.min() >= -height, f"at least {-height:.3g} m"),
+        ("patch", patch.min() >= -1 and patch.max() < max(state.n_patches, 1), f"-1 to {state.n_patches - 1}"),
+        ("pressure", not (abs(pressure) == math.inf).any(), "finite, or NaN where it does not exist"),
+    ):
+        if not holds:
+            yield Mistake(f"fields.{name}_{state.stored}", "has other values", allowed)
 
 
 def _state_mistakes(key: str, state: State, period: float) -> Iterator[Mistake]:

@@ -52,7 +52,7 @@ RESULT = Result(
     status="converged",
     groups={"rms_height": 7e-6, "rms_slope": 4e-3, "pressure_scale": 4e3},
     fields={
-        **{name: np.linspace(0, 1, 5) for name in ("x_0", "displacement_0", "gap_0")},
+        **{name: np.linspace(0, 0.008, 5) for name in ("x_0", "displacement_0", "gap_0")},
         "pressure_0": np.array([np.nan, 1.0, 2.0, 1.0, np.nan]),
         "patch_0": np.array([-1, 0, 0, 0, -1]),
     },
@@ -404,6 +404,10 @@ OTHER_ARRAYS = {
     "x_0 is of shape (0,)": lambda fields: {name: values[:0] for name, values in fields.items()},
     "gap_0 is of 4 values; allowed: 5, as x_0 has": lambda fields: fields | {"gap_0": np.ones(4)},
     "profile_amplitude is missing": lambda fields: fields | {"profile_q": np.ones(3)},
+    "x_0 has other values; allowed: rising within 0.01 m": lambda fields: fields | {"x_0": fields["x_0"][::-1].copy()},
+    "gap_0 has other values": lambda fields: fields | {"gap_0": fields["gap_0"] - 1e-3},
+    "patch_0 has other values; allowed: -1 to 1": lambda fields: fields | {"patch_0": fields["patch_0"] + 2},
+    "pressure_0 has other values": lambda fields: fields | {"pressure_0": np.full(5, np.inf)},
     "x_0 is missing": lambda _: dict.fromkeys(("profile_q", "profile_amplitude", "profile_phase"), np.ones(3)),
 }
 
