@@ -28,7 +28,6 @@ from bem.command_line.console import (
     effects_text,
     groups_text,
     positive,
-    preparation_text,
     reporter,
     scene_text,
     size_text,
@@ -37,6 +36,7 @@ from bem.command_line.console import (
 )
 from bem.command_line.folder_lock import locked
 from bem.command_line.perform import BAD_INPUT, DONE, FAILED, INTERRUPTED, perform
+from bem.command_line.preparation_words import preparation_sentences
 from bem.geometry.ranges import Mistake
 from bem.map_rows import asks_for_rows, rows_of
 from bem.path_for import check_path
@@ -112,13 +112,18 @@ def _check(options: argparse.Namespace) -> int:
         facts |= {} if rows is None else {"rows": list(rows)}
         print(json.dumps(facts))
     else:
-        parts = (scene_text(scene.resolved()), preparation_text(scene.preparation()), groups_text(groups, cautions))
+        parts = (scene_text(scene.resolved()), _prepared(scene), groups_text(groups, cautions))
         needs = effects_text(effects) + "\n" + size_text(memory_estimate(scene))
         print("\n\n".join(part for part in (*parts, needs) if part))
         if rows is not None:
             each = f"{len(rows)} rows of the map, {rows[0]} to {rows[-1]}, each solved as a ridge"
             print(f"{each}; above: row {scene.profile.row}")
     return DONE
+
+
+def _prepared(scene: Scene) -> str:
+    """Return the preparation of the scan of a scene, a line for each step."""
+    return "\n".join(f"# profile: {sentence}" for sentence in preparation_sentences(scene.preparation()))
 
 
 def _keys(options: argparse.Namespace) -> int:

@@ -159,7 +159,7 @@ def layer_state(
         rise = np.diff(theta[bottom]) / np.diff(vertices)
 
         def moved(at: FloatArray, theta: FloatArray = theta) -> FloatArray:
-            """Return h' theta, the rate of the profile under the motion."""
+            """Return h' theta, the rate of the prescribed height where nodes move along x at the velocity theta."""
             return np.asarray(slope(at) * np.interp(at, vertices, theta[bottom]))
 
         def bent(at: FloatArray, theta: FloatArray = theta, rise: FloatArray = rise) -> FloatArray:

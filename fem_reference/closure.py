@@ -358,7 +358,9 @@ def close_on_ladder(
     resolutions: list[Resolution],
     control: Control,
 ) -> list[Closure]:
-    """Close on a coarse mesh, then with its Jacobian as a chord on each resolution; stops at the first failure.
+    """Find the edges at which K = K_c on a coarse mesh, then on each finer mesh from the edges of the one before.
+
+    The Jacobian of the coarse mesh serves on all meshes (chord method).  The first failure ends the list.
 
     Returns
     -------

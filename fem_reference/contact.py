@@ -91,7 +91,7 @@ class ContactIndicator:
     edges: FloatArray
 
     def __call__(self, x: FloatArray) -> BoolArray:
-        """Return booleans of the shape of x."""
+        """Return booleans of the shape of x: true where x lies in a patch or on its edge."""
         if self.edges.size == 0:
             return np.ones(np.shape(x), dtype=bool)
         inside = np.zeros(np.shape(x), dtype=bool)

@@ -159,7 +159,10 @@ def _with_width(edges: FloatArray, leader: int, width: float) -> FloatArray:
 
 
 def _closed(problem: Problem, scout: Closure, leader: int, width: float, resolution: Resolution) -> Closure:
-    """Return the closure at a width near the scout's, on one mesh."""
+    """Return the closure on one mesh where the leading patch has a given width.
+
+    The scout is the closure at the fold of the coarse mesh: it gives the first edges and the Jacobian.
+    """
     start = _with_width(scout.evaluation.edges, leader, width)
     found = close(problem, start, resolution, Control("width", width, leader), scout.jacobian)
     if found.outcome != "converged":

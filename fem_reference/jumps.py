@@ -3,8 +3,9 @@
 A path (`path`) locates its jumps on one coarse mesh. Here the last state of the branch is found again on each of three
 meshes (`solve.companions`), and every number carries the uncertainty that follows from the three (`result`).
 
-- Fold, bifurcation: five points of the branch on planes across its tangent at the coarse fold. The control has its
-  extremum on the polynomial through them; all other numbers are those of their own polynomials there.
+- Fold, bifurcation: five points of the branch on planes across its tangent at the coarse fold, as far apart as the
+  control changes by 4e-3 of its unit, by its curvature there. The control has its extremum on the polynomial through
+  them; all other numbers are those of their own polynomials there.
 - Touch: three points at fixed values of the control about the coarse touch; the least gap near the crest vanishes on
   the polynomial through them.
 - First touch is at zero by definition.
@@ -31,7 +32,8 @@ from fem_reference.problem import FloatArray, Problem
 from fem_reference.result import quantities, spread
 from fem_reference.solve import companions
 
-PLANES = np.array([-0.1, -0.05, 0.0, 0.05, 0.1])  # across the branch at a fold, in units of the scales
+PLANES = np.array([-1.0, -0.5, 0.0, 0.5, 1.0])  # across the branch at a fold, over the outer ones
+FARTHEST, NEAR = 0.1, 0.01  # outer planes at most, and where the curvature is measured, in units of the scales
 VALUES = np.array([-4e-3, 0.0, 4e-3])  # about a touch, from its own on, rms heights or shares of the largest load
 CLOSED = 1e-7  # residual of K
 NUMBERS = ("penetration", "total_displacement", "mean_pressure", "contact_fraction", "total_energy")
@@ -107,7 +109,14 @@ def _numbers(branch: Branch, jump: Jump) -> dict[str, float]:
 def _across(branch: Branch, point: Point) -> tuple[FloatArray, list[Solution]]:
     """Return places along the tangent of a point, and the states on planes across it there."""
     border = point.tangent / branch.scales(point.edges) ** 2
-    return PLANES, _row(branch, point, PLANES[:, None] * point.tangent, border)
+
+    def row(places: FloatArray) -> list[Solution]:
+        return _row(branch, point, places[:, None] * point.tangent, border)
+
+    before, at, behind = (state.value for state in row(np.array([-NEAR, 0.0, NEAR])))
+    curvature = abs(before - 2.0 * at + behind) / (2.0 * NEAR**2 * branch.unit)  # of the control in its units
+    places = PLANES * min(FARTHEST, float(np.sqrt(VALUES[-1] / curvature)))
+    return places, row(places)
 
 
 def _about(branch: Branch, point: Point) -> tuple[FloatArray, list[Solution]]:

@@ -187,7 +187,8 @@ def _step(branch: Branch, point: Point, target: float, length: float) -> tuple[P
         length /= 3.0
     raise PathError(
         f"the branch of {len(point.edges)} patches cannot be followed beyond {branch.kind} {point.value:.6g}: "
-        "its steps fail down to the shortest"
+        f"its steps fail down to the shortest, {SHORTEST:g}; allowed: targets that end before it, another control, "
+        "or another resolution"
     )
 
 
@@ -250,7 +251,10 @@ def _zero(branch: Branch, start: Point, end: Point, of: Callable[[Point], float]
         length = low[0] + (high[0] - low[0]) * low[1] / (low[1] - high[1])
         between = branch.step(start, length)
         if between is None:
-            raise PathError(f"a point of the branch at {branch.kind} {start.value:.6g} to {end.value:.6g} is not found")
+            raise PathError(
+                f"a point of the branch at {branch.kind} {start.value:.6g} to {end.value:.6g} is not found; "
+                "allowed: targets that end before it, another control, or another resolution"
+            )
         place, number = between, of(between)
         if abs(number) < within:
             break

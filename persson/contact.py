@@ -68,7 +68,7 @@ class AdhesiveContact:
 
     @property
     def adhesion_energy(self) -> float:
-        """-gamma A M in J/m^2 of nominal area."""
+        """-gamma A M in J/m^2 of nominal area; M = <sqrt(1 + h'^2)>, the true length over the projected one."""
         return self.total_energy - self.elastic_energy
 
     @property

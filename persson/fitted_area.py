@@ -16,7 +16,8 @@ A case is described by numbers without units, weighted by the roughness that the
 power changes nothing: rms_slope h'_rms; load_over_slope p / (E* h'_rms); bandwidth (spectrum.py); lines
 1 / sum (dS_m / S)^2, the number of lines that carry the slope; theta, the work of adhesion over the elastic energy of
 full contact; contact_fraction.  A case outside of its intervals is answered with the status `out_of_domain` and the
-reasons.  The forbidden box of the dry law was drawn after its hold-out had been seen.
+reasons.  So is a case in the forbidden box of the dry law, where lines, bandwidth and contact fraction all lie within
+`DRY_FORBIDDEN`: the area comes out up to 19 % too small.  The box was drawn after the hold-out had been seen.
 
 SI units.  Limits: a layer, roughness in two directions and unloading are not described.
 """

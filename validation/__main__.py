@@ -77,8 +77,8 @@ def read_report(folder: Path) -> dict[str, Any]:
     except FileNotFoundError as error:
         rows = sorted(folder.glob(ROW_FOLDERS))
         if rows:
-            hint = f"holds rows of a map; linecontact report {rows[0]} for the page of one, answer.csv has the median"
-            raise ReportError(f"{folder}: {hint} and scatter of all") from error
+            hint = f"holds a map that was solved row by row; linecontact report {rows[0]} writes the page of one row, "
+            raise ReportError(f"{folder}: {hint}answer.csv there has median and scatter over all rows") from error
         raise ReportError(f"{path}: no report there, and no result of a run") from error
     except OSError as error:
         raise ReportError(f"{path}: {error.strerror}") from error
@@ -134,7 +134,11 @@ def _study(options: argparse.Namespace) -> int:
     given = {key: value for key in ("seeds", "budget") if (value := getattr(options, key)) is not None}
     plan = module.Options(jobs=options.jobs, quick=options.quick, overwrite=options.overwrite, **given)
     with locked(options.out):
-        return int(module.run(options.scene, options.out, plan, say))
+        code = int(module.run(options.scene, options.out, plan, say))
+        if code == DONE and (options.out / RESULT_FILE).exists():
+            write_run_page(options.out)  # with the uncertainty of the input
+            print(options.out / PAGE)
+    return code
 
 
 def _gone(options: argparse.Namespace) -> int:

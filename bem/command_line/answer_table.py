@@ -1,16 +1,19 @@
-"""Answer of a run in units that a person reads: a row for each target, and the largest tension of the way out.
+"""Answer of a run: a line for each quantity, a column for each target, and the largest tension of the way out.
 
-A number has as many digits, two to four, as its uncertainty allows: the root of the sum of squares of the numerical
-one, which the solver estimates, and of the one of the input, where a study of the scene knows it.  A column of
-uncertainties belongs to the quantity it names; there is none where nothing is known.  An unknown number is "–".
+A quantity has one unit in all columns.  A number has as many digits, two to four, as the larger of its own two
+uncertainties allows: the numerical one, which the solver estimates, and the one of the input, where a study of the
+scene knows it.  A line of uncertainties belongs to the quantity it names.  There is no such line where nothing is
+known.  An unknown number is "–".
 `Views.to_table("targets")` has the same quantities in SI units, all digits.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
+
+import numpy as np
 
 from bem.scene.result import LargestTension, Result
 from bem.scene.result_views import UNITS
@@ -19,6 +22,7 @@ from bem.scene.state import State
 PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 FEWEST_DIGITS, MOST_DIGITS = 2, 4  # format
 UNKNOWN = "–"
+INPUT = "input_uncertainty_"  # before the name of a quantity
 QUANTITIES = {  # name of a column of `to_table("targets")`: heading
     "mean_pressure": "mean pressure",
     "contact_fraction": "contact fraction",
@@ -35,7 +39,9 @@ QUANTITIES = {  # name of a column of `to_table("targets")`: heading
     "widest_channel": "widest open channel",
 }
 PULL_OFF = "pull_off"  # of `Inputs`: the largest tension of the path
-TRIPLES = {  # columns shown in one cell, which is sorted by the second
+GAPS = ("open_gap_mean", "open_gap_largest", "open_gap_p50", "mean_cubic_root")  # in one unit
+PRESSURES = ("contact_pressure", "peak_pressure")  # in one unit
+TRIPLES = {  # columns shown in one cell
     "width_median": ("width_least", "width_median", "width_largest"),
     "open_gap_p50": ("open_gap_p10", "open_gap_p50", "open_gap_p90"),
 }
@@ -44,11 +50,11 @@ FLAW = "loading.flaw, a length without adhesion: its size decides at what tensio
 NO_FLAW = f"No pull-off: {UNBOUNDED} Set {FLAW}"
 FORCED = f"No largest tension: {UNBOUNDED} The control forced it open. Under a given mean pressure, set {FLAW}"
 
-Cell = tuple[str, float | str]  # text, and what it is sorted by
+Unit = tuple[float, str]  # factor from SI, and the unit with its prefix
 Inputs = Mapping[int | None, Mapping[str, float]]  # relative uncertainty of the input, by target (None: the path)
 
 
-def axis_unit(largest: float, unit: str) -> tuple[float, str]:
+def axis_unit(largest: float, unit: str) -> Unit:
     """Return the factor and the unit with a prefix that bring the largest of some numbers between 1 and 1000.
 
     Examples
@@ -58,6 +64,47 @@ def axis_unit(largest: float, unit: str) -> tuple[float, str]:
     """
     power = 3 * math.floor(math.log10(largest) / 3 + 1e-12) if largest else 0
     return (10.0**-power, PREFIXES[power] + unit) if power in PREFIXES else (1.0, unit)
+
+
+def common_unit(values: Iterable[float], unit: str) -> Unit:
+    """Return the factor and the unit with a prefix in which to write all of some numbers.
+
+    The prefix suits the least number that is no smaller than a thousandth of the largest, which stays below 10,000.
+
+    Examples
+    --------
+    >>> common_unit([5e4, 1e6], "Pa"), common_unit([0.0, 1.5e-9, 2.5e-5], "m"), common_unit([0.0, math.nan], "m")
+    ((0.001, 'kPa'), (1000000.0, 'µm'), (1.0, 'm'))
+    """
+    sizes = [abs(value) for value in values if value and math.isfinite(value)]
+    if not sizes:
+        return 1.0, unit
+    largest = max(sizes)
+    least = min(size for size in sizes if size >= largest / 1000)
+    power = max(3 * math.floor(math.log10(least) / 3 + 1e-12), 3 * math.floor((math.log10(largest) - 4) / 3) + 3)
+    return (10.0**-power, PREFIXES[power] + unit) if power in PREFIXES else (1.0, unit)
+
+
+def units_of(result: Result) -> dict[str, Unit]:
+    """Return the unit of each quantity, for all states of a path.
+
+    Pressures on the contacts share a unit, and so do the heights of open gaps.
+    """
+    states = [state for state in result.states if state.found]
+    means = [state.mean_pressure / state.contact_fraction for state in states if state.contact_fraction]
+    peaks = [state.peak_pressure for state in states if state.peak_pressure is not None]
+    gaps = [state.separation / (1 - state.contact_fraction) for state in states if state.contact_fraction < 1]
+    table = {name: values.tolist() for name, values in result.to_table("targets").items()}
+    values = {
+        "separation": [state.separation for state in states],
+        "mean_pressure": [state.mean_pressure for state in states],
+        **dict.fromkeys(PRESSURES, means + peaks),
+        **dict.fromkeys(GAPS, gaps),
+        **{name: table.get(name, []) for name in ("width_median", "widest_channel")},
+    }
+    control = result.scene["loading"]["control"]
+    values[control] = values.get(control, []) + table.get("target", [])
+    return {name: common_unit(of, UNITS[name]) for name, of in values.items()}
 
 
 def digits(relative: float) -> int:
@@ -124,52 +171,49 @@ def share(relative: float) -> str:
     return "< 0.01 %" if relative < 1e-4 else f"{fixed(100 * relative, 2)} %"
 
 
-def answer(result: Result, inputs: Inputs | None = None) -> tuple[list[str], list[list[Cell]]]:
-    """Return the headings of the answer and the cells of each target.
+def answer(result: Result, inputs: Inputs | None = None) -> list[tuple[str, list[str]]]:
+    """Return the lines of the answer: a heading, and a text for each target.
 
     A heading "± ..." belongs to the uncertainties of the quantity before it; `inputs` are relative uncertainties of
     the input.
     """
     control = result.scene["loading"]["control"]
     columns = {name: values.tolist() for name, values in result.to_table("targets").items()}
-    rows = [{name: values[k] for name, values in columns.items()} for k in range(len(result.targets))]
-    known = [(inputs or {}).get(k, {}) for k in range(len(rows))]
-    heads, cells = [f"{control.replace('_', ' ')} (held)"], [[_held(row, control) for row in rows]]
+    targets = [{name: values[k] for name, values in columns.items()} for k in range(len(result.targets))]
+    known = [(inputs or {}).get(k, {}) for k in range(len(targets))]
+    units = units_of(result)
+    lines = [(f"{control.replace('_', ' ')} (held)", [_held(target["target"], units[control]) for target in targets])]
     for name, head in QUANTITIES.items():
         if name == control:
             continue
-        heads.append(head)
-        cells.append([_cell(row, name, outer) for row, outer in zip(rows, known, strict=True)])
-        uncertain = [_uncertainty(row, name, outer) for row, outer in zip(rows, known, strict=True)]
-        if any(text != UNKNOWN for text, _ in uncertain):
-            heads.append(f"± {head}")
-            cells.append(uncertain)
-    return heads, [list(row) for row in zip(*cells, strict=True)]
+        unit = units.get(name, (1.0, ""))
+        pairs = list(zip(targets, known, strict=True))
+        lines.append((head, [_cell(target, name, outer, unit) for target, outer in pairs]))
+        uncertain = [_uncertainty(target, name, outer) for target, outer in pairs]
+        if any(text != UNKNOWN for text in uncertain):
+            lines.append((f"± {head}", uncertain))
+    return lines
 
 
-def _held(row: Mapping[str, float], control: str) -> Cell:
-    """Return the target: the value of the quantity under control."""
-    target = row["target"]
-    return (UNKNOWN, "") if math.isnan(target) else (quantity(target, UNITS[control]), target)
+def _held(target: float, unit: Unit) -> str:
+    """Return the target with all its digits, up to six: the value of the quantity under control."""
+    return UNKNOWN if math.isnan(target) else f"{target * unit[0]:.6g} {unit[1]}"
 
 
-def _cell(row: Mapping[str, float], name: str, inputs: Mapping[str, float]) -> Cell:
-    """Return a number with the digits that its uncertainty, or else the uncertainty of the contact fraction, allows."""
-    value, unit = row[name], UNITS.get(name, "")
+def _cell(row: Mapping[str, float], name: str, inputs: Mapping[str, float], unit: Unit) -> str:
+    """Return a number with the digits that the larger of its own uncertainties allows."""
+    value, (factor, prefixed) = row[name], unit
     if math.isnan(value):
-        return UNKNOWN, ""
+        return UNKNOWN
     if name == "n_patches":
-        return ("complete" if row["contact_fraction"] == 1 else f"{value:.0f}"), value
+        return "complete" if row["contact_fraction"] == 1 else f"{value:.0f}"
     if name in TRIPLES:
-        values = [row[column] for column in TRIPLES[name]]
-        factor, prefixed = axis_unit(values[-1], unit)
-        return f"{', '.join(fixed(number * factor, 3) for number in values)} {prefixed}", value
-    own, outer = _relative(row, name, inputs)
-    if math.isnan(outer):
-        outer = inputs.get("contact_fraction", 0.0)
+        return f"{', '.join(fixed(row[column] * factor, 3) for column in TRIPLES[name])} {prefixed}"
+    relative = max(filter(math.isfinite, _relative(row, name, inputs)), default=0.0)
     if name == "open_share" and value:  # its error is that of the contact fraction
-        outer *= row["contact_fraction"] / value
-    return readable(value, unit, digits(math.hypot(own if math.isfinite(own) else 0.0, outer))), value
+        name = "contact_fraction"
+        relative = max(filter(math.isfinite, _relative(row, name, inputs)), default=0.0) * row[name] / value
+    return f"{fixed(value * factor, digits(relative))} {prefixed}".strip()
 
 
 def _relative(row: Mapping[str, float], name: str, inputs: Mapping[str, float]) -> tuple[float, float]:
@@ -178,13 +222,10 @@ def _relative(row: Mapping[str, float], name: str, inputs: Mapping[str, float]) 
     return (abs(error / value), inputs.get(name, math.nan)) if value else (math.nan, math.nan)
 
 
-def _uncertainty(row: Mapping[str, float], name: str, inputs: Mapping[str, float]) -> Cell:
+def _uncertainty(row: Mapping[str, float], name: str, inputs: Mapping[str, float]) -> str:
     """Return the uncertainties of a number in per cent, by their origin."""
     pairs = zip(_relative(row, name, inputs), ("numerical", "input"), strict=True)
-    parts = {origin: value for value, origin in pairs if math.isfinite(value)}
-    if not parts:
-        return UNKNOWN, ""
-    return ", ".join(f"{share(value)} {origin}" for origin, value in parts.items()), math.hypot(*parts.values())
+    return ", ".join(f"{share(value)} {origin}" for value, origin in pairs if math.isfinite(value)) or UNKNOWN
 
 
 def pull_off_words(result: Result, inputs: Inputs | None = None) -> str:
@@ -192,20 +233,22 @@ def pull_off_words(result: Result, inputs: Inputs | None = None) -> str:
     if stays_complete(result):
         return NO_FLAW
     tension, end, where = result.largest_tension, end_in_tension(result), ""
+    units = units_of(result)
+    load, height = units["mean_pressure"], units["separation"]
     if tension is not None:
         error = tension.error_estimate.mean_pressure / -tension.mean_pressure
         outer = (inputs or {}).get(None, {}).get(PULL_OFF, math.nan)
         known, figures = f"± {share(error)} numerical", MOST_DIGITS
         if math.isfinite(outer):
-            known, figures = f"{known}, {share(outer)} input", digits(math.hypot(error, outer))
-        where = f"{readable(-tension.mean_pressure, 'Pa', figures)} ({known}), at a separation of "
-        where += readable(tension.separation, "m", MOST_DIGITS)
+            known, figures = f"{known}, {share(outer)} input", digits(max(error, outer))
+        where = f"{_in(load, -tension.mean_pressure, figures)} ({known}), at a separation of "
+        where += _in(height, tension.separation)
     forced = was_forced_open(result)
     if end is not None:
         words = "The way out ends in tension"
         if end.target:
-            words += f", {readable(-end.mean_pressure, 'Pa', MOST_DIGITS)}"
-            words += f" at a separation of {readable(end.separation, 'm', MOST_DIGITS)}"
+            words += f", {_in(load, -end.mean_pressure)}"
+            words += f" at a separation of {_in(height, end.separation)}"
         if forced:
             return f"{FORCED} {words}" + (f"; the load turns at {where}." if where else ".")
         words = f"Pull-off: not reached. {words}, and larger tensions may lie beyond"
@@ -216,7 +259,7 @@ def pull_off_words(result: Result, inputs: Inputs | None = None) -> str:
     parting = (
         "the surfaces have not come apart on this path"
         if apart is None
-        else f"the surfaces come apart at {readable(apart, 'm', MOST_DIGITS)}"
+        else f"the surfaces come apart at {_in(height, apart)}"
     )
     if forced:
         claim = f"{FORCED} After that the load turns at"
@@ -225,6 +268,11 @@ def pull_off_words(result: Result, inputs: Inputs | None = None) -> str:
     else:
         claim = "Pull-off: the largest tension on the way out is"
     return f"{claim} {where}; {parting}."
+
+
+def _in(unit: Unit, value: float, figures: int = MOST_DIGITS) -> str:
+    """Return a number in a given unit."""
+    return f"{fixed(value * unit[0], figures)} {unit[1]}"
 
 
 def pull_off(result: Result) -> LargestTension | None:
@@ -265,6 +313,20 @@ def was_exceeded(result: Result) -> bool:
     return tension is not None and any(_exceeds(state, tension) for state in out)
 
 
+def slope_words(result: Result) -> str:
+    """Return words on the rms slope that filter and cut leave of a prepared scan; nothing without one."""
+    steps = {step["step"]: step for step in result.profile_preparation}
+    if "cut" not in steps:
+        return ""
+    before, after = steps.get("filter", steps["cut"])["rms_slope"][0], steps["cut"]["rms_slope"][1]
+    if before == 0:
+        return ""
+    return (
+        f"Roughness: filter and cut leave {fixed(100 * after / before, 3)} % of the rms slope, {fixed(after, 3)} of "
+        f"{fixed(before, 3)}; a small contact area without adhesion goes as its inverse."
+    )
+
+
 def stays_complete(result: Result) -> bool:
     """Return whether the way out ends in complete contact that nothing can open: with adhesion, without a flaw."""
     last = next((state for state in reversed(result.states) if state.found), None)
@@ -277,10 +339,17 @@ def was_forced_open(result: Result) -> bool:
     return any(event.kind == "opening" and math.isnan(event.mean_pressure) for event in result.events)
 
 
-def csv_text(result: Result) -> str:
-    """Return the answer as comma-separated values in SI units, named in the headings; unknown values are empty."""
+def csv_text(result: Result, inputs: Inputs | None = None) -> str:
+    """Return the answer as comma-separated values in SI units, named in the headings; unknown values are empty.
+
+    A column `input_uncertainty_NAME` holds the uncertainty of the input of the quantity NAME, where `inputs` know it.
+    """
     columns = result.to_table("targets")
-    units = {name: UNITS.get(name.removeprefix("error_estimate_"), "") for name in columns}
+    known = [(inputs or {}).get(k, {}) for k in range(len(result.targets))]
+    for name in [name for name in QUANTITIES if any(name in relative for relative in known)]:
+        shares = np.array([relative.get(name, math.nan) for relative in known])
+        columns[INPUT + name] = np.abs(columns[name]) * shares
+    units = {name: UNITS.get(name.removeprefix("error_estimate_").removeprefix(INPUT), "") for name in columns}
     lines = [",".join(f"{name} / {unit}" if unit else name for name, unit in units.items())]
     for row in zip(*(values.tolist() for values in columns.values()), strict=True):
         lines.append(",".join(value if isinstance(value, str) else _plain(value) for value in row))
@@ -294,11 +363,12 @@ def _plain(value: float) -> str:
 
 def table_text(result: Result, inputs: Inputs | None = None) -> str:
     """Return the answer for a terminal: a line for each quantity, a column for each target."""
-    heads, rows = answer(result, inputs)
-    listed = [heads, *([text for text, _ in row] for row in rows)]
-    columns = [_padded(column, k) for k, column in enumerate(listed)]
-    lines = ["  ".join(line).rstrip() for line in zip(*columns, strict=True)]
-    return "\n".join([*lines, *filter(None, [pull_off_words(result, inputs)])])
+    lines = answer(result, inputs)
+    columns = [
+        _padded(column, k) for k, column in enumerate(zip(*((head, *texts) for head, texts in lines), strict=True))
+    ]
+    listed = ["  ".join(line).rstrip() for line in zip(*columns, strict=True)]
+    return "\n".join([*listed, *filter(None, [pull_off_words(result, inputs), slope_words(result)])])
 
 
 def _padded(column: Sequence[str], place: int) -> list[str]:

@@ -237,26 +237,6 @@ def scene_text(resolved: Mapping[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def preparation_text(steps: Iterable[Mapping[str, Any]]) -> str:
-    """Return the preparation of a scan, a line for each step.
-
-    Examples
-    --------
-    >>> print(preparation_text([{"step": "detrend", "method": "mean", "rms_height": [2e-6, 1e-6]}]))
-    # profile: detrend  method mean, rms_height 2e-06 to 1e-06
-    """
-
-    def shown(value: Any) -> str:
-        if isinstance(value, float):
-            return f"{value:.4g}"
-        return " to ".join(map(shown, value)) if isinstance(value, list | tuple) else str(value)
-
-    return "\n".join(
-        f"# profile: {step['step']}  " + ", ".join(f"{key} {shown(step[key])}" for key in step if key != "step")
-        for step in steps
-    )
-
-
 def groups_text(groups: Mapping[str, float], cautions: Iterable[Caution]) -> str:
     """Return the groups of a scene with their meanings, and the warnings."""
     texts = {name: f"# {name} = {value:.4g}" for name, value in groups.items()}

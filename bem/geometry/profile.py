@@ -115,7 +115,7 @@ class Profile:
         period : float, optional
             Replaces n times the sample distance.
         """
-        position, height = np.asarray(x, dtype=np.float64), np.asarray(h, dtype=np.float64)
+        position, height = (np.ma.filled(np.ma.asarray(values, dtype=np.float64), np.nan) for values in (x, h))
         n = position.size
         equal = n > 1 and position[-1] > position[0] and float(off_equal_steps(position).max()) <= EQUAL_STEPS
         if not equal or not np.all(np.isfinite(height)):

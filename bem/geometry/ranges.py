@@ -94,9 +94,16 @@ def shown(value: Any) -> str:
 
 
 def unknown_key(name: str, known: Collection[str]) -> str:
-    """Return the allowed keys instead of an unknown key: the closest one, or all."""
-    close = difflib.get_close_matches(name, known, n=1, cutoff=0.4)
-    return f'did you mean "{close[0]}"?' if close else "one of " + ", ".join(known)
+    """Return the allowed keys instead of an unknown key: all that begin with it, else the closest one, else all.
+
+    Examples
+    --------
+    >>> print(unknown_key("cutoff", ["cutoff_short", "cutoff_long", "hurst"]))
+    did you mean "cutoff_short" or "cutoff_long"?
+    """
+    begun = [key for key in known if name and key.startswith(name)]
+    close = begun or difflib.get_close_matches(name, known, n=1, cutoff=0.4)
+    return f"did you mean {' or '.join(map(json.dumps, close))}?" if close else "one of " + ", ".join(known)
 
 
 def refuse(*mistakes: Mistake) -> None:

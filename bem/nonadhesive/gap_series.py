@@ -50,11 +50,11 @@ class GapEvaluation:
     deficit : float
         tau, what the mean pressure lacks to that of complete contact.
     opening : tuple of (n_i,) arrays
-        g_n of each gap.
+        Coefficients g_n of each gap in g = sqrt(1 - t^2) sum g_n U_n(t), with t from -1 to 1 across the gap.
     separation, separation_rate : float
         Mean gap, and its derivative by tau.
     work : float
-        int g Lambda g dx.
+        int g Lambda g dx; Lambda is the elastic operator from a gap g to the pressure that it adds.
     """
 
     body: CompletedBody

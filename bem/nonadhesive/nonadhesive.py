@@ -120,8 +120,8 @@ def solve_contact(
     penetration, target : float
         Start of Delta under load control, and value of the control.
     accuracy : Accuracy
-        Of the evaluation; its residual is that of `edge_residual` and of the contact fraction, where rounding does not
-        limit them.
+        Bounds at which the search ends: `tolerance` of each pressure field; `residual` of |K| at the edges over K of a
+        flat punch, and of the last change of the contact fraction, where rounding allows it.
 
     Raises
     ------

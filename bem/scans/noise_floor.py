@@ -137,7 +137,8 @@ class Spectrum:
         if self.tail is None:
             return {"noise": "no floor: no heights of short wavelengths"}
         if not self.floor:
-            fell = f"the highest octave is as f^{-self.tail.exponent:.2g} +- {self.tail.error:.1g}"
+            power = f"{self.tail.exponent:.2g} ± {self.tail.error:.1g}"
+            fell = f"in the octave of the shortest waves the density goes as the power {power} of the wavelength"
             few = f"; {self.h.size} samples are too few to tell" * (self.tail.error > LARGEST_ERROR)
             return {"noise": f"no floor: {fell}{few}"}
         facts: dict[str, Any] = {"noise": "flat tail", "noise_density": self.floor, "noise_rms": self.noise_rms}

@@ -88,8 +88,10 @@ def prepare(raw: RawScan, values: Mapping[str, Any]) -> Scan:
 def _detrended(line: Trace, method: str) -> tuple[Trace, Step]:
     """Return the line less its least-squares polynomial, and the range of the polynomial."""
     x, h = line
-    tilt = np.polynomial.Polynomial.fit(x, h, 1)
+    tilt, parabola = (np.polynomial.Polynomial.fit(x, h, degree) for degree in (1, 2))
     facts: Step = {"tilt": float(tilt.deriv()(0.0)), "rms_without_tilt": float(np.std(h - tilt(x)))}
+    bow = parabola(x) - tilt(x)
+    facts |= {"bow": float(np.ptp(bow)), "rms_bow": float(np.std(bow))}
     if method == "none":
         return line, facts
     if DEGREES[method] >= x.size:

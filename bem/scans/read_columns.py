@@ -17,6 +17,8 @@ import numpy as np
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.scans.read_map import (
     FEWEST_SAMPLES,
+    SCAN_LINES,
+    TEXT_LINES,
     ScanLines,
     map_of,
     refuse_axes,
@@ -50,7 +52,7 @@ def line_of(table: TextTable, values: Mapping[str, Any]) -> TableLine:
     points = None if flag in (1, 2) else scan_lines(table.values)
     if points is None and row is not None:
         heights = map_of(table, values)
-        return TableLine(None, row_of(heights, row), map_rows=heights.shape[0])
+        return TableLine(None, row_of(heights, row, TEXT_LINES), map_rows=heights.shape[0])
     if table.lines.size < FEWEST_SAMPLES:
         problem = f"holds {table.lines.size} sample{'s' * (table.lines.size != 1)}, one on each line"
         allowed = f"at least {FEWEST_SAMPLES} of them; if a line holds many heights, row = 0 and their spacing"
@@ -74,9 +76,6 @@ def line_of(table: TextTable, values: Mapping[str, Any]) -> TableLine:
     map_rows = None if points is None else len(points[1])
     lines = table.lines[rows]
     x = None if x_column is None else table.values[rows, x_column]
-    if x is not None and np.isnan(x).any():
-        problem = f"line {lines[int(np.argmax(np.isnan(x)))]} has no position"
-        raise refused("file", problem, "a position in every line: only heights may be missing")
     return TableLine(x, heights, None if row == "mean" else lines, (x_column, h_column), rows, map_rows)
 
 
@@ -87,11 +86,11 @@ def _columns(table: TextTable, points: ScanLines | None, values: Mapping[str, An
     expected = [1, 2] if points is None else [points[0] + 1, 3]
     if points is not None and "row" not in values:
         problem = f"is needed: the file has {len(points[1])} scan lines of points x y h"
-        raise refused("row", problem, rows_allowed(len(points[1])))
+        raise refused("row", problem, rows_allowed(len(points[1]), SCAN_LINES))
     used = list(values.get("columns", expected if points is not None and len(rest) == 3 else rest))
     if len(used) > 2:
         allowed = f"columns = {expected} for x and h in these columns; valid_column for a column that marks missing "
-        allowed += 'heights; row = 0, 1, .. or "mean" for a map of heights'
+        allowed += f'heights; row = 0, 1, .. for one of {TEXT_LINES}, or row = "mean", where they are a map'
         problem = f"is needed: the file has {width} columns, in line {table.lines[0]} {table.rows[0][:40]!r}"
         raise refused("columns", problem, allowed)
     if max(used) > width or flag in used or len(set(used)) < len(used):

@@ -2,9 +2,9 @@
 
 Its answer is passed on: heights, missing points, lengths and unit, of the channels that it takes for heights.  A file
 goes to it if it is no text, or begins as one of the text formats with units of their own (`RASTER_TEXT`).
-The library is given the path, because some formats are known by their name only.  Points are the centres of pixels, n
-of them to the length that the file states, and the first index of a map runs along x, as in that library: row j of a
-`.npy` or `.mat` array is the column a[:, j].  The formats: https://contactengineering.github.io/SurfaceTopography/.
+The library is given the path, because some formats are known by their name only (`UNSIGNED`).  Points are the centres
+of pixels, n of them to the length that the file states, and the first index of a map runs along x, as in that library.
+The formats: https://contactengineering.github.io/SurfaceTopography/.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from bem.geometry.arrays import FloatArray
+from bem.scans.read_array import rows_of
 from bem.scans.read_units import unit_of
 from bem.scans.scan_refusal import ScanFileError, refused
 
@@ -27,6 +28,8 @@ RASTER_TEXT = (  # SDF (ISO 25178-71), BCR-STM, Wyko
     *(b"aISO-", b"bISO-", b"aBCR-", b"bBCR-", b"fileformat = bcr", b"Wyko ASCII Data File"),
 )
 TEXT_FORMATS = ("xyz", "asc")  # as the library reads them; a file that is text to it alone has lost lines
+UNSIGNED = ("hgt",)  # any bytes that are a square of 16-bit integers: known by the extension alone
+FORMATS = f"text, .npy, or a format that {LIBRARY} reads"
 NEEDED = 'python -m pip install "linecontact[instruments]"'
 
 
@@ -56,10 +59,10 @@ def read_instrument(path: Path, content: bytes, channel: int | None) -> Instrume
         warnings.simplefilter("ignore")
         try:
             reader = opened.enter_context(closing(library.open_topography(str(path))))
-            if hasattr(reader, "mpi_file"):  # the reader of .npy does not close it
-                opened.callback(reader.mpi_file.close)
             if no_text and reader.format() in TEXT_FORMATS:
                 raise refused("file", no_text, "text, without the zero byte")
+            if reader.format() in UNSIGNED and path.suffix.lower() != f".{reader.format()}":
+                raise refused("file", f"{no_text}, and of no format that its bytes tell", FORMATS)
             chosen = _chosen([item for item in reader.channels if item.is_height_channel is not False], channel)
             lengths = chosen.physical_sizes
             needed = lengths is None and chosen.is_uniform is not False  # any: positions then come from the scene
@@ -69,13 +72,13 @@ def read_instrument(path: Path, content: bytes, channel: int | None) -> Instrume
             raise
         except Exception as error:  # each of its readers has errors of its own
             problem = f"cannot be read by {LIBRARY}: {_reason(error)}{'; ' * bool(no_text)}{no_text}"
-            raise refused("file", problem, f"text, or a format that {LIBRARY} reads") from error
+            raise refused("file", problem, FORMATS) from error
     facts = {"format": reader.format(), "channel": str(chosen.name), "points": list(heights.shape)}
-    facts |= {"missing_points": int(np.isnan(heights).sum())}
+    facts |= {"missing_points": int(np.count_nonzero(~np.isfinite(heights)))}
     unit = "" if chosen.unit is None else unit_of(str(chosen.unit)) or "no unit"
     if heights.ndim == 2:
         x = None if lengths is None else np.arange(heights.shape[0]) * (float(lengths[0]) / heights.shape[0])
-        return InstrumentScan(x, heights.T, unit, facts)
+        return InstrumentScan(x, rows_of(heights) if x is None else heights.T, unit, facts)
     placed = not surface.is_uniform or lengths is not None
     return InstrumentScan(np.asarray(surface.positions()) if placed else None, heights, unit, facts)
 

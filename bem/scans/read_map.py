@@ -1,13 +1,14 @@
 """Rows of a map in a text file.
 
 map      A row of heights on each line of the file: `row` names one, or the mean of all.  A line or column of axes at a
-         side is refused: numbers in order where those of the next two lines or columns are not.
+         side is refused: numbers in order where those of the next two lines or columns are not.  An axis that is in
+         order but for a number at its end has a corner there, so that the side that it meets holds an axis too.
 points   Columns x, y and h, one scan line after another: `row` names one, or the mean of all.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,12 @@ from bem.scans.scan_refusal import refused
 FEWEST_SAMPLES = 3  # derived: samples that carry one harmonic
 FEWEST_STEPPED, FEWEST_ORDERED = 4, 8  # format: numbers on an axis, at equal steps or in order; by chance, 1 in 20,000
 EQUAL = 0.01  # format: admitted deviation of a step of an axis, in steps
+
+BESIDE_CORNER = {"first": slice(1, None), "last": slice(None, -1)}  # numbers of an axis, by the end with a corner
+TEXT_LINES = "the lines of heights, from the first in the file"
+SCAN_LINES = "the scan lines, from the first in the file"
+ARRAY_LINES = "the columns a[:, row] of the array"
+MAP_LINES = "the lines along x, from the first in the file"
 
 ScanLines = tuple[int, list[slice]]  # of points x y h: the column along the scan lines, from 0, and the rows of each
 
@@ -55,30 +62,32 @@ def scan_line(table: TextTable, points: ScanLines, heights: FloatArray, row: int
     """Return the rows and heights of a scan line of points x y h; for the mean, rows of the first line."""
     along, lines = points
     if isinstance(row, int):
-        rows = lines[_checked_row(row, len(lines))]
+        rows = lines[_checked_row(row, len(lines), SCAN_LINES)]
         return rows, heights[rows]
     first = table.values[lines[0], along]
     if any(not np.array_equal(table.values[line, along], first) for line in lines):
-        allowed = f"row = 0 to {len(lines) - 1} in the order of the file"
+        allowed = f"row = 0 to {len(lines) - 1} for one of {SCAN_LINES}"
         raise refused("row", '= "mean" of scan lines with different positions', allowed)
     return lines[0], np.asarray(np.mean([heights[line] for line in lines], axis=0))
 
 
-def row_of(heights: FloatArray, row: int | str) -> FloatArray:
+def row_of(heights: FloatArray, row: int | str, lines: str) -> FloatArray:
     """Return a row of a map, (n_rows, n), or the mean of all rows; NaN where a height of the mean is missing."""
-    return np.asarray(heights.mean(axis=0) if isinstance(row, str) else heights[_checked_row(row, heights.shape[0])])
+    if isinstance(row, str):
+        return np.asarray(heights.mean(axis=0))
+    return np.asarray(heights[_checked_row(row, heights.shape[0], lines)])
 
 
-def _checked_row(row: int, count: int) -> int:
+def _checked_row(row: int, count: int, lines: str) -> int:
     """Return the row of a number; raise ScanFileError if the map has no such row."""
     if row >= count:
-        raise refused("row", f"= {row}", rows_allowed(count))
+        raise refused("row", f"= {row}", rows_allowed(count, lines))
     return row
 
 
-def rows_allowed(count: int) -> str:
-    """Return the allowed values of `row` in words."""
-    return f'row = 0 to {count - 1} in the order of the file, row = "mean", or row = "all" for each'
+def rows_allowed(count: int, lines: str) -> str:
+    """Return the allowed values of `row` in words, with the lines of the file that it counts."""
+    return f'row = 0 to {count - 1} for one of {lines}, row = "mean", or row = "all" for each'
 
 
 def map_of(table: TextTable, values: Mapping[str, Any]) -> FloatArray:
@@ -99,9 +108,10 @@ def map_of(table: TextTable, values: Mapping[str, Any]) -> FloatArray:
 
 
 def without_missing(heights: FloatArray, values: Mapping[str, Any]) -> FloatArray:
-    """Return heights, NaN where they are the missing_value of the scene."""
+    """Return heights, NaN where they are infinite or the missing_value of the scene."""
     missing = values.get("missing_value", "none")
-    return heights if missing == "none" else np.where(heights == missing, np.nan, heights)
+    known = np.isfinite(heights) & (True if missing == "none" else heights != missing)
+    return np.where(known, heights, np.nan)
 
 
 def refuse_numbers_above(table: TextTable, heights: FloatArray, values: Mapping[str, Any]) -> None:
@@ -119,24 +129,34 @@ def refuse_numbers_above(table: TextTable, heights: FloatArray, values: Mapping[
         raise refused("missing_value", f"is needed: numbers above the heights equal heights: {told}", allowed)
 
 
-def refuse_axes(table: TextTable, sides: Iterable[str]) -> None:
-    """Raise ScanFileError for sides of the table that hold axes."""
+def refuse_axes(table: TextTable, sides: Sequence[str]) -> None:
+    """Raise ScanFileError for sides of the table that hold axes; a corner shows that two sides do."""
     turned = {"line": table.values, "column": table.values.T}
-    rows = {side: turned[side.split()[1]][:: 1 if side.startswith("first") else -1] for side in sides}
-    axes = " and ".join(f"the {side}" for side in sides if _has_axis(rows[side]))
-    if axes:
-        allowed = f"heights alone: remove {axes}, and give the step of the axis along the lines as spacing"
-        raise refused("file", f"has axes in {axes}, which are no heights", allowed)
+    axes = set()
+    for side in sides:
+        end, direction = side.split()
+        axis = _axis(turned[direction][:: 1 if end == "first" else -1])
+        if axis is not None:
+            crossing = "column" if direction == "line" else "line"
+            axes |= {side} | {f"{place} {crossing}" for place, part in BESIDE_CORNER.items() if part == axis}
+    told = [side for side in sides if side in axes]
+    if told:
+        named = " and ".join(f"the {side}" for side in told)
+        kinds = [{side.split()[1] for side in group} for group in (sides, told)]
+        more = "".join(f" (and a {kind} of positions, if there is one)" for kind in kinds[0] - kinds[1])
+        allowed = f"heights alone: remove {named}{more}, and give the step of the axis along the lines as spacing"
+        raise refused("file", f"has axes in {named}, which are no heights", allowed)
 
 
-def _has_axis(rows: FloatArray) -> bool:
-    """Return whether the first row, but for a corner, holds positions: in order where the next two rows are not."""
-    parts = rows[:3], rows[:3, 1:], rows[:3, :-1]
-    return rows.shape[0] > 1 and any(
-        any(_ordered(part[0], stepped) for part in parts)
-        and not any(_ordered(row, stepped) for part in parts for row in part[1:])
-        for stepped in (True, False)
-    )
+def _axis(rows: FloatArray) -> slice | None:
+    """Return the part of the first row that holds positions: in order where the next two rows are not."""
+    parts = (slice(None), *BESIDE_CORNER.values())
+    for stepped in (True, False):
+        axes = [part for part in parts if _ordered(rows[0, part], stepped)]
+        others = any(_ordered(row[part], stepped) for part in parts for row in rows[1:3])
+        if axes and not others and rows.shape[0] > 1:
+            return axes[0]
+    return None
 
 
 def _ordered(row: FloatArray, stepped: bool) -> bool:

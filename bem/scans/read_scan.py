@@ -1,8 +1,8 @@
 """Positions and heights of a measured line in m, out of a text file or an instrument's file.
 
-Text is read by read_text.py, and read_columns.py takes a line out of it; every other file is read by SurfaceTopography
-(read_instrument.py).  Units come from the scene or the file (read_units.py).  Missing heights are NaN; prepare_scan.py
-decides what is done about them, and about all else that changes a height.
+Text is read by read_text.py, and read_columns.py takes a line out of it; `.npy` files are read by read_array.py, and
+every other file by SurfaceTopography (read_instrument.py).  Units come from the scene or the file (read_units.py).
+Missing heights are NaN; prepare_scan.py decides what is done about them, and about all else that changes a height.
 """
 
 from __future__ import annotations
@@ -14,14 +14,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.lengths import METRES
+from bem.scans.read_array import SIGNATURE, read_npy, real_array
 from bem.scans.read_bytes import content_of, text_of
 from bem.scans.read_columns import TableLine, line_of
-from bem.scans.read_instrument import RASTER_TEXT, read_instrument
-from bem.scans.read_map import row_of, rows_allowed, without_missing
-from bem.scans.read_text import DELIMITERS, LISTED, read_table
+from bem.scans.read_instrument import RASTER_TEXT, InstrumentScan, read_instrument
+from bem.scans.read_map import ARRAY_LINES, MAP_LINES, row_of, rows_allowed, without_missing
+from bem.scans.read_text import COMMENT, DELIMITERS, LISTED, read_table
 from bem.scans.read_units import resolved_units
 from bem.scans.scan_keys import SCAN_KEYS, TEXT_KEYS
 from bem.scans.scan_refusal import Refusal, ScanFileError, refused
@@ -58,25 +60,38 @@ def read_scan(path: Path, values: Mapping[str, Any]) -> RawScan:
     position is missing.
     """
     content = content_of(path)
-    decoded = text_of(content)
-    if decoded is None or content.startswith(RASTER_TEXT):
-        raw = _from_instrument(path, content, values)
-    else:
+    decoded = None if content.startswith((SIGNATURE, *RASTER_TEXT)) else text_of(content)
+    if decoded is not None:
         raw = _from_text(*decoded, values)
-    return replace(raw, sha256=hashlib.sha256(content).hexdigest())
+    elif content.startswith(SIGNATURE):
+        heights = read_npy(content)
+        raw = _from_rows(InstrumentScan(None, heights, "", {"format": "npy", "points": list(heights.shape)}), values)
+    else:
+        raw = _from_rows(read_instrument(path, content, values.get("channel")), values)
+    return _placed(replace(raw, sha256=hashlib.sha256(content).hexdigest()))
 
 
-def scan_of_arrays(x: FloatArray, h: FloatArray, values: Mapping[str, Any]) -> RawScan:
-    """Return a measured line that is given as arrays of positions and heights in m, NaN where a height is missing.
+def scan_of_arrays(positions: ArrayLike, heights: ArrayLike, values: Mapping[str, Any]) -> RawScan:
+    """Return a measured line that is given as arrays in m; heights are missing where masked, NaN or infinite.
 
-    `values` are the keys of [profile]; ScanFileError for keys that say how a file is read, and for unlike arrays.
+    `values` are the keys of [profile]; ScanFileError for keys that say how a file is read, for unlike arrays, and for a
+    position that is missing.
     """
     _refuse_keys(values, SCAN_KEYS, "is for files, arrays are in m")
+    x, h = real_array("x", positions), without_missing(real_array("h", heights), {})
     if x.ndim != 1 or x.shape != h.shape:
         raise refused("x", f"of shape {x.shape} beside h of shape {h.shape}", "two arrays of one dimension and length")
-    x, h = x.astype(np.float64), h.astype(np.float64)
     facts = {"format": "arrays", "unit_x": "m", "unit_h": "m", "unit_x_from": "file", "unit_h_from": "file"}
-    return RawScan(x, h, None, facts, hashlib.sha256(x.tobytes() + h.tobytes()).hexdigest())
+    return _placed(RawScan(x, h, None, facts, hashlib.sha256(x.tobytes() + h.tobytes()).hexdigest()))
+
+
+def _placed(raw: RawScan) -> RawScan:
+    """Return a line; raise ScanFileError if a position is missing or infinite."""
+    lost = ~np.isfinite(raw.x)
+    if lost.any():
+        problem = f"{raw.place(int(np.argmax(lost)))} has no position"
+        raise refused("file", problem, "a position of every height: only heights may be missing")
+    return raw
 
 
 def _from_text(text: str, encoding: str, values: Mapping[str, Any]) -> RawScan:
@@ -91,9 +106,12 @@ def _from_text(text: str, encoding: str, values: Mapping[str, Any]) -> RawScan:
         "decimal": table.reading.decimal,
         "width": table.values.shape[1],
     }
-    if values.get("skip_lines"):
-        skipped = (text[:40] for number, text in table.above[:LISTED] if number <= values["skip_lines"])
-        facts["skipped"] = " | ".join(skipped)
+    skip_lines = values.get("skip_lines", 0)
+    over = [
+        line for number, line in table.above if number <= skip_lines or (number < table.heading and line[0] in COMMENT)
+    ]
+    if over:
+        facts["skipped"] = " | ".join(line[:40] for line in over[:LISTED])
     facts |= {} if line.map_rows is None else {"rows": line.map_rows}
     stated = {axis: table.units[column] for axis, column in zip("xh", line.columns, strict=True) if column is not None}
     raw = _in_metres(line, stated, f"line {table.heading}", facts, values)
@@ -119,19 +137,17 @@ def _half_digit(text: str) -> float:
     return 0.5 * 10.0 ** (int(power or 0) - len(digits.partition(".")[2]))
 
 
-def _from_instrument(path: Path, content: bytes, values: Mapping[str, Any]) -> RawScan:
-    """Return a line of an instrument's file; `spacing` is needed only where the file has no lengths."""
+def _from_rows(scan: InstrumentScan, values: Mapping[str, Any]) -> RawScan:
+    """Return a line of a trace or map; `spacing` is needed only where the file has no lengths."""
     _refuse_keys(values, TEXT_KEYS, "is for text files")
-    scan = read_instrument(path, content, values.get("channel"))
-    heights = without_missing(scan.heights, values)
+    heights, lines = without_missing(scan.heights, values), ARRAY_LINES if scan.x is None else MAP_LINES
     if heights.ndim == 1:
         _refuse_keys(values, ["row"], "of a line scan")
     elif "row" not in values:
-        rows = heights.shape[0]
-        allowed = rows_allowed(rows)
-        raise refused("row", f"is needed: the file holds a map of {rows} rows", allowed)
+        count = heights.shape[0]
+        raise refused("row", f"is needed: the file holds a map of {count} rows", rows_allowed(count, lines))
     else:
-        heights, scan.facts["rows"] = row_of(heights, values["row"]), heights.shape[0]
+        heights, scan.facts["rows"] = row_of(heights, values["row"], lines), heights.shape[0]
     if scan.x is not None:
         _refuse_keys(values, ["spacing"], "beside the lengths in the file")
     stated = dict.fromkeys("xh" if scan.x is not None else "h", scan.unit)
@@ -149,10 +165,16 @@ def _in_metres(
     line: TableLine, stated: Mapping[str, str], source: str, facts: Mapping[str, Any], values: Mapping[str, Any]
 ) -> RawScan:
     """Return positions and heights in m, in the units that the source states or the scene gives."""
+    missing = []
     if line.x is None and "spacing" not in values:
         problem = "is missing: the file has heights alone, without positions or lengths"
-        raise refused("spacing", problem, "spacing = the distance of two samples, in unit_x")
-    units = resolved_units(values, stated, source)
+        missing = [Refusal("spacing", problem, "spacing = the distance of two samples, in unit_x")]
+    try:
+        units = resolved_units(values, stated, source)
+    except ScanFileError as error:
+        raise ScanFileError([*missing, *error.refusals]) from None
+    if missing:
+        raise ScanFileError(missing)
     metres = METRES[units["x"]]
     x = line.x * metres if line.x is not None else values["spacing"] * metres * np.arange(line.h.size)
     read = dict(facts) | {f"unit_{axis}": units[axis] for axis in "xh"}

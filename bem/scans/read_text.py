@@ -2,8 +2,10 @@
 
 Every line is a row of numbers, or of words for a missing number (`MISSING`), with as many cells as the first.  Empty
 lines stand for nothing, and a last column without any number is the delimiter at the end of every line.  Above the
-first row may stand a heading that states units (read_units.py), and a line of names above a line of units; all other
-lines are refused with their numbers, unless `skip_lines` skips them.  Lines end with LF, CR or both, as in editors.
+first row may stand a heading that states units (read_units.py), and a line of names above a line of units.  Lines
+above them that begin with `#` or `%` are comments: they state no unit, but a number in them may stand for a missing
+height (read_map.py).  All other lines are refused with their numbers, unless `skip_lines` skips them.  Lines end with
+LF, CR or both, as in editors.
 
 A *reading* is a delimiter (tab, semicolon, comma, blanks) with a decimal mark.  The file must be rows of one length in
 some reading; tabs part columns before blanks do.  The scene states `decimal` where the decimal mark is not clear: two
@@ -30,6 +32,7 @@ Numbers = tuple[float, ...]
 NumberedLine = tuple[int, str]  # its number as editors count, and its text
 
 SHOWN = 3  # format: mistakes of one sort that are spelt out
+COMMENT = ("#", "%")  # beginnings of a line above a heading that is read over
 LISTED = 12  # format: lines above the numbers that are spelt out
 DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma", "": "blanks"}
 MISSING = {"", "-", "--", "---", "***", "na", "n/a", "#n/a", "null", "none"}
@@ -132,7 +135,7 @@ def _heading_of(above: Sequence[NumberedLine], width: int) -> tuple[str, ...]:
     if heading is not None:
         named, units = heading
         count = 2 if not named and _are_names(above[-2:-1], above[-1][0], width) else 1
-        if count == len(above):
+        if all(line.startswith(COMMENT) for _, line in above[:-count]):
             return units
     allowed = (
         "columns of numbers, under a heading with a unit for each column, as in x [mm]; h [um]; or, if no samples "

@@ -5,9 +5,9 @@ harmonics h_m of the profile, q_m = 2 pi m / period and E* = E / (1 - nu^2), `ME
 of complete contact is that of Persson, Tosatti, J. Chem. Phys. 115 (2001) 5597; for one wave the group is 2 pi alpha^2
 with the alpha of Johnson, Int. J. Solids Struct. 32 (1995) 423.
 
-Five mistakes are looked for: lengths in mm instead of m, pressures or moduli in MPa instead of Pa, slopes beyond small
-strain, adhesion that outweighs elasticity, and a cut within the noise of a scan.  Nothing that is computed depends on
-this module.
+Seven mistakes are looked for: lengths in mm instead of m, pressures or moduli in MPa instead of Pa, slopes beyond small
+strain, adhesion that outweighs elasticity, a cut within the noise of a scan, a scan without any heights but constant
+ones, and a form (an arc) that a scan keeps.  Nothing that is computed depends on this module.
 """
 
 from __future__ import annotations
@@ -35,7 +35,9 @@ PRESSURES = (1e-7, 10.0)  # format: of E* times the rms slope
 MODULI = (1e2, 1e13)  # format: Pa, from the weakest gel to beyond diamond
 LARGEST_WORK = 10.0  # format: J/m^2
 LARGEST_ADHESION = 10.0  # format: of the elastic energy of complete contact
+ROUNDING = 4.0  # derived: of heights less a trend, in their last digit
 MOST_NOISE = 0.5  # format: of the mean square slope
+MOST_BOW = 0.8  # format: of the variance of heights; 3 % of self-affine lines of H = 0.8 without roll-off have more
 
 
 def groups_of(scene: Scene) -> dict[str, float]:
@@ -66,7 +68,7 @@ def groups_of(scene: Scene) -> dict[str, float]:
 
 def cautions_of(scene: Scene, groups: Mapping[str, float]) -> tuple[Caution, ...]:
     """Return the warnings about a scene with these groups, each with the probable cause."""
-    warnings = (_lengths, _pressures, _slopes, _adhesion, _noise)
+    warnings = (_lengths, _pressures, _slopes, _adhesion, _noise, _constant, _form)
     return tuple(Caution(about, message) for warn in warnings for about, message in warn(scene, groups))
 
 
@@ -142,6 +144,29 @@ def _noise(scene: Scene, groups: Mapping[str, float]) -> Warnings:
         reason = f"there the profile, as f^{-spectrum.law.exponent:.2g}, falls below the noise floor"
         told = f"{told}: cutoff_short = {spectrum.crossing:.3g} ({spectrum.crossing * 1e6:.3g} um), {reason}"
     yield "profile.cutoff_short", told
+
+
+def _constant(scene: Scene, groups: Mapping[str, float]) -> Warnings:
+    """Yield a warning of a scan that is flat to the rounding of its heights."""
+    if scene.scan is not None and groups["rms_height"] <= ROUNDING * np.spacing(
+        np.nanmax(np.abs(scene.scan.measured[1]))
+    ):
+        yield (
+            "rms_height",
+            "the heights are constant, less their trend: a flat surface is solved; are they the heights?",
+        )
+
+
+def _form(scene: Scene, groups: Mapping[str, float]) -> Warnings:
+    """Yield a warning of a bow that is most of the heights of a scan and that its detrending leaves."""
+    bowed = scene.profile.detrend in ("none", "mean", "line")
+    if scene.scan is None or not bowed or next(_constant(scene, groups), None) is not None:
+        return
+    step = next(step for step in scene.scan.steps if step["step"] == "detrend")
+    if step["rms_bow"] ** 2 > MOST_BOW * step["rms_without_tilt"] ** 2:
+        share = step["rms_bow"] / step["rms_without_tilt"]
+        told = f"a bow of {step['bow'] * 1e6:.3g} um is {share:.0%} of the rms height"
+        yield "profile.detrend", f'{told}: form? detrend = "quadratic" subtracts it'
 
 
 def _doubted(scene: Scene, *keys: str) -> list[str]:

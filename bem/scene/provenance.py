@@ -13,6 +13,8 @@ from typing import Any
 
 import numpy as np
 
+FACTS = ("linecontact", "python", "platform", "numpy", "scipy", "date", "scene_sha256")  # of every provenance
+
 
 def digest(content: Mapping[str, Any]) -> str:
     """Return the SHA-256 of a mapping as JSON with sorted keys.

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pydantic import PlainSerializer, PlainValidator
 
 from bem.scene.result_views import Views
-from bem.scene.state import FINAL_STATUSES, FinalStatus, MaybeNan, State, Status
+from bem.scene.state import FINAL_STATUSES, FinalStatus, Finite, MaybeNan, State, Status
 from bem.scene.stored_arrays import decoded, encoded
 
 EventKind = Literal[
@@ -52,9 +52,9 @@ class Caution:
 class EventError:
     """Estimated absolute error of the numbers of an event, in their units."""
 
-    penetration: float
-    mean_pressure: float | None
-    energy_released: float | None
+    penetration: Finite
+    mean_pressure: Finite | None
+    energy_released: Finite | None
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ class Event:
 class TensionError:
     """Bound on the error of the largest tension, Pa."""
 
-    mean_pressure: float
+    mean_pressure: Finite
 
 
 @dataclass(frozen=True)
@@ -168,7 +168,7 @@ class Result(Views):
     status: Status
     fields: Arrays = field(default_factory=dict)
     failure: str | None = None
-    groups: dict[str, MaybeNan] = field(default_factory=dict)
+    groups: dict[str, float] = field(default_factory=dict)
     warnings: tuple[Caution, ...] = ()
     profile_preparation: tuple[dict[str, Any], ...] = ()
     largest_tension: LargestTension | None = None

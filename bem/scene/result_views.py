@@ -53,9 +53,37 @@ class Views:
         Parameters
         ----------
         of : {"states", "events", "targets"}
-            Targets have what a design asks for, SI: mean, contact and peak pressure, number and widths of the contacts,
-            mean, largest and quantiles of the height of the open gaps, <g^3>^(1/3), the widest channel, share of the
-            period that is open; NaN where it is not known.
+            States and events have the names of result.json.
+
+        Notes
+        -----
+        Columns of the targets, and error_estimate_ of the five from penetration to contact_fraction in their units; NaN
+        where a number is not known.
+
+        ========================================== ===== ==============================================
+        column                                     unit  meaning
+        ========================================== ===== ==============================================
+        branch, status                                   loading or unloading; converged, or why not
+        target                                     m, Pa value under control: a length, or a pressure
+        penetration                                m     from first touch
+        separation                                 m     mean gap over the period
+        total_displacement                         m     of the plate of a layer
+        mean_pressure                              Pa    load over the period
+        contact_fraction                           1     length in contact over the period
+        contact_pressure, peak_pressure            Pa    mean over the contacts; largest
+        n_patches                                  1     number of contacts
+        width_least, width_median, width_largest   m     of the contacts
+        open_share                                 1     share of the period that is not in contact
+        open_gap_mean, open_gap_largest            m     gap over the open length
+        open_gap_p10, open_gap_p25, open_gap_p50   m     gap below which 10, 25, 50 % of it lie
+        open_gap_p75, open_gap_p90                 m     gap below which 75, 90 % of it lie
+        mean_cubic_root                            m     <g^3>^(1/3) over the period
+        widest_channel                             m     longest stretch between two contacts
+        certified                                        1 where the independent quadrature agrees
+        ========================================== ===== ==============================================
+
+        Units of the other columns, where they have any: energies J/m^2, stress_intensity_max Pa m^(1/2),
+        contact_stiffness Pa/m, position m, cpu_seconds s, certificate_min_gap and certificate_mean_gap_error m.
 
         Raises
         ------

@@ -21,8 +21,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict
 
-import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
 from bem.geometry.profile import Profile
 from bem.geometry.ranges import MOST_HARMONICS, Mistake, shown, unknown_key
@@ -70,7 +69,7 @@ LISTED = 12  # format: targets listed in an error
 __all__ = ["Loading", "Mistake", "Scene", "SceneError", "StoredStart", "load_scene", "parse_scene", "scene_of"]
 
 Table = Mapping[str, Any]
-Samples = tuple[NDArray[Any], NDArray[Any]]
+Samples = tuple[ArrayLike, ArrayLike]
 
 
 class Tables(TypedDict, total=False):
@@ -229,8 +228,8 @@ def parse_scene(data: Mapping[str, Any], base_dir: Path | str = ".") -> Scene:
     Parameters
     ----------
     data : mapping
-        Tables by name, as `tomllib` returns them, or objects (`Tables`).  A profile of samples may have arrays `x` and
-        `h` in m instead of `file`; they are prepared like the samples of a file.
+        Tables by name, as `tomllib` returns them, or objects (`Tables`).  A profile of samples may have arrays or lists
+        `x` and `h` in m instead of `file`; they are prepared like those of a file, where masked heights are missing.
     base_dir : Path or str
         Folder relative file names start from.
 
@@ -250,7 +249,8 @@ def parse_scene(data: Mapping[str, Any], base_dir: Path | str = ".") -> Scene:
     ((2e-06, 1e-06), None)
     """
     base_dir, mistakes = Path(base_dir), []
-    data, arrays = _without_arrays(data)
+    data, arrays, incomplete = _without_arrays(data)
+    mistakes += incomplete
     for name in data:
         if name not in TABLES and name != "title":
             mistakes.append(Mistake(name, f"= {shown(data[name])} is unknown", unknown_key(name, ["title", *TABLES])))
@@ -270,7 +270,7 @@ def parse_scene(data: Mapping[str, Any], base_dir: Path | str = ".") -> Scene:
     if "loading" in data:
         tables = [name for name in TABLES if data.get(name) is not None]
         mistakes += loading_mistakes(loading, given["loading"], tables, profile.get("period"))
-    scan, wrong = _scan(profile, given["profile"], base_dir, arrays)
+    scan, wrong = (None, []) if incomplete else _scan(profile, given["profile"], base_dir, arrays)
     mistakes += wrong
     start, wrong = stored_start(loading.get("initial"), loading.get("control"), base_dir)
     mistakes += wrong
@@ -279,16 +279,20 @@ def parse_scene(data: Mapping[str, Any], base_dir: Path | str = ".") -> Scene:
     return _resolved(data.get("title", ""), made, scan, start)
 
 
-def _without_arrays(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], Samples | None]:
-    """Return the tables with a name in place of the arrays x and h of a profile of samples, and the arrays."""
+def _without_arrays(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], Samples | None, list[Mistake]]:
+    """Return the tables with a name in place of the samples x and h of a profile, the samples, and their mistakes."""
     profile = data.get("profile")
-    if not isinstance(profile, Mapping) or "file" in profile:
-        return data, None
+    if not isinstance(profile, Mapping) or "file" in profile or profile.get("kind") != "samples":
+        return data, None, []
     x, h = profile.get("x"), profile.get("h")
-    if not isinstance(x, np.ndarray) or not isinstance(h, np.ndarray):
-        return data, None
+    if x is None and h is None:
+        return data, None, []
     rest = {key: value for key, value in profile.items() if key not in ("x", "h")}
-    return {**data, "profile": rest | {"file": IN_MEMORY}}, (x, h)
+    data = {**data, "profile": rest | {"file": IN_MEMORY}}
+    if x is None or h is None:
+        allowed = "samples in memory need x and h, arrays of equal length in m"
+        return data, None, [Mistake(f"profile.{'x' if x is None else 'h'}", "is missing", allowed)]
+    return data, (x, h), []
 
 
 def _as_mapping(table: Any) -> Any:

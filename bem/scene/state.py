@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import BeforeValidator
+from pydantic import AllowInfNan, BeforeValidator
 
 from bem.audit.certificate import Certificate
 
@@ -26,6 +26,7 @@ def _nan_of_null(value: Any) -> Any:
     return math.nan if value is None else value
 
 
+Finite = Annotated[float, AllowInfNan(False)]
 MaybeNan = Annotated[float, BeforeValidator(_nan_of_null)]
 
 
@@ -37,16 +38,16 @@ class NotFiniteError(ArithmeticError, ValueError):
 class ErrorEstimate:
     """Estimated absolute error of every number a state reports, in the unit of that number; None: not estimated."""
 
-    mean_pressure: float | None = None
-    contact_fraction: float | None = None
-    penetration: float | None = None
-    separation: float | None = None
-    total_displacement: float | None = None
-    elastic_energy: float | None = None
-    adhesion_energy: float | None = None
-    total_energy: float | None = None
-    stress_intensity_max: float | None = None
-    contact_stiffness: float | None = None
+    mean_pressure: Finite | None = None
+    contact_fraction: Finite | None = None
+    penetration: Finite | None = None
+    separation: Finite | None = None
+    total_displacement: Finite | None = None
+    elastic_energy: Finite | None = None
+    adhesion_energy: Finite | None = None
+    total_energy: Finite | None = None
+    stress_intensity_max: Finite | None = None
+    contact_stiffness: Finite | None = None
 
 
 @dataclass(frozen=True)

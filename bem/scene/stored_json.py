@@ -50,7 +50,7 @@ def verified(raw: bytes, place: str, schema: str | None = None) -> dict[str, Any
     except CorruptResultError:
         raise
     except (ValueError, RecursionError) as error:
-        raise CorruptResultError(f"{place}: corrupt, not JSON of a result ({error})") from error
+        raise CorruptResultError(f"{place}: corrupt, not JSON as it was written ({error})") from error
     if schema is not None:
         del content["schema"]
     return content

@@ -21,5 +21,8 @@ def surface_of(values: Mapping[str, Any], scan: Scan | None) -> Profile:
     if kind == "harmonics":
         return Profile.from_harmonics(values["period"], values["orders"], values["amplitudes"], values["phases"])
     if scan is None:
-        raise ValueError("profile.file: its samples have not been read")
+        raise ValueError(
+            'profile.kind = "samples": a result has no samples of its file; allowed: the scan beside the values, as '
+            "load_scene(path).surface() has it, or the stored harmonics of the result"
+        )
     return Profile.from_samples(scan.x, scan.h, values["harmonics"], period=values["period"])

@@ -24,7 +24,7 @@ def stored_state(**changes):
         "contact_stiffness": 1.0,
         "stable_at_fixed_load": True,
         "error_estimate": ErrorEstimate(1e-9, 1e-9),
-        "certificate": Certificate(1e-12, 1e-9, 0.2, 1e-8, 1e-10, ok=True),
+        "certificate": Certificate(1e-12, 1e-9, 0.2, 1e-8, 1e-10, contact_residual=1e-12, mean_gap_error=1e-18),
         "unknowns": 40,
         "evaluations": 7,
         "cpu_seconds": 0.5,

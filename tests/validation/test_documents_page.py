@@ -6,7 +6,10 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from browser import BROWSER
+from devtools import found_at
 
+from bem.command_line.answer_table import QUANTITIES
 from validation.command_line.front_door import main
 from validation.report.documents import TOPICS, document, sections
 from validation.report.formulas import formula
@@ -40,6 +43,38 @@ def test_words_of_a_heading_find_its_section(capsys):
     assert "## 9." not in printed
 
 
+@pytest.mark.parametrize(
+    ("words", "hit"),
+    [
+        (["detrend"], r"bem/KEYS.md, \[profile\]: .*`detrend`"),
+        (["separation"], r"validation/ANSWER.md, Reading and quoting an answer: .*separation"),
+        (["OPEN", "gap:", "mean"], r"validation/ANSWER.md, .*: \| open gap: mean"),
+        (["pull-off"], r"bem/THRESHOLDS.md, `bem/adhesive/vanishing.py`: .*pull-off"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
+)
+def test_words_of_a_line_find_it_with_its_place(words, hit, capsys):
+    assert main(["docs", *words]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert any(re.match(hit, line) for line in lines), lines
+    assert max(map(len, lines)) < 240
+
+
+def test_a_key_comes_before_other_lines(capsys):
+    assert main(["docs", "period"]) == 0
+    assert capsys.readouterr().out.startswith("bem/KEYS.md, [profile]: - `period` (number, m)")
+
+
+def test_the_answer_has_a_screen_with_each_of_its_rows(capsys):
+    """Every heading of the answer, without what is prescribed, is in the table of the page in its order."""
+    assert main(["docs", "answer"]) == 0
+    printed = capsys.readouterr().out
+    assert len(printed.splitlines()) <= 50
+    table = " ".join(line.split("|")[1] for line in printed.splitlines() if line.startswith("| "))
+    heads = [*(head.partition(":")[0].partition(" for ")[0] for head in QUANTITIES.values()), "pull-off"]
+    assert [head for head in heads if head not in table] == []
+
+
 def test_an_unknown_topic_is_refused_with_all_topics(capsys):
     assert main(["docs", "weather"]) == 2
     refusal = capsys.readouterr().err
@@ -54,6 +89,19 @@ def test_the_page_has_every_heading_and_its_links_lead_there(page):
     assert len(links) > 40
     assert set(links) <= {*places, "limits"}
     assert not re.search(r'(?:src|href)="(?!https://|#|data:)', page)
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium here (Debian: apt-get install chromium)")
+@pytest.mark.parametrize(("width", "shown"), [(1280, True), (390, False)])
+def test_the_contents_are_folded_where_the_page_is_narrow(page, width, shown, tmp_path):
+    look = """
+    found.shown = document.querySelector("nav li a").checkVisibility();
+    found.title = document.querySelector("main h1").getBoundingClientRect().top;
+    found.wide = document.documentElement.scrollWidth > innerWidth;
+    """
+    found, console = found_at(tmp_path, page, look, width)
+    assert (found["shown"], found["wide"], console) == (shown, False, [])
+    assert found["title"] < 100
 
 
 def test_no_mark_of_markdown_is_left_on_the_page(page):

@@ -1,7 +1,9 @@
 """Study of a scene: its answers against closed forms, what is varied, and the folder that it keeps."""
 
+import csv
 import json
 import math
+import re
 import subprocess
 import sys
 import time
@@ -14,6 +16,7 @@ import pytest
 from rough_scene import ROUGH
 
 from bem.loading.workers import ENDED
+from bem.scene.provenance import digest
 from bem.scene.scene import parse_scene
 from validation.command_line.front_door import main
 from validation.references.closed_forms import Sinusoid
@@ -228,13 +231,27 @@ def test_a_study_continues_and_its_page_is_written(tmp_path):
     assert all(row["cpu_seconds"] > 0 for row in stored["tolerances"])
     page = (tmp_path / "out" / "study.html").read_text()
     assert "rubber on &lt;glass&gt;" in page
-    del stored["solved"]["cut: 4 harmonics"]
-    (tmp_path / "out" / "study.json").write_text(json.dumps(stored))
+    columns = re.findall(r'<th scope="col">(.*?)</th>', page.partition("</thead>")[0])
+    assert columns == ["target", "answer", "value", "±", "unit", "numerical", "cut", "seed", "length"]
+    del stored["solved"]["cut: 4 harmonics"], stored["checksum"]
+    (tmp_path / "out" / "study.json").write_text(json.dumps(stored | {"checksum": digest(stored)}))
     again = []
     assert run(path, tmp_path / "out", QUICK, again.append) == 0
     assert [note.split(":")[0] for note in again] == [BASE, "cut"]
     after = json.loads((tmp_path / "out" / "study.json").read_text())
     assert after["answers"] == stored["answers"]
+
+
+def answer(content, **changes):
+    """Give the unchanged scene of a study one answer with changes."""
+    good = {"target": 0, "branch": "loading", "quantity": "mean pressure", "value": 1.0, "error": None}
+    content["solved"][BASE].update(answers=[good | changes])
+
+
+def test_a_study_whose_content_does_not_match_its_checksum_is_refused(tmp_path):
+    (tmp_path / "study.json").write_text(json.dumps({"schema": "linecontact-scene-study/2", "checksum": "0"}))
+    with pytest.raises(ReportError, match=r"study\.json: corrupt, its checksum does not match.*--overwrite"):
+        run(scene_file(tmp_path, SCENE), tmp_path, QUICK, quiet)
 
 
 @pytest.mark.parametrize(
@@ -249,6 +266,9 @@ def test_a_study_continues_and_its_page_is_written(tmp_path):
         (lambda content: content.update(scene_sha256="0"), "scene_sha256: the study of another scene"),
         (lambda content: content.update(schema="other"), "schema: 'other', not"),
         (lambda content: content.clear(), "schema: Field required"),
+        (lambda content: answer(content, error=1e300), r"solved\.as it is\.answers\.0\.error: "),
+        (lambda content: answer(content, value=10**400), r"solved\.as it is\.answers\.0\.value: "),
+        (lambda content: answer(content, quantity="x"), r"solved\.as it is\.answers\.0\.quantity: "),
     ],
 )
 def test_a_study_that_is_foreign_or_changed_is_refused_by_file_and_key(change, words, tmp_path):
@@ -260,7 +280,7 @@ def test_a_study_that_is_foreign_or_changed_is_refused_by_file_and_key(change, w
         "solved": {BASE: {"sha256": "1", "status": "converged", "reason": "", "cpu_seconds": 1.0, "answers": []}},
     }
     change(content)
-    (tmp_path / "out" / "study.json").write_text(json.dumps(content))
+    (tmp_path / "out" / "study.json").write_text(json.dumps(content | {"checksum": digest(content)}))
     with pytest.raises(ReportError, match=words):
         run(scene_file(tmp_path, SCENE), tmp_path / "out", QUICK, quiet)
 
@@ -268,13 +288,33 @@ def test_a_study_that_is_foreign_or_changed_is_refused_by_file_and_key(change, w
 def test_a_file_that_is_no_json_is_refused_and_overwritten_where_asked(tmp_path):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "study.json").write_text("{")
-    with pytest.raises(ReportError, match=r"study\.json: the file: .*--overwrite"):
+    with pytest.raises(ReportError, match=r"study\.json: corrupt, not JSON.*--overwrite"):
         run(scene_file(tmp_path, SCENE), tmp_path / "out", QUICK, quiet)
     options = replace(QUICK, overwrite=True, budget=1e-9)
     assert run(scene_file(tmp_path, SCENE), tmp_path / "out", options, quiet) == 0
     rows = json.loads((tmp_path / "out" / "study.json").read_text())["settings"]
     assert {row["status"] for row in rows} == {"converged", "left out"}
     assert "beyond the budget" in rows[-1]["reason"]
+
+
+def test_a_study_beside_its_run_refreshes_the_page_and_the_table_of_the_run(tmp_path, capsys):
+    path, out = (
+        scene_file(tmp_path, SCENE | {"loading": {"control": "mean_pressure", "targets": [2e4]}}),
+        tmp_path / "out",
+    )
+    assert main(["run", str(path), "--out", str(out), "--quiet"]) == 0
+    assert main(["study", "scene", str(path), "--quick", "--out", str(out), "--jobs", "1"]) == 0
+    told = capsys.readouterr().out
+    assert told.splitlines()[-1] == str(out / "report.html")
+    assert "contact fraction at 20 kPa, loading: " in told and "mean pressure at" not in told
+    stored = json.loads((out / "study.json").read_text())
+    assert stored["command"] == f"linecontact study scene {path} --quick --out {out}"
+    (row,) = csv.DictReader((out / "answer.csv").read_text().splitlines())
+    (fraction,) = (answer for answer in stored["answers"] if answer["quantity"] == "contact fraction")
+    left_open = math.hypot(*(move for source, move in fraction["moved"].items() if source != "numerical"))
+    assert float(row["input_uncertainty_contact_fraction"]) == pytest.approx(left_open * fraction["value"], rel=1e-6)
+    assert float(row["input_uncertainty_separation / m"]) > 0
+    assert "% input" in (out / "report.html").read_text()
 
 
 def test_a_scene_that_does_not_converge_as_it_is_fails(tmp_path, capsys):

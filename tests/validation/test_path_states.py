@@ -89,7 +89,7 @@ def test_digits_follow_the_estimated_errors():
     doubtful = moving_path(replace(result, states=tuple(rough)), [])["states"]
     place = next(k for k, row in enumerate(known) if row["contacts"] == "2" and not row["words"])
     precise, vague = (rows[place]["mean_pressure"].replace(".", "") for rows in (known, doubtful))
-    assert (len(precise), len(vague)) == (4, 2)
+    assert (len(precise), len(vague.rstrip("0"))) == (4, 2)
 
 
 def test_complete_contact_has_no_gap_and_is_no_number_of_contacts():

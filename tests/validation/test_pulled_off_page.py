@@ -12,7 +12,7 @@ PROFILE = bem.Profile.self_affine(0.01, 0.7, 50e-6, 8, 1)
 @pytest.mark.parametrize(
     ("targets", "answered", "verdict"),
     [
-        ([1000.0, 0.0, -5e4], True, 'class="verdict agrees">✓ Pulled off'),
+        ([1000.0, 0.0, -5e4], True, 'class="verdict neutral">Pulled off'),
         ([-5e4, 100.0, -5e4], False, 'class="verdict deviates">✗ Unreachable'),
     ],
 )

@@ -1,6 +1,8 @@
 """The page of a run: what it says, and how it looks in a real browser on a desk and on a phone."""
 
+import html
 import json
+import re
 from dataclasses import replace
 
 import pytest
@@ -10,10 +12,13 @@ from drawn_once import drawn_once
 from rough_scene import ROUGH
 
 import bem
+from bem.command_line.answer_table import answer, units_of
+from bem.scene.provenance import digest
 from bem.scene.result import LargestTension, TensionError
 from bem.scene.result_file import write_result
 from validation.command_line.front_door import main
 from validation.report import run_page
+from validation.report.figures import svg_of
 from validation.report.path_states import path_of
 from validation.report.run_figures import figures_of
 from validation.report.run_page import render_run
@@ -23,6 +28,8 @@ LOOK = """
 const box = document.getElementById("verdict").getBoundingClientRect();
 found.width = innerWidth;
 found.wide = document.documentElement.scrollWidth > innerWidth;
+const answered = document.querySelector("#answer .wide");
+found.hidden = answered.scrollWidth - answered.clientWidth;
 found.verdict = [box.left, box.top, innerWidth - box.right, innerHeight - box.bottom];
 const named = (svg, attribute) => document.getElementById(svg.getAttribute(attribute) ?? "")?.textContent ?? "";
 const drawings = [...document.querySelectorAll("figure svg")].filter((svg) => !svg.closest("#paper"));
@@ -63,6 +70,7 @@ def test_in_a_browser(page, result, tmp_path, width):
     found, console = found_at(tmp_path, page, LOOK, width)
     assert (found["width"], console) == (width, [])
     assert not found["wide"]
+    assert width < 1000 or found["hidden"] == 0  # all columns of the answer
     assert min(found["verdict"]) >= 0  # on the first screen, all of it
     assert min(found["answer"]) >= 0  # and the first row of the answer
     assert len(found["figures"]) == 7  # five that move; the area and the estimated errors
@@ -97,7 +105,7 @@ def test_keys_move_the_slider_and_the_numbers_are_those_of_the_states(page, resu
             opened.ask("Input.dispatchKeyEvent", type=kind, key=key, code=key, modifiers=8 if shift else 0)
         return opened.find(SHOWN)
 
-    points = path_of(result)
+    points, units = path_of(result), units_of(result)
     with tab(path) as opened:
         opened.show(width, 844)
         seen = [opened.find(SHOWN), *(press(opened, "ArrowRight") for _ in points[1:])]
@@ -109,9 +117,10 @@ def test_keys_move_the_slider_and_the_numbers_are_those_of_the_states(page, resu
         assert numbers[0] == f"{k + 1} of {len(points)}, {state.branch}"
         shown = [float(text.split()[0].replace("\N{MINUS SIGN}", "-")) for text in numbers[1:]]
         opened_share = 1 - state.contact_fraction
-        known = [1e6 * state.separation, 1e-3 * state.mean_pressure, state.contact_fraction]
+        factors = [units[name][0] for name in ("separation", "mean_pressure", "open_gap_mean")]
+        known = [factors[0] * state.separation, factors[1] * state.mean_pressure, state.contact_fraction]
         assert shown == pytest.approx(
-            [*known, 1e6 * state.separation / opened_share, state.n_patches], rel=1e-3, abs=1e-12
+            [*known, factors[2] * state.separation / opened_share, state.n_patches], rel=1e-3, abs=1e-12
         )
         assert apart
         assert not wide
@@ -135,8 +144,9 @@ def test_everything_is_on_the_page(page, result):
     assert "rubber on &lt;glass&gt;" in page
     assert "<glass>" not in page
     assert page.count("energy released") == 1
+    factor, _ = units_of(result)["mean_pressure"]
     for event in result.events:
-        assert f"{event.mean_pressure:.9g} ± {event.error_estimate.mean_pressure:.1g}" in page
+        assert f"{factor * event.mean_pressure:.9g} ± {factor * event.error_estimate.mean_pressure:.1g}" in page
     assert all(effect.reason in page.replace("&#34;", '"') for effect in result.effects)
     assert result.provenance["scene_sha256"] in page
 
@@ -149,18 +159,42 @@ def test_curves_have_error_bars_of_the_estimated_errors(result):
     assert spread[0] == pytest.approx(targets[0].error_estimate.mean_pressure * 1e-3, rel=1e-2)  # kPa
 
 
+def test_without_a_study_the_banner_does_not_praise_an_answer_of_unknown_uncertainty(page):
+    assert 'class="verdict neutral">Converged' in page
+    assert "✓" not in page.partition("</header>")[0]
+
+
+def test_the_answer_of_the_page_is_that_of_the_terminal_a_line_for_each_quantity(page, result):
+    table = page.partition('answer">')[2].partition("</table>")[0]
+    lines = [re.findall(r"<t[hd][^>]*>([^<]*)</t", line) for line in table.split("<tr>")[1:]]
+    assert [(html.unescape(head), [*map(html.unescape, texts)]) for head, *texts in lines] == answer(result)
+
+
+def test_errors_along_the_path_need_two_states_and_count_them_in_whole_numbers(result):
+    def errors(states):
+        return [figure for figure in figures_of(replace(result, states=states), []) if figure.id == "errors"]
+
+    assert errors(result.states[:1]) == []
+    (figure,) = errors(result.states[1:4])
+    texts = re.findall("<text[^>]*>([^<]*)</text>", str(svg_of(figure, "errors")))
+    assert {"1", "2", "3"} <= set(texts)
+    assert not [text for text in texts if "." in text]
+
+
 def test_what_a_later_version_adds_is_shown(result):
     class Caution:
         about, message = "profile.period", "above 1 m: is the unit mm?"
 
     richer = replace(result)
     added = {"groups": {"rms_slope": 0.125, "pressure_scale": 1.25e6}, "warnings": (Caution,)}
-    added["profile_preparation"] = ({"step": "detrend", "method": "line", "rms_height": [2e-6, 1e-6]},)
+    added["profile_preparation"] = (
+        {"step": "detrend", "method": "line", "removed": [3e-6, 4e-6], "rms_height": [2e-6, 1e-6]},
+    )
     vars(richer).update(added)
     page = render_run(richer)
     assert "above 1 m: is the unit mm?" in page
     assert 'rms slope</th><td class="num">0.125</td>' in page
-    assert "method line, rms height 2e-06 → 1e-06" in page
+    assert "3 µm at the first sample and 4 µm at the last; rms height 2 µm before, 1 µm after.</li>" in page
     assert "1.25 MPa" in page
 
 
@@ -245,7 +279,7 @@ def study_beside(result, folder, shares, **changes):
     ]
     study = {"scene_sha256": result.provenance["scene_sha256"], "answers": rows} | changes
     study = {key: value for key, value in study.items() if value is not None}
-    (folder / "study.json").write_text(json.dumps(study))
+    (folder / "study.json").write_text(json.dumps(study | {"checksum": digest(study)}))
 
 
 def test_the_answer_comes_first_with_the_uncertainty_of_the_input_of_a_study_beside_it(result, tmp_path, capsys):
@@ -255,6 +289,7 @@ def test_the_answer_comes_first_with_the_uncertainty_of_the_input_of_a_study_bes
     assert page.index('id="answer"') < page.index('id="figures"') < page.index('id="scene"') < page.index('id="states"')
     assert 'class="verdict doubtful">! Converged' in page
     assert "The input leaves up to 34 % of a number open." in page
+    assert 'class="verdict agrees">✓ Converged' in render_run(result, {0: {"contact_fraction": 0.02}})
     assert "numerical, 34 % input</td>" in page
     table = (tmp_path / "answer.csv").read_text().splitlines()
     assert len(table) == 1 + len(result.targets)
@@ -298,7 +333,7 @@ def test_a_study_of_other_numbers_is_not_used(result, tmp_path):
 def test_a_file_that_is_no_study_is_told_by_its_key(answers, key, result, tmp_path, capsys):
     write_result(result, tmp_path)
     study = {"scene_sha256": result.provenance["scene_sha256"], "answers": answers}
-    (tmp_path / "study.json").write_text(json.dumps(study))
+    (tmp_path / "study.json").write_text(json.dumps(study | {"checksum": digest(study)}))
     assert main(["report", str(tmp_path)]) == 2
     assert f"study.json: not the study of a scene: {key}" in capsys.readouterr().err
 

@@ -78,7 +78,7 @@ def test_spectrum_is_drawn_with_its_floor_and_the_cuts(tmp_path):
 def test_spectrum_without_a_floor_is_drawn_without(tmp_path):
     result = noisy_result(tmp_path, 0.0, harmonics=50)
     figure = spectrum_figure(result.fields, result.profile_preparation)
-    assert "no floor: the highest octave is as f^-2." in figure.caption
+    assert "no floor: in the octave of the shortest waves the density goes as the power 2." in figure.caption
     assert [series.label for series in figure.solution.series] == [
         "power spectrum of the scan",
         "harmonics end, 112 µm",

@@ -54,6 +54,7 @@ def test_a_trace_is_answered_by_a_page(tmp_path, capsys):
     told = capsys.readouterr()
     assert told.out.splitlines()[-1] == str(out / "report.html")
     assert "three digits" in told.err
+    assert told.err.splitlines()[-1].endswith(f"linecontact study scene {out / 'scene.toml'} --quick --out {out}")
     assert {path.name for path in out.iterdir()} >= {"scene.toml", "result.json", "report.html", "answer.csv"}
     scene = tomllib.loads((out / "scene.toml").read_text("utf-8"))
     assert scene["solid"] == {"youngs_modulus": 5e6, "poisson_ratio": 0.49}
@@ -81,7 +82,7 @@ def test_every_choice_is_a_line_of_the_scene(answered):
 
 
 def test_the_cut_is_the_one_that_check_suggests(tmp_path, capsys):
-    """With enough noise: the trace falls below it at a wave of more than its length over 125."""
+    """With enough noise: the trace falls below it at a wave of more than five samples."""
     write_trace(tmp_path, noise=15e-9, n=3000)
     out = tmp_path / "out"
     assert answer(tmp_path / "trace.csv", *SOLID, "--pressure", "20e3", "--out", out, "--quiet") == 0
@@ -93,9 +94,38 @@ def test_the_cut_is_the_one_that_check_suggests(tmp_path, capsys):
     assert suggested > 24 * SPACING
 
 
-def test_a_long_trace_is_cut_to_what_takes_seconds(tmp_path):
+def test_a_long_trace_without_adhesion_is_not_cut_further_and_the_slope_that_is_left_is_told(tmp_path, capsys):
     out = tmp_path / "out"
     assert answer(write_trace(tmp_path, n=1500), *SOLID, "--pressure", "20e3", "--out", out, "--quiet") == 0
+    assert profile_of(out)["cutoff_short"] == pytest.approx(5 * SPACING, rel=1e-3)
+    steps = {step["step"]: step for step in bem.read_result(out).profile_preparation}
+    share = steps["cut"]["rms_slope"][1] / steps["filter"]["rms_slope"][0]
+    told = f"filter and cut leave {100 * share:.1f} % of the rms slope"
+    assert told in capsys.readouterr().out
+    assert told in (out / "report.html").read_text("utf-8")
+
+
+def test_a_bow_is_told_on_the_terminal_in_the_scene_and_in_the_result(tmp_path, capsys):
+    trace, out = write_trace(tmp_path), tmp_path / "out"
+    heading, *lines = trace.read_text("utf-8").splitlines()
+    pairs = [tuple(map(float, line.split(";"))) for line in lines]
+    middle = pairs[len(pairs) // 2][0]
+    bowed = (f"{a};{b + 3 * ((a - middle) / middle) ** 2}" for a, b in pairs)
+    trace.write_text("\n".join([heading, *bowed]) + "\n", "utf-8")
+    words = (trace, *SOLID, "--pressure", "20e3", "--out", out)
+    assert answer(*words) == 0
+    (warning,) = bem.read_result(out).warnings
+    assert warning.about == "profile.detrend" and "of the rms height: form?" in warning.message
+    assert warning.message in capsys.readouterr().err
+    assert warning.message in (out / "scene.toml").read_text("utf-8").replace("\n# ", " ")
+    assert answer(*words, "--overwrite", "--profile", "detrend=quadratic") == 0
+    assert "bow of" not in capsys.readouterr().err
+
+
+def test_a_long_trace_with_adhesion_is_cut_to_what_takes_seconds(tmp_path):
+    out = tmp_path / "out"
+    words = ("--pressure", "20e3", "--work-of-adhesion", "1e-4", "--out", out, "--quiet")
+    assert answer(write_trace(tmp_path, n=1500), *SOLID, *words) == 0
     assert profile_of(out)["cutoff_short"] == pytest.approx(1500 / 125 * SPACING, rel=1e-3)
     text = (out / "scene.toml").read_text("utf-8")
     assert "125 waves along the trace" in text and "leaves an rms slope of" in text.replace("\n# ", " ")
@@ -126,7 +156,9 @@ def test_a_trace_that_cannot_be_used_is_refused_as_check_refuses_it(tmp_path, ca
     scene += 'detrend = "line"\n[loading]\ncontrol = "mean_pressure"\ntargets = [20e3]\n'
     (tmp_path / "scene.toml").write_text(scene)
     assert main(["check", str(tmp_path / "scene.toml")]) == 2
-    assert capsys.readouterr().err == refusal
+    assert refusal.removeprefix(capsys.readouterr().err.rstrip()) == (
+        "\n  keys of [profile] are given as: --profile unit_x=.. unit_h=..\n"
+    )
     assert "profile.unit_x is missing" in refusal
 
 
@@ -136,6 +168,9 @@ def test_a_trace_that_cannot_be_used_is_refused_as_check_refuses_it(tmp_path, ca
         (("--pressure", "1e6", "50e3"), "--pressure: 50000 after 1e+06; allowed: numbers > 0 that rise"),
         (("--pressure", "0"), "--pressure: 0; allowed: numbers > 0 that rise"),
         (("--pressure", "nan"), "--pressure: nan; allowed"),
+        (("--pressure", "50kPa"), "--pressure: '50kPa'; allowed: numbers in Pa, as in 50e3 1e6"),
+        (("--pressure", "1e4", "--youngs-modulus", "50MPa"), "'50MPa'; allowed: a number in Pa, as in 50e6"),
+        (("--pressure", "1e4", "--thickness", "2mm"), "'2mm'; allowed: a number in m, as in 1e-3"),
         ((), "the following arguments are required: --pressure"),
         (("--pressure", "1e4", "--youngs-modulus", "-5e6"), "solid.youngs_modulus"),
         (("--pressure", "1e4", "--thickness", "0"), "layer.thickness = 0"),

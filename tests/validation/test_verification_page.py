@@ -124,6 +124,18 @@ def test_a_row_holds_what_other_programs_read(written):
     assert content["provenance"]["commit"]
 
 
+def test_contents_name_cases_by_their_questions_and_keys_of_symbols_stand_on_the_page(written):
+    content, page = written()
+    contents = page.partition("<nav")[2].partition("</nav>")[0]
+    assert all(f">{case['question']}</a>" in contents for case in content["cases"])
+    assert "U: expanded uncertainty, k = 2." in page
+
+
+def test_a_paper_of_which_nothing_was_selected_is_left_out(tmp_path):
+    write_study(tmp_path, "a command", [])
+    assert 'id="paper"' not in (tmp_path / "report.html").read_text()
+
+
 def test_json_has_no_numbers_that_are_none(written, tmp_path):
     written()
     json.loads((tmp_path / "report.json").read_text(), parse_constant=lambda name: pytest.fail(name))

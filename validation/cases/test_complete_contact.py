@@ -20,10 +20,9 @@ from validation.plugin.rows import Code, Quantity
 from validation.references.closed_forms import Sinusoid, full_contact_amplitudes, layer_compliance
 from validation.references.isolated_crack import closing, valleys
 from validation.references.waves import Waves
-from validation.routes.scenes import NOT_SELF_AFFINE, posed, solved, values
+from validation.routes.scenes import NOT_SELF_AFFINE, TEN_DIGITS, posed, solved, values
 
 E, PERIOD, DEPTH = 1e6, 0.01, 1e-4
-TEN_DIGITS = "ten digits, which the README promises"
 MISSING = (1e-3, 1e-6, 1e-9, 1e-12)  # load missing to complete contact, relative
 NEAR = 1e-8  # missing load at which isolated cracks are compared: their limit and rounding leave least there
 

@@ -17,11 +17,10 @@ import bem
 from validation.plugin.rows import Code, Quantity
 from validation.references.closed_forms import Sinusoid, layer_compliance
 from validation.references.waves import Waves
-from validation.routes.scenes import posed, solved
+from validation.routes.scenes import TEN_DIGITS, posed, solved
 
 E, NU, THICKNESS, APART = 1e6, 0.3, 1e-3, 20e-6
 MODULUS = E / (1 - NU**2)
-TEN_DIGITS = "ten digits, which the README promises"
 ORDERS = np.arange(1, 41)  # beyond, a layer of a tenth of the period is a half-space
 
 

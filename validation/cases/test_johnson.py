@@ -18,11 +18,10 @@ from scipy.optimize import brentq
 import bem
 from validation.plugin.rows import Code, Quantity
 from validation.references.closed_forms import Sinusoid
-from validation.routes.scenes import estimates, posed, solved, values
+from validation.routes.scenes import TEN_DIGITS, estimates, posed, solved, values
 
 WAVE = Sinusoid(amplitude=1e-4, wavelength=0.01, youngs_modulus=1e6, poisson_ratio=0.5, alpha=0.3)
 DEPTH, STAR = WAVE.amplitude, WAVE.full_contact_pressure
-TEN_DIGITS = "ten digits, which the README promises"
 BESIDE = (1.3, 1.1, 1.02, 0.98, 0.9)  # psi over that of the largest tension; pull-off lies at 0.80
 
 

@@ -20,9 +20,8 @@ from validation.plugin.rows import Code, Quantity
 from validation.references.closed_forms import layer_compliance, layer_ratio, uniform_compliance
 from validation.references.dense import LayerKernel
 from validation.routes.dense_algebra import reference
-from validation.routes.scenes import estimates, posed, solved, touching, values
+from validation.routes.scenes import TEN_DIGITS, estimates, posed, solved, touching, values
 
-TEN_DIGITS = "ten digits of the largest value, which the README promises"
 MILD = {"solid": {"poisson_ratio": 0.3}}
 PLATE = {"control": "total_displacement", "targets": [20e-6, 60e-6, 90e-6, 50e-6]}
 

@@ -19,9 +19,8 @@ from validation.harness.arrays import FloatArray
 from validation.plugin.rows import Code, Quantity
 from validation.references.one_patch import OnePatch
 from validation.references.rippled_wave import AMPLITUDE, MODULUS, PERIOD, WAVE, RippledWave
-from validation.routes.scenes import estimates, posed, solved, values
+from validation.routes.scenes import TEN_DIGITS, estimates, posed, solved, values
 
-TEN_DIGITS = "ten digits, which the README promises"
 UP, DOWN = (0.0, 1e3, 3e3, 6e3, 1e4, 1.4e4), (1.2e4, 1e4, 6e3, 3e3, 0.0, -1e3, -1.6e3)  # Pa, of WAVE
 COARSE, FINE = RippledWave(20, 4e-6, 0.06), RippledWave(40, 2e-6, 0.06)
 RELEASED = 1e-3  # of the work of adhesion: least energy of a jump; folds of rounding size release less

@@ -117,7 +117,7 @@ def test_patch_that_stands(rows):
 
 @pytest.mark.quick
 def test_first_of_equal_patches_detaches(rows):
-    """Are as many of seven equal patches left as the overdamped motion leaves, begun with one a little narrower?"""
+    """Do as many of seven equal patches stay as in an overdamped motion of the edges, the first one 1 % narrower?"""
     equal, around = Ripples((7,), (2e-5,), (0.0,), 0.1), (-5.4e-6, -5.8e-6)  # they part at -5.46 um
     first, after = equal.path([10e-6, *around]).targets[1:]
     edges = np.array(first.edges)

@@ -14,7 +14,7 @@ from fem_reference import Resolution
 from validation.plugin.rows import Code, Quantity
 from validation.references.closed_forms import Sinusoid
 from validation.routes.fem_scenes import solve_fem, uncertain
-from validation.routes.scenes import contact_state, posed, solved
+from validation.routes.scenes import TEN_DIGITS, contact_state, posed, solved
 
 WAVE = Sinusoid(amplitude=50e-6, wavelength=0.01, youngs_modulus=1e6, poisson_ratio=0.3, alpha=0.3)
 PERIOD, DEPTH, STAR = WAVE.wavelength, WAVE.amplitude, WAVE.full_contact_pressure
@@ -26,7 +26,6 @@ TABLES = {
     "loading": {"control": "mean_pressure", "targets": [float(WAVE.mean_pressure(PSI))]},
 }
 HALF_SPACE = 1e-12  # relative: the layer of three periods for the half-space of the closed form
-TEN_DIGITS = "ten digits of the largest value, which the README promises"
 
 
 def from_crest(x):

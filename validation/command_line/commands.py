@@ -40,7 +40,7 @@ def _parser() -> argparse.ArgumentParser:
     example.set_defaults(command=_example, perform=harness.perform)
 
     docs = commands.add_parser("docs", help="methods and keys, as this package was built: topics, or one topic")
-    docs.add_argument("topic", nargs="*", metavar="TOPIC", help=f"{', '.join(TOPICS)}, or words of a heading")
+    docs.add_argument("topic", nargs="*", metavar="TOPIC", help=f"{', '.join(TOPICS)}, or words to search for")
     docs.add_argument("--html", type=Path, metavar="FILE", help="write all of them as one page, which needs no network")
     docs.add_argument("--overwrite", action="store_true", help="replace FILE")
     docs.set_defaults(command=_docs, perform=harness.perform)

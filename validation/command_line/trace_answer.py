@@ -6,8 +6,8 @@ units      the ones that the file states, else --profile unit_x=.. unit_h=.., el
 detrend    the least-squares line, which is the tilt of the instrument; the mean alone where the ends meet without
 periodic   as it is where the ends of the trace meet within `LARGEST_JUMP` rms steps, else followed by its mirror image
 cut        the wavelength at which the trace falls below its noise floor, where `check` suggests one, but at least
-           `FEWEST_SAMPLES` samples, as ISO 3274 has it, and at most `MOST_WAVES` waves along the trace, which take
-           seconds with adhesion; the reason is named, with the rms slope that the cut leaves
+           `FEWEST_SAMPLES` samples, as ISO 3274 has it, and at most `MOST_WAVES` waves along the trace, or
+           `MOST_ADHERING` with adhesion, which take seconds; the reason is named, with the rms slope that it leaves
 tolerance  1e-3, three digits
 
 The scene is then solved as `linecontact run DIR/scene.toml` solves it.  The trace stays where it is; the scene names
@@ -21,7 +21,7 @@ import re
 import sys
 import textwrap
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -30,19 +30,21 @@ from bem import scene_commands
 from bem.command_line.checkpoint import OutputFolderError, usable
 from bem.command_line.console import positive, toml_text
 from bem.command_line.folder_lock import locked
-from bem.command_line.perform import INTERRUPTED, perform
+from bem.command_line.perform import BAD_INPUT, INTERRUPTED, perform
 from bem.path_for import check_path
 from bem.scans.prepared_scan import Scan
 from bem.scene.atomic_file import write_atomically
 from bem.scene.memory_estimate import refuse_beyond_memory
-from bem.scene.scene import Scene, load_scene, parse_scene
+from bem.scene.plausibility import cautions_of, groups_of
+from bem.scene.scene import Scene, SceneError, load_scene, parse_scene
 from validation.report.pages import PAGE
 from validation.report.run_page import write_run_page
 from validation.studies.scene_settings import LARGEST_JUMP
 
 SCENE_FILE = "scene.toml"
 TOLERANCE = 1e-3
-FEWEST_SAMPLES, MOST_WAVES = 5, 125  # samples in the shortest wave, and waves of its length along the trace
+FEWEST_SAMPLES = 5  # in the shortest wave
+MOST_WAVES, MOST_ADHERING = 800, 125  # of the shortest wave along the trace, without and with adhesion
 WIDTH = 100  # characters of a line of the scene, where a file name allows
 NEGATIVE = re.compile(r"-\d*\.?\d+(?:[eE][-+]?\d+)?$")
 
@@ -75,6 +77,21 @@ class _Rising(argparse.Action):
         setattr(namespace, self.dest, values)
 
 
+PRESSURES: dict[str, Any] = {"required": True, "nargs": "+", "action": _Rising, "help": "mean pressures, Pa, rising"}
+
+
+def _number(allowed: str) -> Callable[[str], float]:
+    """Return the reader of a number of the command line; `allowed` are the words of its error message."""
+
+    def read(word: str) -> float:
+        try:
+            return float(word)
+        except ValueError as error:
+            raise argparse.ArgumentTypeError(f"{word!r}; allowed: {allowed}") from error
+
+    return read
+
+
 def add_command(commands: Any) -> None:
     """Add `answer` to the commands of a program."""
     parser = commands.add_parser(
@@ -87,14 +104,18 @@ def add_command(commands: Any) -> None:
         "trace", type=Path, metavar="TRACE", help="text file of positions and heights, or an instrument's file"
     )
     parser._negative_number_matcher = NEGATIVE  # or -5e6 is no number to it, and the scene cannot say why it is refused
-    number = {"type": float, "metavar": "NUMBER"}
-    parser.add_argument("--youngs-modulus", required=True, help="of the solid, Pa", **number)
-    parser.add_argument("--poisson-ratio", required=True, help="of the solid; 0.5: incompressible", **number)
-    parser.add_argument(
-        "--pressure", required=True, nargs="+", action=_Rising, help="mean pressures, Pa, rising", **number
-    )
-    parser.add_argument("--work-of-adhesion", help="J/m^2 (default: no adhesion)", **number)
-    parser.add_argument("--thickness", help="of the solid on a rigid plate, m (default: a half-space)", **number)
+    for flag, needed, keywords in (
+        ("--youngs-modulus", "a number in Pa, as in 50e6", {"required": True, "help": "of the solid, Pa"}),
+        ("--poisson-ratio", "a number, as in 0.49", {"required": True, "help": "of the solid; 0.5: incompressible"}),
+        ("--pressure", "numbers in Pa, as in 50e3 1e6", PRESSURES),
+        ("--work-of-adhesion", "a number in J/m^2, as in 0.05", {"help": "J/m^2 (default: no adhesion)"}),
+        (
+            "--thickness",
+            "a number in m, as in 1e-3",
+            {"help": "of the solid on a rigid plate, m (default: a half-space)"},
+        ),
+    ):
+        parser.add_argument(flag, type=_number(needed), metavar="NUMBER", **keywords)
     parser.add_argument(
         "--profile",
         nargs="+",
@@ -115,7 +136,11 @@ def _answer(options: argparse.Namespace) -> int:
     """Write the scene of a trace, solve it, and write its page; the last line is the path of the page."""
     folder: Path = options.out or Path(f"{options.trace.stem}-answer")
     given = dict(options.profile)
-    choice = choice_for(options, given)
+    try:
+        choice = choice_for(options, given)
+    except SceneError as error:
+        print(f"error: {error}{_flags(error)}", file=sys.stderr)
+        return BAD_INPUT
     refuse_beyond_memory(choice.scene)
     check_path(choice.scene)
     usable(folder)
@@ -138,8 +163,21 @@ def _answer(options: argparse.Namespace) -> int:
                 file=sys.stderr,
             )
         write_run_page(folder)
-    print(folder / PAGE)
+    print(folder / PAGE, flush=True)
+    if not code and not options.quiet:
+        print(
+            f"next, how far its choices move the answer: linecontact study scene {folder / SCENE_FILE} --quick "
+            f"--out {folder}",
+            file=sys.stderr,
+        )
     return code
+
+
+def _flags(error: SceneError) -> str:
+    """Return a line that says how the keys of [profile] in an error are given here; nothing if there are none."""
+    keys = [mistake.path.removeprefix("profile.") for mistake in error.mistakes if mistake.path.startswith("profile.")]
+    named = " ".join(f"{key}=.." for key in dict.fromkeys(keys) if key != "file") or "KEY=VALUE"
+    return f"\n  keys of [profile] are given as: --profile {named}" if keys else ""
 
 
 def _key_and_value(word: str) -> tuple[str, Any]:
@@ -181,7 +219,8 @@ def choice_for(options: argparse.Namespace, given: Mapping[str, Any]) -> Choice:
     if "periodic" not in given:
         tables["profile"]["periodic"] = "mirror" if scan.end_jump > LARGEST_JUMP else "as_is"
     if not {"cutoff_short", "harmonics"} & given.keys():
-        tables["profile"]["cutoff_short"] = float(f"{max(scan.spectrum.crossing or 0.0, _coarse(scan)[0]):.4g}")
+        coarse = _coarse(scan, _most(tables))[0]
+        tables["profile"]["cutoff_short"] = float(f"{max(scan.spectrum.crossing or 0.0, coarse):.4g}")
     return Choice(tables, parse_scene(tables, trace.parent), _scan(tables, trace), given, scan.end_jump)
 
 
@@ -192,11 +231,16 @@ def _scan(tables: Mapping[str, Any], trace: Path) -> Scan:
     return scan
 
 
-def _coarse(scan: Scan) -> tuple[float, str]:
-    """Return the shortest wave (m) that a first answer has, and the reason."""
+def _most(tables: Mapping[str, Any]) -> int:
+    """Return the most waves along a trace that a first answer has."""
+    return MOST_ADHERING if "adhesion" in tables else MOST_WAVES
+
+
+def _coarse(scan: Scan, most: int) -> tuple[float, str]:
+    """Return the shortest wave (m) that a first answer has, at most so many along the trace, and the reason."""
     samples = scan.spectrum.h.size
-    if samples > FEWEST_SAMPLES * MOST_WAVES:
-        return scan.spacing * samples / MOST_WAVES, f"{MOST_WAVES} waves along the trace, for a first answer in seconds"
+    if samples > FEWEST_SAMPLES * most:
+        return scan.spacing * samples / most, f"{most} waves along the trace, for a first answer in seconds"
     return FEWEST_SAMPLES * scan.spacing, f"{FEWEST_SAMPLES} samples, as in ISO 3274"
 
 
@@ -243,13 +287,16 @@ def _reasons(choice: Choice) -> dict[str, str]:
     line, tilt = steps["detrend"]["method"] == "line", steps["detrend"]["tilt"]
     taken = f'the tilt of {tilt:.3g} is subtracted; "mean" keeps it, "quadratic" takes a bow away too'
     reasons = {"detrend": taken if line else 'the ends of the trace meet without; "line" subtracts a tilt'}
+    cautions = cautions_of(choice.scene, groups_of(choice.scene))
+    forms = [caution.message for caution in cautions if caution.about == "profile.detrend"]
+    reasons["detrend"] += "".join(f"; {form}, or --profile detrend=quadratic" for form in forms)
     samples = int(scan.spectrum.h.size)
     reasons["file"] = f"{samples} samples at {scan.spacing * 1e6:.4g} um; its path is from the folder of this scene"
     apart = f"the ends of the trace are {choice.jump:.2g} rms steps apart"
     mirrored = choice.tables["profile"].get("periodic") == "mirror"
     reasons["periodic"] = f"{apart}: it is followed by its mirror image" if mirrored else f"{apart}: it repeats"
     reasons["periodic"] += f'; "window" tapers the ends. Period {scan.period * 1e3:.6g} mm'
-    least, coarse = _coarse(scan)
+    least, coarse = _coarse(scan, _most(choice.tables))
     crossing, noise = scan.spectrum.crossing, steps["spectrum"]["noise"]
     if crossing is None:
         reason = f"{coarse}; the data suggest no other cut: {noise}"

@@ -15,6 +15,7 @@ from validation.report.formulas import formula
 from validation.report.pages import filled
 
 TOPICS = {  # of the terminal: package, and file beside its code
+    "answer": ("validation", "ANSWER.md"),
     "keys": ("bem", "KEYS.md"),
     "bem": ("bem", "README.md"),
     "thresholds": ("bem", "THRESHOLDS.md"),
@@ -28,6 +29,7 @@ INLINE = re.compile(
 )
 ITEM = re.compile(r"(-|\d+\.) ")
 HEADING = re.compile(r"(#{1,4}) (.+)")
+EXCERPT = 100  # format: characters of a line that holds the words of a search
 
 
 class UnknownTopicError(ValueError):
@@ -64,25 +66,42 @@ def sections(text: str) -> list[Section]:
 
 
 def topic_text(topic: str) -> str:
-    """Return the document of a topic, or all sections whose headings hold these words.
+    """Return the document of a topic, or the sections whose headings hold these words and the lines that do.
 
     Raises
     ------
     UnknownTopicError
-        Neither; with what is allowed.
+        No heading and no line holds the words.
     """
     if topic.lower() in TOPICS:
         return document(topic.lower())
-    parts = [
-        f"[{name}] {section.text}"
-        for name in TOPICS
-        for section in sections(document(name))
-        if topic.lower() in section.heading.lower()
-    ]
-    if not topic.strip() or not parts:
-        allowed = f"{', '.join(TOPICS)}, or words of a heading (linecontact docs lists them)"
-        raise UnknownTopicError(f"topic: {topic!r} is in no heading; allowed: {allowed}")
-    return "\n".join(parts)
+    words = topic.lower().split()
+    parts: list[str] = []
+    hits: list[tuple[str, str]] = []  # place and line
+    for name, (package, file) in TOPICS.items():
+        for section in sections(document(name)):
+            if topic.lower() in section.heading.lower():
+                parts.append(f"[{name}] {section.text}")
+            else:
+                place = f"{package.replace('.', '/')}/{file}, {section.heading}"
+                lines = section.text.splitlines()[1:]
+                hits += [(place, line) for line in lines if _holds(line, words)]
+    hits.sort(key=lambda hit: not hit[1].startswith(f"- `{topic.lower()}"))  # keys of that name come first
+    if not words or not parts + hits:
+        raise UnknownTopicError(f"topic: {topic!r} is in no line; allowed: {', '.join(TOPICS)}, or words to search for")
+    return "\n".join([*parts, *(f"{place}: {_excerpt(line, words)}" for place, line in hits)])
+
+
+def _holds(line: str, words: Sequence[str]) -> bool:
+    """Return whether a line holds all words, in any order and case."""
+    return all(word in line.lower() for word in words)
+
+
+def _excerpt(line: str, words: Sequence[str]) -> str:
+    """Return the part of a line around the first word, in at most EXCERPT characters and an ellipsis at each cut."""
+    start = max(min(line.lower().index(words[0]) - EXCERPT // 3, len(line) - EXCERPT), 0)
+    end = start + EXCERPT
+    return f"{'.. ' * (start > 0)}{line[start:end].strip()}{' ..' * (end < len(line))}"
 
 
 def contents() -> str:

@@ -160,6 +160,8 @@ def described(figure: Figure) -> str:
 
 
 def _draw(axes: Axes, panel: Panel) -> None:
+    from matplotlib.ticker import MaxNLocator
+
     from validation.report.tick_labels import label_plainly
 
     for index, series in enumerate(panel.series):
@@ -169,6 +171,9 @@ def _draw(axes: Axes, panel: Panel) -> None:
     axes.set(xscale=_scale(panel.xscale, [x for series in panel.series for x in series.x]))
     axes.set(yscale=_scale(panel.yscale, [y for series in panel.series for y in (*series.y, *(series.upper or ()))]))
     label_plainly(axes.xaxis, axes.yaxis)
+    counted = all(x is not None and float(x).is_integer() for series in panel.series for x in series.x)
+    if counted and axes.get_xscale() == "linear":
+        axes.xaxis.set_major_locator(MaxNLocator("auto", steps=[1, 2, 5, 10], integer=True))
     if not axes.get_legend_handles_labels()[1]:
         return
     if len(panel.series) > MOST_INSIDE:

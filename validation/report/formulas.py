@@ -36,8 +36,8 @@ def formula(tex: str, *, display: bool = False) -> Markup:
 
     Examples
     --------
-    >>> print(formula(r"q_0^2 = \\frac{1}{\\pi}"))  # doctest: +ELLIPSIS
-    <math><msubsup><mi>q</mi><mn>0</mn><mn>2</mn></msubsup><mo>=</mo><mfrac><mn>1</mn><mi>π</mi></mfrac></math>
+    >>> print(formula(r"q_0^2 = \\frac{1}{\\pi}"))
+    <math><msubsup><mi>q</mi><mn>0</mn><mn>2</mn></msubsup><mo>=</mo><mfrac><mrow><mn>1</mn></mrow><mrow><mi>π</mi></mrow></mfrac></math>
     """
     content = _Reader(tex).row()
     return Markup('<math display="block">' if display else "<math>") + Markup(content + "</math>")

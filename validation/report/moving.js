@@ -64,7 +64,7 @@ const moving = () => {
     for (const [a, b] of on) out += rect(f.x(a), bar, Math.max(f.x(b) - f.x(a), 1.5), 8, `fill="${TOUCH}"`);
     for (const [a, b] of gained) out += rect(f.x(a), bar, Math.max(f.x(b) - f.x(a), 2.5), 8, `fill="${NEW}"`);
     for (const [a, b] of lost) out += rect(f.x(a), bar, Math.max(f.x(b) - f.x(a), 2.5), 8, `fill="#fff" stroke="${NEW}" stroke-width="1.5"`);
-    out += f.axes + text(f.left + 6, f.top + 14, far ? `elastic body: ${cell(i, 2)} ${U.height} up, above the figure ↑` : "elastic body") + text(f.left + 6, f.bottom - 6, "rigid profile", 'style="fill:#fff"');
+    out += f.axes + text(f.left + 6, f.top + 14, far ? `elastic body: ${cell(i, 2)} ${U.separation} up, above the figure ↑` : "elastic body") + text(f.left + 6, f.bottom - 6, "rigid profile", 'style="fill:#fff"');
     s.events.forEach((e, k) => { // an arrow with its name: down where contact is gained, up where it is lost
       if (e.x === null || k > 3) return;
       const place = ((e.x % P) + P) % P, x = f.x(place), end = f.y(lerp(H, 0, place)) - 5, half = 3.6 * e.short.length, head = e.way < 0 ? [f.top + 8, f.top + 1] : [end - 7, end];
@@ -118,7 +118,7 @@ const moving = () => {
   function curve(key, name, i, w, h, marked = [i]) {
     const x = C.separation, y = C[key], inside = (k) => y[k] !== null && x[k] >= reach[0] && x[k] <= reach[1], real = y.filter((_, k) => inside(k));
     const low = Math.min(...real, 0), high = Math.max(...real, 0), room = 0.06 * (high - low) || 1, last = key === "load";
-    const f = frame(w, h, reach, [low - (low < 0 ? room : 0), high + room], last ? `separation / ${U.height}` : "", name, [46, 8, 18, last ? 30 : 8]), id = `clip${drawings++}`;
+    const f = frame(w, h, reach, [low - (low < 0 ? room : 0), high + room], last ? `separation / ${U.separation}` : "", name, [46, 8, 18, last ? 30 : 8]), id = `clip${drawings++}`;
     const at = (k) => [f.x(x[k]), f.y(y[k])], strokes = { l: `stroke="${INK}" stroke-width="1.6"`, u: `stroke="${INK}" stroke-width="1.6" stroke-dasharray="6 3"`, j: `stroke="${NEW}" stroke-width="2" stroke-dasharray="2 2"` };
     let out = `<defs><clipPath id="${id}">${rect(f.left, f.top, f.right - f.left, f.bottom - f.top, "")}</clipPath></defs>` + (last ? path([[f.left, f.y(0)], [f.right, f.y(0)]], `stroke="${PALE}"`) : "") + `<g clip-path="url(#${id})">`;
     for (const theory of D.theory) if (theory[key]) out += path(theory.separation.map((v, k) => [f.x(v), f.y(theory[key][k])]), 'fill="none" stroke="#8a949e" stroke-dasharray="3 3"');
@@ -133,10 +133,10 @@ const moving = () => {
     if (last && D.tension) out += path([[-5, 0], [5, 0], [0, 0], [0, -5], [0, 5]].map(([a, b]) => [f.x(D.tension[0]) + a, f.y(D.tension[1]) + b]), `fill="none" stroke="${NEW}" stroke-width="2"`);
     for (const k of marked.map((n) => S[n].place)) if (y[k] !== null) out += path([[at(k)[0], f.top], [at(k)[0], f.bottom]], 'stroke="#b6c0ca"') + `<circle cx="${fixed(at(k)[0])}" cy="${fixed(at(k)[1])}" r="5.5" fill="${joins[k] === "j" ? NEW : TOUCH}" stroke="#fff" stroke-width="1.5"/>`;
     out += "</g>" + f.axes;
-    if (marked.length === 1 && S[i].separation > reach[1]) out += text(f.right - 4, f.top + 13, "further apart →", 'text-anchor="end" class="halo"');
+    if (marked.length === 1 && C.separation[S[i].place] > reach[1]) out += text(f.right - 4, f.top + 13, "further apart →", 'text-anchor="end" class="halo"');
     return out;
   }
-  const CURVES = $("load") ? [["fraction", "contact fraction"], ["open", `mean open gap / ${U.height}`], ["load", `mean pressure / ${U.load}`]] : [];
+  const CURVES = $("load") ? [["fraction", "contact fraction"], ["open", `mean open gap / ${U.open}`], ["load", `mean pressure / ${U.load}`]] : [];
   const put = (id, h, svg, label) => { const e = $(id); e.setAttribute("height", h); e.style.height = h + "px"; e.innerHTML = svg; if (label) e.setAttribute("aria-label", label); };
 
   function marks() { // events over the slider: a tick each, and its name where there is room, first of all the current one
@@ -161,7 +161,7 @@ const moving = () => {
     const s = S[now], w = $("surface").clientWidth, tall = w > 500, side = CURVES.length ? $("load").clientWidth : 0, drawn = surface(now, w, tall ? 300 : 218);
     document.querySelectorAll("#now dd[data-of]").forEach((e) => { e.innerHTML = `${cell(now, e.dataset.of)} <small>${/\d/.test(cell(now, e.dataset.of)) ? e.dataset.unit : ""}</small>`; });
     $("which").innerHTML = `${now + 1} <small>of ${S.length}, ${s.branch}</small>`;
-    const event = cell(now, 7), summary = `State ${now + 1} of ${S.length}, ${s.branch}: separation ${cell(now, 2)} ${U.height}, mean pressure ${cell(now, 3)} ${U.load}, contact fraction ${cell(now, 4)}, contacts: ${cell(now, 6)}`;
+    const event = cell(now, 7), summary = `State ${now + 1} of ${S.length}, ${s.branch}: separation ${cell(now, 2)} ${U.separation}, mean pressure ${cell(now, 3)} ${U.load}, contact fraction ${cell(now, 4)}, contacts: ${cell(now, 6)}`;
     $("event").className = s.events.length || s.jump ? "on" : "";
     $("event").setAttribute("aria-live", speak && !timer ? "polite" : "off");
     $("event").textContent = event || "No event since the state before.";
@@ -200,7 +200,7 @@ const moving = () => {
   const most = S.reduce((best, s, k) => (s.edges.length && C.fraction[s.place] > C.fraction[S[best].place] ? k : best), 0), jumps = S.flatMap((_, k) => (jumped(k) ? [k] : []));
   const swept = (k) => Math.abs(C.fraction[S[k].place] - C.fraction[S[k - 1].place]), widest = jumps.reduce((best, k) => (best === 0 || swept(k) > swept(best) ? k : best), 0);
   const printed = [...new Set([most, ...(widest ? [widest - 1, widest] : []), S.length - 1])].sort((a, b) => a - b);
-  $("paper").innerHTML = printed.map((k) => `<figure><figcaption><b>State ${k + 1}, ${S[k].branch}</b>: separation ${cell(k, 2)} ${U.height}, mean pressure ${cell(k, 3)} ${U.load}, contact fraction ${cell(k, 4)}. ${cell(k, 7)}</figcaption><svg viewBox="0 0 700 200">${surface(k, 700, 200).svg}</svg><svg viewBox="0 0 700 110">${pressure(k, 700, 110)}</svg></figure>`).join("") + `<div class="trio">${CURVES.map(([key, name]) => `<svg viewBox="0 0 240 168">${curve(key, name, 0, 240, key === "load" ? 168 : 146, printed)}</svg>`).join("")}</div>`;
+  $("paper").innerHTML = printed.map((k) => `<figure><figcaption><b>State ${k + 1}, ${S[k].branch}</b>: separation ${cell(k, 2)} ${U.separation}, mean pressure ${cell(k, 3)} ${U.load}, contact fraction ${cell(k, 4)}. ${cell(k, 7)}</figcaption><svg viewBox="0 0 700 200">${surface(k, 700, 200).svg}</svg><svg viewBox="0 0 700 110">${pressure(k, 700, 110)}</svg></figure>`).join("") + `<div class="trio">${CURVES.map(([key, name]) => `<svg viewBox="0 0 240 168">${curve(key, name, 0, 240, key === "load" ? 168 : 146, printed)}</svg>`).join("")}</div>`;
   addEventListener("resize", () => show(now, false));
   show(0, false);
 };

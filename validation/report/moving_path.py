@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
-from bem.command_line.answer_table import UNKNOWN, axis_unit, digits, fixed, readable
+from bem.command_line.answer_table import UNKNOWN, axis_unit, digits, fixed, readable, units_of
 from bem.scene.result import Event, Result
 from bem.scene.state import State
 from validation.harness.arrays import FloatArray
@@ -53,10 +53,12 @@ MISSING = 65535  # code of a number that does not exist
 
 @dataclass(frozen=True)
 class Units:
-    """Factors from SI, and units of the page: of positions, heights, mean pressures and pressures."""
+    """Factors from SI, and units of the page; `height` is that of the surfaces as they are drawn."""
 
     x: tuple[float, str]
     height: tuple[float, str]
+    separation: tuple[float, str]
+    open: tuple[float, str]
     load: tuple[float, str]
     pressure: tuple[float, str]
 
@@ -77,11 +79,14 @@ def moving_path(result: Result, theories: Sequence[Theory]) -> dict[str, Any] | 
     closed = [field for field, whole in zip(fields, complete, strict=True) if whole]
     ranges = {"partial": _pressure_range(gapped, adhesive), "complete": _pressure_range(closed, False)}
     heights = float(np.ptp(height)) or max(point.state.separation for point in path)
+    shared = units_of(result)
     units = Units(
-        axis_unit(profile.period, "m"),
-        axis_unit(heights, "m"),
-        axis_unit(max((abs(p.state.mean_pressure) for p in path if _known(p.state)), default=0.0), "Pa"),
-        axis_unit(max(abs(end) for end in ranges["partial" if gapped else "complete"]), "Pa"),
+        x=axis_unit(profile.period, "m"),
+        height=axis_unit(heights, "m"),
+        separation=shared["separation"],
+        open=shared["open_gap_mean"],
+        load=shared["mean_pressure"],
+        pressure=shared["peak_pressure"],
     )
     tension = result.largest_tension
     cut = min(end for ends in ranges.values() for end in ends)
@@ -104,7 +109,7 @@ def moving_path(result: Result, theories: Sequence[Theory]) -> dict[str, Any] | 
         ),
         "path": _curves(path, units),
         "theory": _theory(theories, units),
-        "tension": tension and [tension.separation * units.height[0], tension.mean_pressure * units.load[0]],
+        "tension": tension and [tension.separation * units.separation[0], tension.mean_pressure * units.load[0]],
     }
     return {
         "states": rows,
@@ -161,10 +166,10 @@ def _row(point: PathState, period: float, units: Units) -> dict[str, Any]:
     relative = (error.separation or 0.0) / state.separation if state.separation else 0.0
     return {
         "branch": state.branch,
-        "separation": _text(state.separation, error.separation, units.height[0]),
+        "separation": _text(state.separation, error.separation, units.separation[0]),
         "mean_pressure": _text(state.mean_pressure, error.mean_pressure, units.load[0]) if _known(state) else "any",
         "contact_fraction": _text(state.contact_fraction, error.contact_fraction, 1.0),
-        "open": UNKNOWN if apart is None else _text(apart, relative * apart, units.height[0]),
+        "open": UNKNOWN if apart is None else _text(apart, relative * apart, units.open[0]),
         "contacts": "complete" if state.status == "complete_contact" else str(state.n_patches),
         "words": _words(point, period, units),
     }
@@ -235,15 +240,15 @@ def _curves(path: list[PathState], units: Units) -> dict[str, Any]:
     """Return separation, contact fraction, mean open gap and mean pressure along the path, and its joins."""
     states = [point.state for point in path]
     share = np.array([state.contact_fraction for state in states])
-    apart = np.array([state.separation for state in states]) * units.height[0]
-    opened = np.where(share < 1, apart / np.where(share < 1, 1 - share, 1.0), np.nan)
+    apart = np.array([state.separation for state in states])
+    opened = np.where(share < 1, apart / np.where(share < 1, 1 - share, 1.0), np.nan) * units.open[0]
     load = np.array([state.mean_pressure for state in states]) * units.load[0]
-    columns = {"separation": apart, "fraction": share, "open": opened, "load": load}
+    columns = {"separation": apart * units.separation[0], "fraction": share, "open": opened, "load": load}
     touching = [state.separation for state in states if state.contact_fraction > 0]
     reach = touching if len(set(touching)) > 1 else [state.separation for state in states]
     return {name: _packed(values) for name, values in columns.items()} | {
         "joins": joins_of(path),
-        "reach": [min(reach) * units.height[0], max(reach) * units.height[0]],
+        "reach": [min(reach) * units.separation[0], max(reach) * units.separation[0]],
     }
 
 
@@ -251,7 +256,7 @@ def _theory(theories: Sequence[Theory], units: Units) -> list[dict[str, list[flo
     """Return theories whose separations are known."""
     return [
         {
-            "separation": [_short(value * units.height[0]) for value in theory.separations],
+            "separation": [_short(value * units.separation[0]) for value in theory.separations],
             "fraction": [_short(value) for value in theory.fractions],
             "load": [_short(value * units.load[0]) for value in theory.loads],
         }

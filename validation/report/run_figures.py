@@ -25,7 +25,7 @@ def figures_of(result: Result, theories: Sequence[Theory]) -> Iterator[Figure]:
     """Yield all figures of a run, in the order of the page."""
     yield from curves_of(result, theories)
     yield from distributions_of(result)
-    if any(state.error_estimate.mean_pressure for state in result.states):
+    if len(result.states) > 1 and any(state.error_estimate.mean_pressure for state in result.states):
         yield drawn("errors", "Estimated errors of all states, in the order of the path.", _errors(result))
     for figure_of in (preparation_figure, spectrum_figure):
         prepared = figure_of(result.fields, result.profile_preparation)

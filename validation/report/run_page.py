@@ -3,25 +3,40 @@
 The uncertainty of the input is that of a study of the same scene, where its study.json lies beside the result.
 """
 
+import json
 import math
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 from markupsafe import Markup
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 from threadpoolctl import threadpool_limits
 
-from bem.command_line.answer_table import PULL_OFF, Cell, Inputs, answer, csv_text, pull_off_words, quantity, share
+from bem.command_line.answer_table import (
+    PULL_OFF,
+    Inputs,
+    Unit,
+    answer,
+    csv_text,
+    pull_off_words,
+    quantity,
+    share,
+    slope_words,
+    units_of,
+)
 from bem.command_line.console import scene_text
+from bem.command_line.preparation_words import preparation_sentences
 from bem.geometry.regular_file import read_regular
 from bem.scene.atomic_file import write_atomically
 from bem.scene.plausibility import MEANINGS
 from bem.scene.result import Result
 from bem.scene.result_file import read_result
+from bem.scene.result_invariants import LARGEST
 from bem.scene.state import State
+from bem.scene.stored_json import verified
 from validation.report.figures import svg_of
 from validation.report.moving_path import moving_path
 from validation.report.pages import PAGE, ReportError, asset, filled, judgement, number
@@ -35,6 +50,7 @@ STUDIED_PULL_OFF = "pull-off"  # answer of a study, of the path
 STUDIED = {  # answers of a study, as quantities of the answer
     "contact fraction": "contact_fraction",
     "mean pressure": "mean_pressure",
+    "separation": "separation",
     "mean open gap": "open_gap_mean",
     "peak pressure": "peak_pressure",
 }
@@ -51,6 +67,7 @@ MEASURES = (
     "truncation",
     "hessian_asymmetry",
 )
+Cell = tuple[str, float | str]  # text, and what it is sorted by
 NOTHING: Cell = ("–", "")  # in a cell, and to be sorted by
 WORST_BELOW = ("min_gap", "min_eigenvalue")  # of which the least is the worst
 UNITS = {"min_gap": "m", "mean_gap_error": "m", "rms_height": "m", "pressure_scale": "Pa"}  # of what is no ratio
@@ -62,8 +79,8 @@ class StudiedAnswer:
 
     quantity: str
     target: int | None
-    value: float
-    moved: dict[str, Annotated[float, Field(ge=0)]]
+    value: Annotated[float, Field(gt=-LARGEST, lt=LARGEST)]
+    moved: dict[str, Annotated[float, Field(ge=0, lt=LARGEST)]]
 
 
 @dataclass(frozen=True)
@@ -79,10 +96,11 @@ class Study:
 def write_run_page(folder: Path) -> Result:
     """Render the result of a folder (`read_result`) into report.html and answer.csv beside it; the result."""
     result = read_result(folder)
+    inputs = inputs_of(result, folder)
     with threadpool_limits(limits=1, user_api="blas"):  # two threads are slower for small systems
-        page = render_run(result, inputs_of(result, folder))
+        page = render_run(result, inputs)
     write_atomically(folder / PAGE, page)
-    write_atomically(folder / TABLE, csv_text(result))
+    write_atomically(folder / TABLE, csv_text(result, inputs))
     return result
 
 
@@ -93,7 +111,7 @@ def inputs_of(result: Result, folder: Path) -> dict[int | None, dict[str, float]
     """
     path = folder / STUDY
     try:
-        study = TypeAdapter(Study).validate_json(read_regular(path))
+        study = TypeAdapter(Study).validate_json(json.dumps(verified(read_regular(path), str(path))))
     except FileNotFoundError:
         return {}
     except OSError as error:
@@ -132,29 +150,30 @@ def render_run(result: Result, inputs: Inputs | None = None) -> str:
     left_open = max((value for known in (inputs or {}).values() for value in known.values()), default=math.nan)
     solved = replace(result, states=tuple(state for state in result.states if state.found))
     theories = theories_of(solved)
-    columns, rows = answer(result, inputs)
-    doubtful = succeeded(result) and left_open > DOUBTFUL
+    good, units = succeeded(result), units_of(result)
     return filled(
         "run_page.jinja",
         {"measure": _measure},
         heading=result.scene["title"] or "A run",
         result=result,
         outcome=outcome(result),
-        verdict=("doubtful", "!") if doubtful else judgement(succeeded(result)),
+        verdict=_verdict(good, left_open),
+        good=good,
         left_open="" if math.isnan(left_open) else share(left_open),
-        columns=columns,
-        answer=rows[:MOST_ROWS],
+        answer=answer(result, inputs),
+        units={name: unit for name, (_, unit) in units.items()},
         pull_off=pull_off_words(result, inputs),
+        slope=slope_words(result),
         words=scene_in_words(result.scene),
         toml=scene_text(result.scene),
         meanings=defaultdict(str, MEANINGS),
-        preparation=[_step(step) for step in result.profile_preparation],
+        preparation=preparation_sentences(result.profile_preparation),
         path=moving_path(result, theories),
         moving_style=Markup(asset("moving.css")),
         moving_script=Markup(asset("moving.js")),
         figures=[(figure, svg_of(figure, f"run-{figure.id}")) for figure in figures_of(solved, theories)],
-        targets=[_target(state) for state in result.targets[:MOST_ROWS]],
-        events=list(_events(solved))[:MOST_ROWS],
+        targets=[_target(state, units) for state in result.targets[:MOST_ROWS]],
+        events=list(_events(solved, units))[:MOST_ROWS],
         most=MOST_ROWS,
         few=FEW_EVENTS,
         certificate=list(_certificate(result)),
@@ -162,14 +181,23 @@ def render_run(result: Result, inputs: Inputs | None = None) -> str:
     )
 
 
-def _target(state: State) -> list[Cell]:
+def _verdict(good: bool, left_open: float) -> tuple[str, str]:
+    """Return class and mark of the banner: neutral without a study, as nothing is known of the input."""
+    if not good:
+        return judgement(False)
+    if math.isnan(left_open):
+        return "neutral", ""
+    return ("doubtful", "!") if left_open > DOUBTFUL else judgement(True)
+
+
+def _target(state: State, units: Mapping[str, Unit]) -> list[Cell]:
     """Return the cells of a state."""
     error = state.error_estimate
     numbers = []
     for name in ("separation", "mean_pressure", "contact_fraction"):
         value = getattr(state, name)
         unknown = math.isnan(value) and not state.found
-        numbers.append(_cell(None if unknown else value, getattr(error, name)))
+        numbers.append(_cell(None if unknown else value, getattr(error, name), units.get(name)))
     count = "complete" if state.status == "complete_contact" else str(state.n_patches)
     patches = (count, state.n_patches) if state.found else NOTHING
     judged = "certified" if state.certificate.ok else "refused" if state.found else "–"
@@ -182,23 +210,25 @@ def _target(state: State) -> list[Cell]:
     ]
 
 
-def _events(result: Result) -> Iterator[list[Cell]]:
+def _events(result: Result, units: Mapping[str, Unit]) -> Iterator[list[Cell]]:
     highest = result.states[0].penetration + result.states[0].separation if result.states else 0.0
     for event in result.events:
         error, place = event.error_estimate, event.position
         yield [
             (event.kind.replace("_", " "), event.kind),
-            _cell(highest - event.penetration, error.penetration),
-            _cell(event.mean_pressure, error.mean_pressure),
+            _cell(highest - event.penetration, error.penetration, units["separation"]),
+            _cell(event.mean_pressure, error.mean_pressure, units["mean_pressure"]),
             NOTHING if place is None else (f"{place:.6g}", place),
             _cell(event.energy_released, error.energy_released),
         ]
 
 
-def _cell(value: float | None, error: float | None) -> Cell:
-    """Return a number with its estimated error, nine digits at most."""
+def _cell(value: float | None, error: float | None, unit: Unit | None = None) -> Cell:
+    """Return a number with its estimated error, nine digits at most, in a unit or as it is."""
     if value is None:
         return NOTHING
+    if unit is not None:
+        value, error = value * unit[0], error and error * unit[0]
     return (f"{value:.9g} ± {error:.1g}" if error else f"{value:.9g}"), value
 
 
@@ -214,15 +244,3 @@ def _certificate(result: Result) -> Iterator[tuple[str, str]]:
 def _measure(value: float, name: str) -> str:
     """Return a number with its unit, if it has a unit."""
     return quantity(value, UNITS[name]) if name in UNITS else number(value)
-
-
-def _step(step: Mapping[str, Any]) -> tuple[str, str]:
-    """Return the name of a step of the preparation of a scan, and its facts."""
-    facts = {key: value for key, value in step.items() if key != "step"}
-    words = [f"{key.replace('_', ' ')} {_plain(value)}" for key, value in facts.items()]
-    return str(step.get("step", "")), ", ".join(words)
-
-
-def _plain(value: Any) -> str:
-    """Return a number, or a number before and after a step."""
-    return " → ".join(map(_plain, value)) if isinstance(value, list | tuple) else str(number(value))

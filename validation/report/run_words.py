@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from bem.command_line.answer_table import quantity
+from bem.command_line.answer_table import common_unit, quantity, units_of
 from bem.command_line.console import summary
 from bem.scene.result import Result
 from validation.report.pages import counted
@@ -31,7 +31,8 @@ def outcome(result: Result) -> str:
     ]
     if facts["states"]:
         load = facts["mean_pressure"]
-        pressure = "any mean pressure" if load is None else quantity(load, "Pa")
+        factor, unit = units_of(result)["mean_pressure"]
+        pressure = "any mean pressure" if load is None else f"{load * factor:.6g} {unit}"
         words.append(f"last at {pressure} and contact fraction {facts['contact_fraction']:.4g}")
     why = "" if result.failure is None or result.answered else f" Why: {result.failure}."
     return "; ".join(words) + "." + why
@@ -80,9 +81,10 @@ def _loading_in_words(loading: Mapping[str, Any]) -> Iterator[str]:
     initial = loading["initial"]
     start = "a stored state" if isinstance(initial, Mapping) else {"separated": "surfaces apart"}.get(initial, initial)
     targets: Sequence[float] = loading["targets"]
-    listed = [quantity(target, unit) for target in targets[:LISTED]]
+    factor, prefixed = common_unit(targets, unit)
+    listed = [f"{target * factor:.6g} {prefixed}" for target in targets]
     if len(targets) > LISTED:
-        listed = [*listed[: LISTED - 2], "…", quantity(targets[-1], unit)]
+        listed = [*listed[: LISTED - 2], "…", listed[-1]]
     yield (
         f"Beginning with {start.replace('_', ' ')}, {name} is held at {', '.join(listed)} "
         f"({counted(len(targets), 'target')}, in this order)."

@@ -52,6 +52,7 @@ def page(content: Mapping[str, Any]) -> str:
         report=dict(content) | {"cases": cases},
         groups=groups,
         anchors={row["case"]: "not-run" for row in rows} | {case["case"]: case["anchor"] for case in cases},
+        questions={case["case"]: case["question"] for case in cases},
         failures=[row for row in rows if row["failed"]],
         matrix=matrix(rows),
         ways=three_ways(rows),

@@ -20,6 +20,7 @@ from bem.scene.state import State
 from validation.harness.arrays import FloatArray
 from validation.harness.route import Problem
 
+TEN_DIGITS = "ten digits of the largest value, as gaps are certified: 1e-10 rms heights (bem/README.md, section 7)"
 NOT_SELF_AFFINE: dict[str, Any] = dict.fromkeys(("hurst", "rms_height", "harmonics", "seed"))  # removed for harmonics
 
 

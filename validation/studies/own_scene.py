@@ -1,7 +1,8 @@
 """`linecontact study scene SCENE --out DIR`: how far each answer moves when a choice is varied, and what digits cost.
 
 The scene is solved as it is and in the settings of scene_settings.py.  Answers are, at every target, contact fraction,
-mean pressure, mean open gap and peak pressure, and the pull-off of the path.  A move is the change over the answer
+mean pressure, separation, mean open gap and peak pressure, but not the quantity that is held there, and the pull-off of
+the path.  A move is the change over the answer
 itself, or over a tenth of the largest answer of its kind where that is more.  Of a source it is the largest move of its
 settings, for seeds the standard deviation of the realisations; the numerical one is the larger of the estimated error
 and the move at the tightest tolerance.  +- of an answer is the root of the sum of the squares of its moves.
@@ -13,25 +14,29 @@ is is stopped; both are listed.
 
 import json
 import math
+import shlex
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import ConfigDict, TypeAdapter, ValidationError
+from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 
 import bem
 from bem.command_line.answer_table import pull_off
+from bem.command_line.answer_table import quantity as readable
 from bem.geometry.regular_file import read_regular
 from bem.loading.crew import at_work
 from bem.scene.atomic_file import write_atomically
 from bem.scene.progress import Progress
 from bem.scene.provenance import digest
-from bem.scene.result import Result
+from bem.scene.result import Result, asked_for
+from bem.scene.result_invariants import LARGEST
 from bem.scene.scene import SceneError, load_scene, parse_scene, read_tables
 from bem.scene.state import FINAL_STATUSES
+from bem.scene.stored_json import CorruptResultError, verified
 from validation.harness.provenance import provenance
 from validation.plugin.content import finite
 from validation.report.pages import ReportError, filled
@@ -43,7 +48,14 @@ SEEDS = 8  # realisations besides the scene's own
 BUDGET = 3600.0  # CPU s
 LEAST_SHARE = 0.1  # of the largest answer of its kind on the path
 SLACK, LEAST_LIMIT = 30.0, 60.0  # times the seconds of the scene as it is, and s: a setting is stopped beyond both
-UNITS = {"contact fraction": "", "mean pressure": "Pa", "mean open gap": "m", "peak pressure": "Pa", "pull-off": "Pa"}
+UNITS = {
+    "contact fraction": "",
+    "mean pressure": "Pa",
+    "separation": "m",
+    "mean open gap": "m",
+    "peak pressure": "Pa",
+    "pull-off": "Pa",
+}
 
 
 @dataclass(frozen=True)
@@ -57,7 +69,9 @@ class Options:
     overwrite: bool = False
 
 
+OWN = {"seeds": SEEDS, "budget": BUDGET}  # options with a value that the command line may leave out
 STRICT = ConfigDict(strict=True, extra="forbid")
+Number = Annotated[float, Field(gt=-LARGEST, lt=LARGEST)]
 
 
 @dataclass(frozen=True)
@@ -68,9 +82,9 @@ class Answer:
 
     target: int | None
     branch: str
-    quantity: str
-    value: float
-    error: float | None
+    quantity: Annotated[str, Field(pattern=f"^({'|'.join(UNITS)})$")]
+    value: Number
+    error: Number | None
 
 
 @dataclass(frozen=True)
@@ -82,7 +96,7 @@ class Solved:
     sha256: str
     status: str
     reason: str = ""
-    cpu_seconds: float = 0.0
+    cpu_seconds: Number = 0.0
     answers: list[Answer] = field(default_factory=list)
 
     @property
@@ -120,12 +134,13 @@ def run(path: Path, folder: Path, options: Options, say: Callable[[str], None]) 
         "title": title,
         "scene": resolved,
         "provenance": provenance(),
-        "command": f"linecontact study scene {path.name} --out {folder.name}",
+        "command": command_of(path, folder, options),
     }
 
     def store(**more: Any) -> None:
         stored = {name: asdict(outcome) for name, outcome in solved.items()}
-        text = json.dumps(finite(head | {"solved": stored} | more), indent=1, allow_nan=False) + "\n"
+        content = finite(head | {"solved": stored} | more)
+        text = json.dumps(content | {"checksum": digest(content)}, indent=1, allow_nan=False) + "\n"
         folder.mkdir(parents=True, exist_ok=True)
         write_atomically(folder / FILE, text)
         if more:
@@ -140,11 +155,33 @@ def run(path: Path, folder: Path, options: Options, say: Callable[[str], None]) 
         print(f"the scene does not converge as it is: {base.status.replace('_', ' ')} {base.reason}".strip())
         return 1
     rows, tolerances = moves_of(settings, solved)
+    for row in rows:
+        row["at"] = None if row["target"] is None else f"{_place(resolved['loading'], row['target'])}, {row['branch']}"
     listed = [_listed(setting, solved.get(setting.title)) for setting in settings]
     store(answers=rows, tolerances=tolerances, settings=listed)
     print("\n".join(text_lines(rows)))
     print(folder / PAGE)
     return 0
+
+
+def _place(loading: Mapping[str, Any], target: int) -> str:
+    """Return the value of a target as a person reads it."""
+    control, value = asked_for(loading, target)
+    return readable(value, "Pa" if control == "mean_pressure" else "m")
+
+
+def command_of(path: Path, folder: Path, options: Options) -> str:
+    """Return the command line of a study.
+
+    Examples
+    --------
+    >>> command_of(Path("a/scene.toml"), Path("a"), Options(quick=True))
+    'linecontact study scene a/scene.toml --quick --out a'
+    """
+    given = [f"--{name} {getattr(options, name):g}" for name, own in OWN.items() if getattr(options, name) != own]
+    quick = ["--quick"] if options.quick else []
+    words = ["linecontact study scene", shlex.quote(str(path)), *quick, *given, "--out", shlex.quote(str(folder))]
+    return " ".join(words)
 
 
 def read_solved(folder: Path, sha256: str, overwrite: bool) -> dict[str, Solved]:
@@ -153,9 +190,11 @@ def read_solved(folder: Path, sha256: str, overwrite: bool) -> dict[str, Solved]
     if not path.exists():
         return {}
     try:
-        stored = TypeAdapter(Stored).validate_json(read_regular(path))
+        stored = TypeAdapter(Stored).validate_json(json.dumps(verified(read_regular(path), str(path))))
     except OSError as error:
         raise ReportError(f"{path}: {error.strerror}") from error
+    except CorruptResultError as error:
+        problem = str(error).removeprefix(f"{path}: ")
     except ValidationError as error:
         first = error.errors()[0]
         problem = f"{'.'.join(map(str, first['loc'])) or 'the file'}: {first['msg']}"
@@ -226,19 +265,20 @@ def solve_setting(bounds: tuple[Path, float], tables: dict[str, Any]) -> Solved:
 
 
 def answers_of(result: Result) -> Iterator[Answer]:
-    """Yield the answers of a result: at each target that was met, then the pull-off."""
+    """Yield the answers of a result: at each target that was met, all but the held quantity, then the pull-off."""
     for state in result.targets:
-        if state.status not in FINAL_STATUSES:
+        if state.index is None or state.status not in FINAL_STATUSES:
             continue
-        errors = state.error_estimate
+        errors, held = state.error_estimate, asked_for(result.scene["loading"], state.index)[0].replace("_", " ")
         numbers = {
             "contact fraction": (state.contact_fraction, errors.contact_fraction),
             "mean pressure": (state.mean_pressure, errors.mean_pressure),
+            "separation": (state.separation, errors.separation),
             "mean open gap": (state.gaps.mean_open if state.gaps else None, errors.separation),
             "peak pressure": (state.peak_pressure, None),
         }
         for quantity, (value, error) in numbers.items():
-            if value is not None and math.isfinite(value):
+            if quantity != held and value is not None and math.isfinite(value):
                 yield Answer(state.index, state.branch, quantity, float(value), _number(error))
     tension = pull_off(result)
     if tension is not None:
@@ -271,7 +311,7 @@ def moves_of(
             if apart:
                 spread = float(np.std([0.0, *apart], ddof=1)) if source == SEED else max(map(abs, apart))
                 moved[source] = spread / scale
-        total = math.sqrt(sum(move**2 for move in moved.values() if move is not None))
+        total = math.hypot(*(move for move in moved.values() if move is not None))
         rows.append({**asdict(answer), "unit": UNITS[answer.quantity], "moved": moved, "uncertainty": total * scale})
     tightest = next((values for source, _, values in reversed(changes) if source == TOLERANCE), {})
     tolerances = []
@@ -309,14 +349,15 @@ def _listed(setting: Setting, solved: Solved | None) -> dict[str, Any]:
 
 
 def study_page(content: Mapping[str, Any]) -> str:
-    """Return the page of the content of a study.json."""
-    return filled("study_page.jinja", {"share": share}, study=content)
+    """Return the page of the content of a study.json; its table has a column for each source that moves an answer."""
+    varied = [name for name in ("numerical", *SOURCES) if any(name in row["moved"] for row in content["answers"])]
+    return filled("study_page.jinja", {"share": share}, study=content, varied=varied)
 
 
 def text_lines(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """Yield the table for a terminal: answer, value, +-, and its moves."""
     for row in rows:
-        place = "" if row["target"] is None else f" at target {row['target']}, {row['branch']}"
+        place = "" if row["at"] is None else f" at {row['at']}"
         moves = ", ".join(f"{source} {share(move)}" for source, move in row["moved"].items())
         yield f"{row['quantity']}{place}: {row['value']:.6g} +- {row['uncertainty']:.2g} {row['unit']} ({moves})"
 

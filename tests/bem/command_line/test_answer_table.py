@@ -1,4 +1,4 @@
-"""The answer of a run: a row for each target in units that a person reads, and the same in SI."""
+"""The answer of a run: a line for each quantity in a unit that a person reads, and the same in SI."""
 
 import csv
 import io
@@ -16,10 +16,12 @@ from bem.command_line.answer_table import (
     answer,
     csv_text,
     digits,
+    fixed,
     pull_off,
     pull_off_words,
     readable,
     table_text,
+    units_of,
 )
 from bem.scene.result import LargestTension, TensionError
 from bem.scene.result_file import write_result
@@ -65,8 +67,8 @@ def test_the_answer_of_a_wave_is_that_of_westergaard(wave):
 
 def shown(result, inputs=None):
     """The texts of each target by their headings."""
-    heads, rows = answer(result, inputs)
-    return [dict(zip(heads, (text for text, _ in row), strict=True)) for row in rows]
+    lines = answer(result, inputs)
+    return [{head: texts[k] for head, texts in lines} for k in range(len(result.targets))]
 
 
 def test_a_person_can_read_it(wave):
@@ -82,6 +84,20 @@ def test_digits_are_those_that_the_uncertainty_of_the_input_leaves(wave):
     assert (cells["contact fraction"], cells["± contact fraction"]) == ("0.40", "< 0.01 % numerical, 14 % input")
     assert cells["± separation"] == "< 0.01 % numerical, 0.40 % input"
     assert len(cells["separation"].split()[0].replace(".", "")) == digits(0.004) == 3
+
+
+def test_digits_are_not_those_of_another_quantity(wave):
+    (cells,) = shown(wave, {0: {"contact_fraction": 0.14}})
+    assert (cells["contact fraction"], cells["± separation"]) == ("0.40", "< 0.01 % numerical")
+    assert len(cells["separation"].split()[0].replace(".", "").lstrip("-0")) == 4
+
+
+def test_a_quantity_has_one_unit_in_all_columns():
+    result = bem.solve(WAVE | {"loading": {"control": "mean_pressure", "targets": [500.0, 2000.0]}})
+    for head, texts in answer(result):
+        units = {text.split()[-1] for text in texts if text.endswith(("m", "Pa"))}
+        assert len(units) < 2, (head, texts)
+    assert dict(answer(result))["mean pressure (held)"] == ["500 Pa", "2000 Pa"]
 
 
 def test_an_uncertainty_belongs_to_one_quantity_and_is_never_printed_at_another(wave):
@@ -122,7 +138,9 @@ def test_a_path_that_ends_in_tension_does_not_give_an_earlier_turn_as_its_pull_o
     """States and turns of the rough scene, up to one whose tension is above all turns before it."""
     end = next(state for state in rough.states if state.branch == "unloading" and state.mean_pressure < 0)
     way = rough.states[: rough.states.index(end)]
-    ended = replace(rough, states=(*way, replace(end, target=True)), events=(), largest_tension=None)
+    ended = replace(
+        rough, states=(*way, replace(end, target=True, index=len(rough.targets))), events=(), largest_tension=None
+    )
     words = f"not reached. The way out ends in tension, {readable(-end.mean_pressure, 'Pa', 4)} at"
     assert words in pull_off_words(ended) and pull_off_words(ended).endswith("beyond.")
     before = LargestTension(end.mean_pressure / 2, 1e-6, 8.5e-5, "turn", TensionError(1e-3))
@@ -147,7 +165,9 @@ def test_complete_contact_that_the_control_forces_open_has_no_largest_tension(in
     loading = {"control": "separation", "targets": [0.0, 1e-6], "initial": "complete_contact"}
     accuracy = {"max_increment": increment}
     part = bem.solve(FORCED_OPEN | {"loading": loading, "accuracy": accuracy})
-    assert pull_off_words(part) == f"{FORCED} The way out ends in tension, 6.788 kPa at a separation of 1.000 µm."
+    factor, unit = units_of(part)["separation"]
+    apart = f"{fixed(1e-6 * factor, 4)} {unit}"
+    assert pull_off_words(part) == f"{FORCED} The way out ends in tension, 6.788 kPa at a separation of {apart}."
     assert pull_off(part) is None
 
 

@@ -175,6 +175,30 @@ def test_axes_of_a_map_are_refused_by_name(heights, along, down, corner, end, tm
     assert refusal.problem == f"has axes in {' and '.join(sides)}, which are no heights"
 
 
+@pytest.mark.parametrize("count", [1, 2, 3, 5, 6])
+@pytest.mark.parametrize("corner", ["0", "7", "nan", "-1.5"])
+@pytest.mark.parametrize("tilt", [0, 2])
+@pytest.mark.parametrize("end", [False, True])
+def test_axes_that_meet_in_a_corner_are_both_named_at_any_number_of_lines(count, corner, tilt, end, tmp_path):
+    at, positions = (COUNT if end else 0), list(map(str, X))
+    heights = [list(map(str, line)) for line in ROWS[:count] + tilt * np.arange(count)[:, None]]
+    for k, line in enumerate(heights):
+        line.insert(at, str(0.5 * k))
+    positions.insert(at, corner)
+    text = "".join(",".join(line) + "\n" for line in (positions, *heights))
+    refusal = refusal_of(tmp_path, text, row=0, **SPACED)
+    assert (
+        refusal.problem
+        == f"has axes in the first line and the {'last' if end else 'first'} column, which are no heights"
+    )
+
+
+def test_axis_without_a_corner_asks_for_the_other(tmp_path):
+    lines = [-0.25 + np.arange(COUNT + 1) * 0.25, *np.column_stack([[0.0, 0.5], ROWS[:2]])]
+    refusal = refusal_of(tmp_path, "".join(",".join(map(str, line)) + "\n" for line in lines), row=0, **SPACED)
+    assert "remove the first line (and a column of positions, if there is one)" in refusal.allowed
+
+
 def test_axis_above_columns_is_refused(tmp_path):
     lines = [[-1.0, *np.arange(6) * 0.5], *np.column_stack([X, ROWS.T])]
     text = "".join(",".join(map(str, line)) + "\n" for line in lines)
@@ -256,3 +280,15 @@ ALONE = rows(H)
 def test_keys_that_do_not_fit_the_columns_are_refused(text, values, key, problem, tmp_path):
     refusal = refusal_of(tmp_path, text, **values)
     assert (refusal.key, problem in refusal.problem) == (key, True), refusal
+
+
+@pytest.mark.parametrize(
+    ("text", "values", "lines"),
+    [
+        (MAP, SPACED, "row = 0, 1, .. for one of the lines of heights"),
+        (MAP, {"row": 6, **SPACED}, "row = 0 to 5 for one of the lines of heights"),
+        (RASTER, UNITS, "row = 0 to 2 for one of the scan lines"),
+    ],
+)
+def test_row_is_told_with_the_lines_that_it_counts(text, values, lines, tmp_path):
+    assert lines in refusal_of(tmp_path, text, **values).allowed

@@ -106,20 +106,22 @@ def test_one_of_several_channels_has_to_be_named(topography, tmp_path):
 
 @pytest.mark.parametrize("ending", ["npy", "mat"])
 @pytest.mark.parametrize("row", [1, "mean", None])
-def test_arrays_without_lengths_take_the_spacing(ending, row, topography, tmp_path):
-    """The first index runs along x, as in SurfaceTopography; an array of one index is a line."""
-    heights = MAP if row is not None else MAP[:, 0]
+@pytest.mark.parametrize("along", [0, 1])
+def test_arrays_without_lengths_take_the_spacing(ending, row, along, topography, tmp_path):
+    """The first index runs along x, as in SurfaceTopography; an array with one sample along an index is a line."""
+    heights = MAP if row is not None else np.expand_dims(MAP[:, 0], 1 - along)
     if ending == "mat":
-        if row is None:
-            return
         scipy.io.savemat(tmp_path / "scan.mat", {"h": heights})
     else:
         np.save(tmp_path / "scan.npy", heights)
     values = dict(UNITS) if row is None else {"row": row, **UNITS}
     with pytest.raises(ScanFileError, match="spacing: is missing: the file has heights alone"):
         read_scan(tmp_path / f"scan.{ending}", values)
+    with pytest.raises(ScanFileError) as caught:
+        read_scan(tmp_path / f"scan.{ending}", {} if row is None else {"row": row})
+    assert [refusal.key for refusal in caught.value.refusals] == ["spacing", "unit_x", "unit_h"]
     scan = read_scan(tmp_path / f"scan.{ending}", {"spacing": 0.5, "missing_value": MAP[3, 0], **values})
-    expected = np.where(heights == MAP[3, 0], np.nan, heights)
+    expected = np.where(heights == MAP[3, 0], np.nan, heights).squeeze()
     expected = {1: expected[..., -2], "mean": np.mean(expected, axis=-1), None: expected}[row] if row else expected
     np.testing.assert_allclose(scan.h, expected * 1e-6, rtol=1e-12)
     np.testing.assert_allclose(scan.x, 0.5e-6 * np.arange(8), rtol=1e-12)
@@ -127,3 +129,15 @@ def test_arrays_without_lengths_take_the_spacing(ending, row, topography, tmp_pa
         read_scan(
             tmp_path / f"scan.{ending}", {"spacing": 0.5, "unit_x": "um", **({} if row is None else {"row": row})}
         )
+
+
+def square_of_noise(folder, name):
+    (folder / name).write_bytes(RNG.integers(0, 256, 2 * 24 * 24, dtype=np.uint8).tobytes())
+    return folder / name
+
+
+def test_format_without_a_signature_is_read_by_its_extension_alone(topography, tmp_path):
+    values = {"row": 0, "spacing": 0.5, **UNITS}
+    assert read_scan(square_of_noise(tmp_path, "N46E008.hgt"), values).h.size == 24
+    with pytest.raises(ScanFileError, match="of no format that its bytes tell"):
+        read_scan(square_of_noise(tmp_path, "rnd.dat"), values)

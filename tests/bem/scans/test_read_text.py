@@ -216,6 +216,23 @@ def test_lines_above_the_numbers_are_shown_with_what_skips_them(tmp_path):
     )
 
 
+@pytest.mark.parametrize("heading", ["x [mm];h [um]", "# x [mm];h [um]", "x;h\nmm;um"])
+def test_comments_above_a_heading_are_read_over(heading, tmp_path):
+    """They state no unit, and are named in the facts; a line that is no comment is still refused."""
+    comments = "# Instrument 7\n% x [nm];h [nm]\n"
+    scan = scan_of(tmp_path, comments + table(";", heading=heading))
+    np.testing.assert_allclose(scan.h, H * 1e-6, rtol=1e-12)
+    assert (scan.facts["unit_x"], scan.facts["skipped"]) == ("mm", "# Instrument 7 | % x [nm];h [nm]")
+    refusal = refusal_of(tmp_path, comments + "Operator\n" + table(";", heading=heading))
+    assert (refusal.key, "'Operator'" in refusal.problem) == ("file", True)
+
+
+def test_number_in_a_comment_that_equals_a_height_is_asked_for(tmp_path):
+    lines = "# no data: -9999\nx [mm];h [um]\n" + table(";", h=np.where(H[3] == H, -9999, H))
+    refusal = refusal_of(tmp_path, lines)
+    assert (refusal.key, "line 1 ('# no data: -9999'): -9999" in refusal.problem) == ("missing_value", True)
+
+
 @pytest.mark.parametrize("sign", "\u2212\u2013\uff0d")
 @pytest.mark.parametrize("place", [0, 20])
 def test_minus_signs_of_unicode_are_told(sign, place, tmp_path):

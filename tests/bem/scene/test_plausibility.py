@@ -207,3 +207,23 @@ def test_all_harmonics_are_for_scans():
     profile = {"kind": "self_affine", "period": 0.01, "hurst": 0.8, "rms_height": 1e-5, "harmonics": "all"}
     with pytest.raises(SceneError, match=r'profile\.harmonics = "all"'):
         parse_scene(WAVE | {"profile": profile})
+
+
+@pytest.mark.parametrize(
+    ("heights", "detrend"), [(np.zeros(64), "mean"), (np.full(64, 0.1), "mean"), (0.1 + np.arange(64) / 3, "line")]
+)
+def test_scan_of_constant_heights_is_told(heights, detrend):
+    x = np.arange(64.0) * 1e-6
+
+    def scene(h):
+        profile = {"kind": "samples", "x": x, "h": h, "detrend": detrend}
+        return parse_scene(
+            {
+                "solid": {"youngs_modulus": 1e9, "poisson_ratio": 0.4},
+                "profile": profile,
+                "loading": {"control": "mean_pressure", "targets": [1e5]},
+            }
+        )
+
+    assert "the heights are constant" in said(scene(heights))["rms_height"]
+    assert "rms_height" not in said(scene(heights + 1e-6 * (np.arange(64) % 7)))

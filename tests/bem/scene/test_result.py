@@ -47,15 +47,16 @@ RESULT = Result(
     states=(STATE, replace(STATE, target=False, index=None, stored=None, events=2)),
     events=(
         Event("first_touch", 0.0, 0.0, 0.003, 1e-9, EventError(1e-15, 1e-9, 1e-16), *ENDS),
-        Event("pull_off", 0.0, -1.0, None, None, EventError(1e-15, None, None)),
+        Event("pull_off", 0.0, -1.0, None, None, EventError(1e-15, 1e-9, None)),
     ),
     status="converged",
+    groups={"rms_height": 7e-6, "rms_slope": 4e-3, "pressure_scale": 4e3},
     fields={
         **{name: np.linspace(0, 1, 5) for name in ("x_0", "displacement_0", "gap_0")},
         "pressure_0": np.array([np.nan, 1.0, 2.0, 1.0, np.nan]),
         "patch_0": np.array([-1, 0, 0, 0, -1]),
     },
-    largest_tension=LargestTension(-0.3, 1e-6, 2.9e-5, "fold", TensionError(1e-9)),
+    largest_tension=LargestTension(-0.3, 1e-6, 1e-5 / 3 + 1.9e-5, "fold", TensionError(1e-9)),
 )
 
 
@@ -73,11 +74,14 @@ def test_result_comes_back_bit_for_bit(tmp_path):
     assert_same(read_result(tmp_path / "new" / "folder"), RESULT)
 
 
-@given(value=st.floats(allow_nan=False, allow_infinity=False))
+@given(value=st.floats(-1e149, 1e149))
 def test_any_finite_number_comes_back_exactly(value, tmp_path_factory):
     folder = tmp_path_factory.mktemp("result")
-    write_result(replace(RESULT, states=(replace(STATE, penetration=value, stored=None),), fields={}), folder)
-    stored = read_result(folder).states[0].penetration
+    write_result(
+        replace(RESULT, states=(replace(STATE, elastic_energy=value, total_energy=value - 2, stored=None),), fields={}),
+        folder,
+    )
+    stored = read_result(folder).states[0].elastic_energy
     assert (stored, math.copysign(1, stored)) == (value, math.copysign(1, value))
 
 
@@ -263,6 +267,18 @@ def error_of(content, value):
     content["states"][0]["error_estimate"].update(mean_pressure=value)
 
 
+def gaps_of(content, peak=1.0, quantiles=(0.0,) * 5, **changes):
+    """Give the first state the gaps that follow from its edges and separation, but for changes."""
+    gaps = {"mean_open": 2e-5 / 0.9, "mean_cubic_root": 2.5e-5, "widest_channel": 0.0081, "open_fraction": 0.9}
+    gaps["quantiles"] = dict(zip(("p10", "p25", "p50", "p75", "p90"), quantiles, strict=True))
+    content["states"][0].update(peak_pressure=peak, largest_gap=4e-5, gaps=gaps | changes)
+
+
+def test_gaps_that_follow_from_edges_and_separation_are_read(tmp_path):
+    restated(tmp_path, gaps_of)
+    assert read_result(tmp_path).states[0].gaps.widest_channel == 0.0081
+
+
 WRONG = {
     "states[0] is 5": lambda c: c["states"].insert(0, 5),
     "states is {}": lambda c: c.update(states={}),
@@ -324,6 +340,34 @@ WRONG = {
     "provenance.date is 3": lambda c: c["provenance"].update(date=3),
     "provenance.fields_sha256 is 3": lambda c: c["provenance"].update(fields_sha256=3),
     'groups.a is "b"': lambda c: c.update(groups={"a": "b"}),
+    "groups.rms_height is null": lambda c: c.update(groups={"rms_height": None}),
+    "states[0].penetration is 1e+300; allowed: a number below": lambda c: c["states"][0].update(penetration=1e300),
+    "states[0].error_estimate.mean_pressure is 1e+300": lambda c: error_of(c, 1e300),
+    "states[0].error_estimate.mean_pressure is 1000": lambda c: error_of(c, 10**400),
+    "states[0].evaluations is 1000": lambda c: c["states"][0].update(evaluations=10**400),
+    "events[0].position is Infinity": lambda c: c["events"][0].update(position=10**400),
+    "largest_tension.separation is Infinity": lambda c: c["largest_tension"].update(separation=10**400),
+    "events[0].error_estimate.mean_pressure is 1e-09; allowed: null": lambda c: c["events"][0].update(
+        mean_pressure=None
+    ),
+    "states[0].separation is 3e-05; allowed: 2e-05, target 0": lambda c: c["states"][0].update(separation=3e-5),
+    "states[1].penetration is 1e-06; allowed: 3.33333333e-06": lambda c: c["states"][1].update(penetration=1e-6),
+    "largest_tension.penetration is 0.0; allowed": lambda c: c["largest_tension"].update(penetration=0.0),
+    "states[0].certificate.closure is null": lambda c: c["states"][0]["certificate"].update(closure=None),
+    "states[0].certificate.min_gap is -1.0": lambda c: c["states"][0]["certificate"].update(min_gap=-1.0),
+    "states[0].certificate.min_eigenvalue is -1.0": lambda c: c["states"][0]["certificate"].update(min_eigenvalue=-1.0),
+    "states[0].evaluations is -1; allowed: >= 0": lambda c: c["states"][0].update(evaluations=-1),
+    "states[0].gaps.open_fraction is 5.0; allowed: 0.9": lambda c: gaps_of(c, open_fraction=5.0),
+    "states[0].gaps.widest_channel is 0.005; allowed: 0.0081": lambda c: gaps_of(c, widest_channel=0.005),
+    "states[0].gaps.mean_open is 2e-05; allowed: 2.2": lambda c: gaps_of(c, mean_open=2e-5),
+    "states[0].gaps.quantiles is [0.0, 0.0, 1.0": lambda c: gaps_of(c, quantiles=[0.0, 0.0, 1.0, 0.0, 0.0]),
+    "states[0].peak_pressure is -2.0; allowed: at least -1, the mean in contact": lambda c: gaps_of(c, peak=-2.0),
+    "groups.rms_slope is null; allowed: a number": lambda c: c["groups"].pop("rms_slope"),
+    "provenance.numpy is null; allowed: a text": lambda c: c["provenance"].pop("numpy"),
+    'provenance.date is "today"': lambda c: c["provenance"].update(date="today"),
+    "scene.profile.period is null": lambda c: c["scene"]["profile"].update(period=None),
+    "scene.profile.hurst = 0.5": lambda c: c["scene"]["profile"].update(hurst=0.5),
+    "scene.loading.targets[0] = -1": lambda c: c["scene"]["loading"].update(targets=[-1.0]),
     "status is null": lambda c: c.update(status=None),
 }
 
@@ -421,7 +465,9 @@ def test_a_journal_is_the_result_of_its_folder_but_for_a_line_cut_off(tmp_path):
     shared = dict.fromkeys(("profile_q", "profile_amplitude", "profile_phase"), np.arange(2.0))
     journal.begin(replace(RESULT, fields=shared), [Entry((), replace(STATE, events=0), RESULT.fields)])
     tension = replace(RESULT.largest_tension, mean_pressure=-0.2)
-    journal.add(Entry(RESULT.events, replace(STATE, index=1, events=2, stored=None), tension=tension))
+    journal.add(
+        Entry(RESULT.events, replace(STATE, index=1, mean_pressure=1e3, events=2, stored=None), tension=tension)
+    )
     kept = read_result(tmp_path)
     assert (kept.status, len(kept.states), kept.events) == ("interrupted", 2, RESULT.events)
     assert set(kept.fields) == {*RESULT.fields, *shared}

@@ -1,6 +1,7 @@
 """A result as table, dataset, figure and in a few words."""
 
 import importlib
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -10,6 +11,7 @@ import pytest
 from rough_scene import ROUGH
 
 import bem
+from bem.scene.result_views import UNITS
 
 
 @pytest.fixture(scope="module")
@@ -33,6 +35,15 @@ def test_the_table_of_events_holds_every_number(result):
     table = result.to_table("events")
     assert table["kind"].tolist() == [event.kind for event in result.events]
     assert len(table["error_estimate_penetration"]) == len(result.events) > 0
+
+
+def test_the_docstring_names_every_column_of_the_targets_with_its_unit(result):
+    rows = re.findall(r"^ {8}([a-z].{41}) (.{5}) ", bem.Result.to_table.__doc__.partition("meaning")[2], re.M)
+    named = {name: unit.strip() for names, unit in rows for name in names.strip().split(", ")}
+    columns = [name for name in result.to_table("targets") if not name.startswith("error_estimate_")]
+    assert list(named) == columns
+    units = {name: unit for name, unit in named.items() if unit in ("m", "Pa")}
+    assert units == {name: UNITS[name] for name in columns if name in UNITS}
 
 
 def test_another_table_is_refused(result):

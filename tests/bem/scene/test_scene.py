@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from stored_states import stored_state
 
+from bem.scene.plausibility import groups_of
 from bem.scene.provenance import provenance
 from bem.scene.result import Result
 from bem.scene.result_file import write_result
@@ -25,7 +26,7 @@ WAVE = {"kind": "harmonics", "period": 0.01, "orders": [1, 3], "amplitudes": [1e
 PRESSURE = {"control": "mean_pressure", "targets": [1e3]}
 METRES = {"unit_x": "m", "unit_h": "m"}
 ABSENT = object()
-STATE = stored_state()
+STATE = stored_state(target=False, index=None)
 
 
 def scene_with(path, value=ABSENT):
@@ -213,6 +214,11 @@ def test_unknown_key_suggests_the_closest(path, suggested):
     assert mistake.allowed == f'did you mean "{suggested}"?'
 
 
+def test_an_unknown_key_that_two_keys_begin_with_suggests_both():
+    (mistake,) = mistakes_of(scene_with("profile.cutoff", 8e-6))
+    assert mistake.allowed == 'did you mean "cutoff_short" or "cutoff_long"?'
+
+
 def test_a_removed_key_says_what_to_do_instead():
     (mistake,) = mistakes_of(scene_with("output.cut_sensitivity", True))
     assert str(mistake).startswith("output.cut_sensitivity = true is no longer a key; allowed: leave it out")
@@ -336,8 +342,9 @@ def test_a_byte_order_mark_is_no_part_of_a_scene(tmp_path):
 
 def stored_result(folder, tables=None, **changes):
     """An interrupted result of BASE and more tables with one state, in folder/before."""
-    scene, state = parse_scene(BASE | (tables or {})).resolved(), replace(STATE, **changes)
-    write_result(Result(scene, (), provenance(scene), (state,), (), "interrupted"), folder / "before")
+    parsed, state = parse_scene(BASE | (tables or {})), replace(STATE, **changes)
+    scene, groups = parsed.resolved(), groups_of(parsed)
+    write_result(Result(scene, (), provenance(scene), (state,), (), "interrupted", groups=groups), folder / "before")
     return scene_with("loading.initial", {"result": "before", "state": 0})
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import bem
-from bem.scene.scene import scene_of
+from bem.scene.scene import parse_scene, scene_of
 
 FILE = """
 title = "wave"
@@ -121,13 +121,70 @@ def test_samples_in_memory_are_prepared_and_warned_of_like_those_of_a_file(tmp_p
             bem.solve(**tables)
 
 
+def masked(h):
+    gap = np.isnan(h)
+    return np.ma.masked_array(np.where(gap, -9999.0, h), gap)
+
+
+@pytest.mark.parametrize("given", [list, masked, lambda h: np.where(np.isnan(h), -np.inf, h)])
+def test_lists_masked_and_infinite_heights_are_those_of_a_file(given, tmp_path):
+    by_file, by_arrays = scanned(tmp_path, outliers="replace")
+    by_arrays["profile"] |= {"x": list(by_arrays["profile"]["x"]), "h": given(by_arrays["profile"]["h"])}
+    told = r"profile\.missing = \"refuse\", and 1 of 200 heights are missing \(%s 91\)"
+    for tables, place in ((by_file, "line"), (by_arrays, "sample")):
+        with pytest.raises(bem.SceneError, match=told % place):
+            bem.solve(**tables)
+    scans = []
+    for tables in (by_file, by_arrays):
+        tables["profile"]["missing"] = "interpolate"
+        scans.append(parse_scene(tables).scan)
+    np.testing.assert_array_equal(scans[0].h, scans[1].h)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"h": np.ones(200) * 1j}, r"profile\.h of type complex128; allowed: real numbers"),
+        ({"h": ["a"] * 200}, r"profile\.h of type <U1"),
+        ({"x": [[0.0, 1.0], [2.0]]}, r"profile\.x of list: "),
+        ({"x": list(range(199))}, r"profile\.x of shape \(199,\) beside h of shape \(200,\)"),
+        ({"x": np.append(np.arange(199.0), np.inf)}, "sample 200 has no position"),
+    ],
+)
+def test_arrays_that_are_no_line_are_refused_by_name(changes, said, tmp_path):
+    _, tables = scanned(tmp_path)
+    tables["profile"] |= changes
+    with pytest.raises(bem.SceneError, match=said):
+        bem.solve(**tables)
+
+
 def test_keys_of_files_are_refused_beside_arrays(tmp_path):
     _, tables = scanned(tmp_path, unit_x="mm")
     with pytest.raises(bem.SceneError, match=r"profile\.unit_x = 'mm' is for files, arrays are in m"):
         bem.solve(**tables)
 
 
-@pytest.mark.parametrize(("x", "h"), [([0, 1, 2.5, 3], [0, 1, 0, 1]), ([0, 1, 2, 3], [0, np.nan, 0, 1])])
+@pytest.mark.parametrize(
+    ("samples", "told"),
+    [
+        ({"h": np.zeros(9)}, "profile.x is missing"),
+        ({"x": [0.0, 1.0], "h": None}, "profile.h is missing"),
+    ],
+    ids=["no x", "no h"],
+)
+def test_samples_in_memory_that_are_incomplete_are_told_what_they_need(samples, told):
+    with pytest.raises(bem.SceneError) as caught:
+        bem.solve(**OBJECTS | {"profile": {"kind": "samples", **samples}})
+    need = "; allowed: samples in memory need x and h, arrays of equal length in m"
+    assert list(map(str, caught.value.mistakes)) == [told + need]
+
+
+MASKED = np.ma.masked_equal([0.0, -9999.0, 0.0, 1.0], -9999.0)
+
+
+@pytest.mark.parametrize(
+    ("x", "h"), [([0, 1, 2.5, 3], [0, 1, 0, 1]), ([0, 1, 2, 3], [0, np.nan, 0, 1]), ([0, 1, 2, 3], MASKED)]
+)
 def test_a_profile_of_samples_that_need_preparation_is_refused(x, h):
     with pytest.raises(ValueError, match="finite heights at equal steps"):
         bem.Profile.from_samples(x, h, 1)
