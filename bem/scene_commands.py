@@ -19,6 +19,7 @@ from pathlib import Path
 from bem.command_line.answer_table import table_text
 from bem.command_line.checkpoint import (
     Checkpoint,
+    holds_result,
     remove_answers,
     stored_result,
     uninterrupted,
@@ -163,7 +164,7 @@ def run_alone(scene: Scene, options: argparse.Namespace, new: bool) -> int:
     if not options.quiet:
         _warn(cautions)
     stored = None if new else stored_result(scene, options.out, options.resume, options.overwrite)
-    if options.overwrite:
+    if options.overwrite and holds_result(options.out):
         remove_answers(options.out)
     result = stored if stored is not None and stored.status in FINAL_STATUSES else _solved(scene, stored, options)
     if not options.quiet:

@@ -54,7 +54,7 @@ def stored_result(scene: Scene, folder: Path, resume: bool, overwrite: bool) -> 
     except FileNotFoundError:
         return None
     except CorruptResultError as error:
-        raise OutputFolderError(f"{error}; nothing to continue from, --overwrite computes it again") from error
+        raise OutputFolderError(f"{error}; --overwrite computes it again") from error
     resolved = scene.resolved()
     if digest(stored.scene) != digest(resolved):
         differing = [name for name in resolved if stored.scene.get(name) != resolved[name]]
@@ -88,7 +88,7 @@ class Checkpoint:
 
     def __init__(self, folder: Path, clock: Callable[[], float] = time.monotonic) -> None:
         self.journal, self.clock = Journal(folder), clock
-        self.begun = False
+        self.begun, self.replaces = False, holds_result(folder)
         self.shown_at, self.duration = -math.inf, 0.0
 
     def keep(self, record: Kept) -> None:
@@ -109,9 +109,15 @@ class Checkpoint:
         if not self.journal.path.exists():
             self.journal.begin(result, ())
         write_result(result, self.journal.folder)
-        remove_answers(self.journal.folder)
+        if self.replaces:
+            remove_answers(self.journal.folder)
         for name in (RESULT_FILE, FIELDS_FILE, JOURNAL_FILE):
             remove_remains(self.journal.folder / name)
+
+
+def holds_result(folder: Path) -> bool:
+    """Return whether a folder holds a result or the journal of a run."""
+    return any((folder / name).exists() for name in (RESULT_FILE, JOURNAL_FILE))
 
 
 def remove_answers(folder: Path) -> None:

@@ -70,5 +70,5 @@ def real_array(name: str, values: ArrayLike) -> FloatArray:
     except ValueError as error:  # lists of unlike lengths
         raise refused(name, f"of {type(values).__name__}: {error}", REAL_NUMBERS) from error
     if array.dtype.kind not in REAL:
-        raise refused(name, f"of type {array.dtype}", REAL_NUMBERS)
+        raise refused(name, f"holds an array of type {array.dtype}", REAL_NUMBERS)
     return np.asarray(np.ma.filled(array.astype(np.float64), np.nan))

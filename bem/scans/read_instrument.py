@@ -57,6 +57,7 @@ def read_instrument(path: Path, content: bytes, channel: int | None) -> Instrume
         raise refused("file", problem, f"text, or {NEEDED}") from error
     with warnings.catch_warnings(), ExitStack() as opened:
         warnings.simplefilter("ignore")
+        warnings.simplefilter("error", np.exceptions.ComplexWarning)  # the library drops imaginary parts of .mat arrays
         try:
             reader = opened.enter_context(closing(library.open_topography(str(path))))
             if no_text and reader.format() in TEXT_FORMATS:

@@ -73,8 +73,8 @@ class Journal:
                 entries.append(typed(_ENTRY, verified(line, place), place))
             return check_result(begun.with_entries(entries))
         except CorruptResultError as error:
-            remedy = "remove this line and all after it, and the run continues from the lines before"
-            raise CorruptResultError(f"{self.path}: {error}; {remedy}") from error
+            remedy = "; remove this line and all after it, and the run continues from the lines before"
+            raise CorruptResultError(f"{self.path}: {error}{remedy * (place != 'line 1')}") from error
         except InvariantError as error:
             raise CorruptResultError(f"{self.path}: {error}") from error
 

@@ -62,6 +62,15 @@ def test_another_physics_differs_far_beyond_them(result):
     assert worst["mean pressure"] > 100
 
 
+def test_largest_tensions_are_compared_by_their_errors(result):
+    tension = result.largest_tension
+    doubt = tension.error_estimate.mean_pressure
+    other = replace(result, largest_tension=replace(tension, mean_pressure=tension.mean_pressure - 5 * doubt))
+    assert compare_results(result, other).differing[0].startswith("largest tension: mean pressure")
+    without = compare_results(result, replace(result, largest_tension=None))
+    assert without.differing == ["only in A: largest tension"]
+
+
 @pytest.mark.parametrize(("times", "differs"), [(1.9, False), (2.1, True)])
 def test_numbers_differ_beyond_twice_the_combined_uncertainty(result, times, differs):
     found = compare_results(result, moved(result, mean_pressure=times))

@@ -21,7 +21,7 @@ from bem.scene.scene import parse_scene
 from validation.command_line.front_door import main
 from validation.references.closed_forms import Sinusoid
 from validation.report.pages import ReportError
-from validation.studies.own_scene import Answer, Options, Solved, moves_of, run
+from validation.studies.own_scene import Answer, Options, Solved, left_out, moves_of, run
 from validation.studies.scene_settings import BASE, SEED, TOLERANCE, Setting, settings_of
 
 SOLID = {"youngs_modulus": 1e6, "poisson_ratio": 0.5}
@@ -165,7 +165,7 @@ def shortest(setting, folder):
 def test_settings_of_a_scan_keep_its_shortest_wave(tmp_path):
     scene = scan(tmp_path, rough(64), harmonics=16, detrend="line", periodic="mirror")
     names = named(scene, tmp_path)
-    assert names["cut"] == ["8 harmonics", "32 harmonics"]
+    assert names["cut"] == ["8 harmonics", "32 harmonics", "none, 63 harmonics"]
     own = shortest(settings(scene, tmp_path)[0], tmp_path)
     recut = [one for one in settings(scene, tmp_path) if one.source in ("part", "window") and one.tables]
     assert {one.source for one in recut} == {"part", "window"}
@@ -193,7 +193,16 @@ def test_detrending_that_leaves_a_tilt_and_ends_that_do_not_meet_are_no_alternat
 
 def test_the_cut_that_the_scene_has_is_varied(tmp_path):
     names = named(scan(tmp_path, rough(256), cutoff_short=2e-5), tmp_path)
-    assert names["cut"] == ["cutoff_short 1e-05 m", "cutoff_short 4e-05 m"]
+    assert names["cut"] == ["cutoff_short 1e-05 m", "cutoff_short 4e-05 m", "none, 127 harmonics"]
+
+
+def test_roughness_that_no_setting_has_is_told(tmp_path):
+    scene = scan(tmp_path, rough(256), cutoff_short=2e-5)  # 19 waves
+    every, good = settings(scene, tmp_path), outcome(0.5, 2.0)
+    solved = {one.title: good for one in every}
+    assert left_out(parse_scene(scene, tmp_path), tmp_path, every, solved) == ""
+    solved["cut: none, 127 harmonics"] = replace(good, status="stopped")
+    assert f"waves shorter than {256 / 19:.6g} µm" in left_out(parse_scene(scene, tmp_path), tmp_path, every, solved)
 
 
 def test_rows_of_a_map_are_varied(tmp_path):

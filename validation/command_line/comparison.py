@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from bem.certified_states import ROUNDING
-from bem.scene.result import Event, EventError, Result
+from bem.scene.result import Event, EventError, LargestTension, Result, TensionError
 from bem.scene.result_file import RESULT_FILE, read_result
 from bem.scene.state import ErrorEstimate, State
 from validation.__main__ import read_report
@@ -129,6 +129,11 @@ def compare_results(a: Result, b: Result) -> ComparedFolders:
             if getattr(left, word) != getattr(right, word):
                 values = f"{getattr(left, word)} and {getattr(right, word)}"
                 others.append(f"{place}: {word.replace('_', ' ')} {values}")
+    tensions = a.largest_tension, b.largest_tension
+    if tensions[0] is not None and tensions[1] is not None:
+        numbers += _numbers(tensions[0], tensions[1], TensionError, "largest tension")
+    elif tensions[0] is not tensions[1]:
+        others.append(f"only in {'B' if tensions[0] is None else 'A'}: largest tension")
     kinds = [[event.kind for event in result.events] for result in (a, b)]
     if kinds[0] == kinds[1]:
         for k, (before, after) in enumerate(zip(a.events, b.events, strict=True), 1):
@@ -188,7 +193,9 @@ def _place(state: State, control: str) -> str:
     return f"{control.replace('_', ' ')} {getattr(state, control):.6g} ({state.branch})"
 
 
-def _numbers(a: State | Event, b: State | Event, estimates: type, where: str) -> Iterator[Apart]:
+def _numbers(
+    a: State | Event | LargestTension, b: State | Event | LargestTension, estimates: type, where: str
+) -> Iterator[Apart]:
     """Yield the numbers that have an estimated error on both sides."""
     for name in (item.name for item in fields(estimates)):
         errors = [getattr(side.error_estimate, name) for side in (a, b)]

@@ -34,13 +34,13 @@ from bem.scene.progress import Progress
 from bem.scene.provenance import digest
 from bem.scene.result import Result, asked_for
 from bem.scene.result_invariants import LARGEST
-from bem.scene.scene import SceneError, load_scene, parse_scene, read_tables
+from bem.scene.scene import Scene, SceneError, load_scene, parse_scene, read_tables
 from bem.scene.state import FINAL_STATUSES
 from bem.scene.stored_json import CorruptResultError, verified
 from validation.harness.provenance import provenance
 from validation.plugin.content import finite
 from validation.report.pages import ReportError, filled
-from validation.studies.scene_settings import BASE, SEED, SOURCES, TOLERANCE, Setting, settings_of
+from validation.studies.scene_settings import BASE, SAME_CUT, SEED, SOURCES, TOLERANCE, Setting, settings_of
 
 SCHEMA = "linecontact-scene-study/2"
 FILE, PAGE, PARTS = "study.json", "study.html", "parts"
@@ -157,11 +157,30 @@ def run(path: Path, folder: Path, options: Options, say: Callable[[str], None]) 
     rows, tolerances = moves_of(settings, solved)
     for row in rows:
         row["at"] = None if row["target"] is None else f"{_place(resolved['loading'], row['target'])}, {row['branch']}"
+    untold = left_out(scene, path.parent, settings, solved)
     listed = [_listed(setting, solved.get(setting.title)) for setting in settings]
-    store(answers=rows, tolerances=tolerances, settings=listed)
-    print("\n".join(text_lines(rows)))
+    store(answers=rows, tolerances=tolerances, settings=listed, left_out=untold)
+    print("\n".join([*text_lines(rows), *filter(None, [untold])]))
     print(folder / PAGE)
     return 0
+
+
+def left_out(scene: Scene, base: Path, settings: Sequence[Setting], solved: Mapping[str, Solved]) -> str:
+    """Return words on the waves of a scan that no solved setting has; nothing where its noise floor is reached."""
+    if scene.scan is None:
+        return ""
+    scan, shortest = scene.scan, math.inf
+    for setting in settings:
+        if setting.source in (BASE, "cut") and setting.title in solved and solved[setting.title].good:
+            profile = parse_scene(setting.tables, base).profile
+            wave = float(profile.period or math.inf) / int(profile.harmonics or 1)
+            shortest = min(shortest, max(wave, profile.cutoff_short or 0.0))
+    least = max(scan.spectrum.crossing or 0.0, scan.period / scan.max_harmonics)
+    if shortest <= least * (1 + SAME_CUT):
+        return ""
+    return (
+        f"± does not hold roughness of waves shorter than {readable(shortest, 'm')}: no setting with them was solved."
+    )
 
 
 def _place(loading: Mapping[str, Any], target: int) -> str:

@@ -1,7 +1,8 @@
 """Settings in which the study solves a scene: numerical settings, and choices that the data leave open.
 
 tolerance   1e-3, 1e-6, 1e-9 of [accuracy]
-cut         half and twice the shortest wave: cutoff_short where the scene has it, else harmonics (or orders)
+cut         half and twice the shortest wave: cutoff_short where the scene has it, else harmonics (or orders); of a scan
+            also all waves above its noise floor, or all of the first `MOST_HARMONICS` where it shows no floor
 detrending  other trends that leave a profile no more tilted than the scene's
 window      other ways to continue a scan, with the shortest wave kept
 part        first and second half of a scan, with the shortest wave kept
@@ -32,8 +33,9 @@ BASE, TOLERANCE, SEED = "as it is", "tolerance", "seed"
 SOURCES = ("cut", "detrending", "window", "part", "row", "noise", SEED, "length")
 DETRENDS = ("none", "mean", "line", "quadratic", "cubic")
 PERIODICS = ("as_is", "mirror", "window")
-LEAST_HARMONICS = 3
+LEAST_HARMONICS, MOST_HARMONICS = 3, 1000
 TILTED = 3.0  # times the rms height that the scene's own detrending leaves
+SAME_CUT = 1e-3  # format: cut-offs are written with four digits
 LARGEST_JUMP = 5.0  # rms steps between the ends of a scan that is continued as it is
 
 
@@ -76,7 +78,14 @@ def settings_of(scene: Scene, tables: Tables, base: Path, parts: Path, seeds: in
         settings.append(change.to(TOLERANCE, f"{tolerance:g}", {"accuracy": {"tolerance": tolerance}}))
     settings += change.cuts()
     if scene.scan is not None:
-        settings += [*change.detrends(), *change.windows(), *change.halves(), *change.rows(), *change.noise()]
+        settings += [
+            *change.uncut(),
+            *change.detrends(),
+            *change.windows(),
+            *change.halves(),
+            *change.rows(),
+            *change.noise(),
+        ]
     if scene.profile.seed is not None:
         own = scene.profile.seed
         settings += [change.to(SEED, f"{k}", {"profile": {"seed": k}}) for k in range(own + 1, own + 1 + seeds)]
@@ -141,6 +150,19 @@ class Change:
                     yield Setting("cut", name, reason=f"fewer than {LEAST_HARMONICS}")
                 else:
                     yield self.to("cut", name, {"profile": {"harmonics": harmonics}})
+
+    def uncut(self) -> Iterator[Setting]:
+        """Yield the scan with all waves above its noise floor, at most `MOST_HARMONICS`, unless the scene has them."""
+        scan, cutoff = self.scene.scan, self.scene.profile.cutoff_short
+        assert scan is not None
+        floor = scan.spectrum.crossing
+        most = min(scan.max_harmonics, MOST_HARMONICS)
+        if floor is not None:
+            if cutoff is None or floor < cutoff * (1 - SAME_CUT):
+                name = f"to the noise floor, cutoff_short {floor:.4g} m"
+                yield self.to("cut", name, {"profile": {"cutoff_short": floor, "harmonics": None}})
+        elif cutoff is not None or most > 2 * self._harmonics:
+            yield self.to("cut", f"none, {most} harmonics", {"profile": {"cutoff_short": None, "harmonics": most}})
 
     def detrends(self) -> Iterator[Setting]:
         """Yield other trends, except those that leave the profile tilted."""

@@ -140,6 +140,14 @@ def test_overwrite_replaces_what_a_run_wrote_and_keeps_other_files(out, tmp_path
     assert sorted(files(out)) == ["fields.npz", "notes.txt", "result.json"]
 
 
+def test_overwrite_of_a_folder_without_a_result_keeps_all_files(scene, tmp_path):
+    (tmp_path / "mine").mkdir()
+    for name in ("answer.csv", "report.html", "shape_0.png"):
+        (tmp_path / "mine" / name).write_text("mine")
+    assert run(scene, tmp_path / "mine", "--overwrite") == 0
+    assert {(tmp_path / "mine" / name).read_text() for name in ("answer.csv", "report.html", "shape_0.png")} == {"mine"}
+
+
 @pytest.mark.parametrize("words", [["--resume", "--overwrite"], ["--jobs", "0"], ["--jobs", "two"]])
 def test_options_that_mean_nothing_are_bad_input(words, scene, tmp_path):
     with pytest.raises(SystemExit, match="2"):

@@ -141,3 +141,9 @@ def test_format_without_a_signature_is_read_by_its_extension_alone(topography, t
     assert read_scan(square_of_noise(tmp_path, "N46E008.hgt"), values).h.size == 24
     with pytest.raises(ScanFileError, match="of no format that its bytes tell"):
         read_scan(square_of_noise(tmp_path, "rnd.dat"), values)
+
+
+def test_complex_array_is_refused(topography, tmp_path):
+    scipy.io.savemat(tmp_path / "scan.mat", {"h": MAP + 1j})
+    with pytest.raises(ScanFileError, match="Casting complex values to real"):
+        read_scan(tmp_path / "scan.mat", {"row": 0, "spacing": 0.5, **UNITS})

@@ -144,8 +144,8 @@ def test_lists_masked_and_infinite_heights_are_those_of_a_file(given, tmp_path):
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"h": np.ones(200) * 1j}, r"profile\.h of type complex128; allowed: real numbers"),
-        ({"h": ["a"] * 200}, r"profile\.h of type <U1"),
+        ({"h": np.ones(200) * 1j}, r"profile\.h holds an array of type complex128; allowed: real numbers"),
+        ({"h": ["a"] * 200}, r"profile\.h holds an array of type <U1"),
         ({"x": [[0.0, 1.0], [2.0]]}, r"profile\.x of list: "),
         ({"x": list(range(199))}, r"profile\.x of shape \(199,\) beside h of shape \(200,\)"),
         ({"x": np.append(np.arange(199.0), np.inf)}, "sample 200 has no position"),
@@ -188,6 +188,11 @@ MASKED = np.ma.masked_equal([0.0, -9999.0, 0.0, 1.0], -9999.0)
 def test_a_profile_of_samples_that_need_preparation_is_refused(x, h):
     with pytest.raises(ValueError, match="finite heights at equal steps"):
         bem.Profile.from_samples(x, h, 1)
+
+
+def test_a_profile_of_complex_samples_is_refused():
+    with pytest.raises(TypeError, match="complex128"):
+        bem.Profile.from_samples(np.arange(4.0), np.ones(4) * 1j, 1)
 
 
 def test_objects_take_values_by_place_and_name_and_refuse_them_in_the_words_of_a_scene():
