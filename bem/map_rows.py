@@ -11,15 +11,15 @@ are alike, and the scatter is of rows, not the error of a two-dimensional contac
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.loading.crew import at_work
 from bem.scene.provenance import digest
 from bem.scene.result import Result
 from bem.scene.result_file import RESULT_FILE, read_result, write_result
@@ -153,31 +153,19 @@ def solve_rows(
         parse_scene(tables, base)
         raise TypeError('solve_rows: the scene is of one profile; bem.solve solves it, profile.row = "all" has rows')
     rows, _ = rows_of(tables, base)
+    shared: Shared = tables, base, folder
     results, failures = {}, {}
-    for row, (result, reason) in zip(rows, _outcomes((tables, base, folder), rows, jobs), strict=True):
-        if result is not None and result.status == "interrupted":
-            raise KeyboardInterrupt
-        if reason or result is None:
-            failures[row] = reason
-        else:
-            results[row] = result
-        if progress is not None:
-            progress(row, reason or results[row].status.replace("_", " "))
+    with at_work(min(jobs, len(rows)), shared) as each:
+        for row, (result, reason) in zip(rows, each(solved_row, rows), strict=True):
+            if result is not None and result.status == "interrupted":
+                raise KeyboardInterrupt
+            if reason or result is None:
+                failures[row] = reason
+            else:
+                results[row] = result
+            if progress is not None:
+                progress(row, reason or results[row].status.replace("_", " "))
     return RowResults(results, failures)
-
-
-def _outcomes(shared: Shared, rows: range, jobs: int) -> Iterator[Outcome]:
-    """Yield the outcomes of rows in their order, by worker processes if there are jobs for several."""
-    size = min(jobs, len(rows))
-    if size == 1:
-        yield from (solved_row(shared, row) for row in rows)
-        return
-    workers = import_module("bem.loading.workers").Workers(size, shared)
-    try:
-        outcomes: Iterable[Outcome] = workers.each(solved_row, rows)
-        yield from outcomes
-    finally:
-        workers.end()
 
 
 def solved_row(shared: Shared, row: int) -> Outcome:

@@ -114,8 +114,16 @@ class Profile:
             Mean or least-squares line, subtracted first.
         period : float, optional
             Replaces n times the sample distance.
+
+        Raises
+        ------
+        ValueError
+            Steps that are unequal or fall, heights that are masked or not finite.
+        TypeError
+            Complex numbers.
         """
-        position, height = (np.ma.filled(np.ma.asarray(values, dtype=np.float64), np.nan) for values in (x, h))
+        arrays = (np.ma.asarray(values).astype(np.float64, casting="same_kind") for values in (x, h))
+        position, height = (np.asarray(np.ma.filled(array, np.nan)) for array in arrays)
         n = position.size
         equal = n > 1 and position[-1] > position[0] and float(off_equal_steps(position).max()) <= EQUAL_STEPS
         if not equal or not np.all(np.isfinite(height)):

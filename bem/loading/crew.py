@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from importlib import import_module
 from types import TracebackType
@@ -16,7 +16,30 @@ Part = TypeVar("Part")
 Answer = TypeVar("Answer")
 Shared = TypeVar("Shared")
 
+Each = Callable[[Callable[[Any, Any], Any], Iterable[Any]], Iterator[Any]]
+
 MANY = 6  # speed: parts of a step with which processes start
+
+
+@contextmanager
+def at_work(size: int, shared: Any) -> Iterator[Each]:
+    """Yield each(function, parts), which yields function(shared, part) of each part, in their order.
+
+    With a size of several, worker processes compute the parts; they end with the block, and with this process.
+
+    Raises
+    ------
+    ChildProcessError
+        A worker ended.
+    """
+    if size == 1:
+        yield lambda function, parts: map(partial(function, shared), parts)
+        return
+    workers = import_module("bem.loading.workers").Workers(size, shared)
+    try:
+        yield workers.each
+    finally:
+        workers.end()
 
 
 class Crew(AbstractContextManager["Crew"]):

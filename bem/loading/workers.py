@@ -13,10 +13,10 @@ import signal
 import tempfile
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
-from functools import partial
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
@@ -29,6 +29,7 @@ Answer = TypeVar("Answer")
 Shared = TypeVar("Shared")
 
 ENDED = "a worker process ended: it was killed, or memory ran out"
+LOOK = 0.5  # speed: s between looks of a worker at its parent
 
 _shared: Any = None  # in a worker: data that all parts share
 
@@ -65,7 +66,9 @@ class Workers(Generic[Shared]):
             A worker ended.
         """
         try:
-            for answer, seconds in self._executor.map(partial(_at_work, function), parts):
+            begun = deque(self._executor.submit(_at_work, function, part) for part in parts)
+            while begun:  # none is cancelled: ending workers with cancelled parts, loky prints a traceback
+                answer, seconds = begun.popleft().result()
                 self.cpu_seconds += seconds
                 yield answer
         except BrokenProcessPool as error:
@@ -78,9 +81,14 @@ class Workers(Generic[Shared]):
 
 
 def _end_with(parent: int) -> None:
-    """End this worker when its parent ends, because the worker would wait for ever for new work."""
+    """End this worker when its parent ends, because the worker would wait for ever for new work.
+
+    A parent that has ended stays a zombie as long as whoever started it reads the output that its workers hold open.
+    """
     with suppress(psutil.NoSuchProcess):
-        psutil.Process(parent).wait()
+        process = psutil.Process(parent)
+        while process.is_running() and process.status() != psutil.STATUS_ZOMBIE:
+            time.sleep(LOOK)
     os._exit(1)
 
 

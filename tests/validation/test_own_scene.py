@@ -4,13 +4,18 @@ import csv
 import json
 import math
 import re
+import subprocess
+import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import psutil
 import pytest
 from rough_scene import ROUGH
 
+from bem.loading.workers import ENDED
 from bem.scene.provenance import digest
 from bem.scene.scene import parse_scene
 from validation.command_line.front_door import main
@@ -341,3 +346,33 @@ def test_bad_input_is_refused_by_name_and_nothing_is_written(words, message, tmp
     assert main(["study", *words, "--out", "out"]) == 2
     assert message in capsys.readouterr().err
     assert not Path("out").exists()
+
+
+def begun(folder):
+    """Return the process of a study that two workers share, and the workers as they start."""
+    command = ["study", "scene", scene_file(folder, SCENE), "--out", folder / "out", "--jobs", "2", "--quick"]
+    study = subprocess.Popen(
+        [sys.executable, "-m", "validation", *command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+    )
+    assert study.stderr.readline().startswith(f"{BASE}: converged")
+    limit = time.monotonic() + 60
+    workers = []
+    while len(workers) < 2:
+        assert time.monotonic() < limit, "no worker was started"
+        children = psutil.Process(study.pid).children()
+        workers = [child for child in children if any("popen_loky" in word for word in child.cmdline())]
+    return study, workers
+
+
+def test_a_killed_worker_ends_a_study_with_one_sentence(tmp_path):
+    study, workers = begun(tmp_path)
+    workers[0].kill()
+    assert study.communicate(timeout=60)[1] == f"error: {ENDED}\n"
+    assert study.returncode == 1
+
+
+def test_workers_of_a_study_end_with_it(tmp_path):
+    study, workers = begun(tmp_path)
+    study.kill()
+    study.communicate()
+    assert not psutil.wait_procs(workers, timeout=10)[1]

@@ -17,10 +17,7 @@ import math
 import shlex
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass, field
-from functools import partial
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -31,6 +28,7 @@ import bem
 from bem.command_line.answer_table import pull_off
 from bem.command_line.answer_table import quantity as readable
 from bem.geometry.regular_file import read_regular
+from bem.loading.crew import at_work
 from bem.scene.atomic_file import write_atomically
 from bem.scene.progress import Progress
 from bem.scene.provenance import digest
@@ -234,23 +232,21 @@ def solve_settings(
 ) -> Iterator[tuple[str, Solved]]:
     """Solve the settings that are not stored, the unchanged scene first, and yield every outcome with its title."""
     first, *others = settings
-    known = _known(first, stored, base) or solve_setting(first.tables, str(base), math.inf)
+    known = _known(first, stored, base) or solve_setting((base, math.inf), first.tables)
     yield first.title, known
     if not known.good:
         return
     waiting = [setting for setting in others if setting.tables and _known(setting, stored, base) is None]
     limit = max(SLACK * known.cpu_seconds, LEAST_LIMIT)
-    solve = partial(solve_setting, base=str(base), limit=limit)
-    spent, room = known.cpu_seconds, max(options.jobs, 1)
-    with ProcessPoolExecutor(room, get_context("spawn")) as pool:
+    spent, room = known.cpu_seconds, max(min(options.jobs, len(waiting)), 1)
+    with at_work(room, (base, limit)) as each:
         for begin in range(0, len(waiting), room):
             batch = waiting[begin : begin + room]
             if spent + known.cpu_seconds * len(batch) > options.budget:
                 reason = f"beyond the budget of {options.budget:g} s"
                 yield from ((setting.title, Solved("", "left out", reason)) for setting in waiting[begin:])
                 return
-            tables = [setting.tables for setting in batch]
-            outcomes = map(solve, tables) if room == 1 else pool.map(solve, tables)
+            outcomes = each(solve_setting, [setting.tables for setting in batch])
             for setting, outcome in zip(batch, outcomes, strict=True):
                 spent += outcome.cpu_seconds
                 yield setting.title, outcome
@@ -267,8 +263,9 @@ class _TooLongError(RuntimeError):
     """A setting took more CPU seconds than allowed."""
 
 
-def solve_setting(tables: dict[str, Any], base: str, limit: float) -> Solved:
-    """Solve a scene within so many CPU seconds."""
+def solve_setting(bounds: tuple[Path, float], tables: dict[str, Any]) -> Solved:
+    """Solve a scene whose file names are relative to a folder, within so many CPU seconds."""
+    base, limit = bounds
     scene, begun = parse_scene(tables, base), time.process_time()
     sha256 = digest(scene.resolved())
 

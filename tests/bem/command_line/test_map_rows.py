@@ -2,6 +2,9 @@
 
 import csv
 import json
+import signal
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -121,3 +124,14 @@ def test_a_scene_of_rows_is_no_scene_of_one_profile(tmp_path):
         bem.solve_rows(write(tmp_path, "2"))
     with pytest.raises(bem.SceneError, match=r"profile\.every"):
         bem.solve(write(tmp_path, "2\nevery = 3"))
+
+
+def test_an_interrupt_of_workers_ends_the_run_with_one_sentence(tmp_path):
+    path = write(tmp_path)
+    (tmp_path / "map.txt").write_text(50 * (tmp_path / "map.txt").read_text())
+    command = [sys.executable, "-m", "bem", "run", path, "--out", tmp_path / "out", "--jobs", "2"]
+    run = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert run.stderr.readline().startswith("row 0: converged")
+    run.send_signal(signal.SIGINT)
+    told = [line for line in run.communicate(timeout=60)[1].splitlines() if not line.startswith("row ")]
+    assert (told, run.returncode) == (["interrupted; what was finished is kept, the same command continues"], 130)

@@ -190,6 +190,11 @@ def test_a_profile_of_samples_that_need_preparation_is_refused(x, h):
         bem.Profile.from_samples(x, h, 1)
 
 
+def test_a_profile_of_complex_samples_is_refused():
+    with pytest.raises(TypeError, match="complex128"):
+        bem.Profile.from_samples(np.arange(4.0), np.ones(4) * 1j, 1)
+
+
 def test_objects_take_values_by_place_and_name_and_refuse_them_in_the_words_of_a_scene():
     assert bem.Solid(np.float32(2.0), poisson_ratio=0) == bem.Solid(2.0, 0.0)
     with pytest.raises(
