@@ -23,6 +23,7 @@ def perform(options: argparse.Namespace, refused: tuple[type[Exception], ...] = 
     """Run `options.command` and return its exit code; errors of the types `refused` are bad input."""
     command: Callable[[argparse.Namespace], int] = options.command
     usable_streams()
+    os.environ.pop("MPLBACKEND", None)  # figures have a canvas of their own, and Matplotlib refuses an unknown name
     try:
         with interruptible():
             code = int(command(options))

@@ -29,6 +29,12 @@ def test_figures_bars_and_layer_are_not_imported_to_check(scene):
     assert "'bem.elastic.layer'" not in modules
 
 
+def test_an_unknown_backend_of_matplotlib_does_not_keep_a_run_from_its_plots(scene, tmp_path):
+    command = [sys.executable, "-m", "bem", "run", str(scene), "--out", str(tmp_path / "out"), "--quiet", "--plot"]
+    subprocess.run(command, env=os.environ | {"MPLBACKEND": "nonsense"}, check=True)
+    assert (tmp_path / "out" / "separation.png").exists()
+
+
 def start(scene, out):
     threads = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
     command = [sys.executable, "-m", "bem", "run", str(scene), "--out", str(out), "--quiet"]
