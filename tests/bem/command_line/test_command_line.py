@@ -207,7 +207,8 @@ def small_files():
 
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of POSIX")
 def test_a_full_disk_is_an_error_and_not_a_traceback(scene, tmp_path):
-    command = [sys.executable, "-m", "bem", "run", str(scene), "--out", str(tmp_path / "out"), "--quiet"]
+    # -B: bytecode that this process wrote would be cut off, and break every process after it
+    command = [sys.executable, "-B", "-m", "bem", "run", str(scene), "--out", str(tmp_path / "out"), "--quiet"]
     process = subprocess.run(command, preexec_fn=small_files, capture_output=True, text=True, check=False)
     assert process.returncode == 1
     assert process.stderr.startswith("error: ")

@@ -6,6 +6,7 @@ import json
 import math
 import os
 import re
+import sys
 import zipfile
 from dataclasses import fields, replace
 
@@ -210,10 +211,11 @@ def test_fields_of_an_older_result_do_not_stay(tmp_path):
 def small_files():
     """Limit files that this process writes to 100 bytes, as a full disk does."""
     resource = pytest.importorskip("resource")
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    limits, sys.dont_write_bytecode = resource.getrlimit(resource.RLIMIT_FSIZE), True
     resource.setrlimit(resource.RLIMIT_FSIZE, (100, limits[1]))
     yield
     resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    sys.dont_write_bytecode = False
 
 
 @pytest.fixture
