@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -202,7 +203,7 @@ def _held(target: float, unit: Unit) -> str:
     return UNKNOWN if math.isnan(target) else f"{target * unit[0]:.6g} {unit[1]}"
 
 
-def _cell(row: Mapping[str, float], name: str, inputs: Mapping[str, float], unit: Unit, largest: float) -> str:
+def _cell(row: Mapping[str, Any], name: str, inputs: Mapping[str, float], unit: Unit, largest: float) -> str:
     """Return a number with the digits that the larger of its own uncertainties allows; 0 if the largest rounds it."""
     value, (factor, prefixed) = row[name], unit
     if math.isnan(value):
