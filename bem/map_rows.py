@@ -47,7 +47,11 @@ class RowResults:
     failures: dict[int, str]
 
     def to_table(self) -> dict[str, NDArray[Any]]:
-        """Return median and scatter of each quantity at each target, one array a column, as pandas takes them."""
+        """Return median and scatter of each quantity at each target, one array a column, as pandas takes them.
+
+        Columns: target (m or Pa), branch, quantity, unit, rows (their number), median, and scatter, half of the
+        distance between the quantiles of 16 % and 84 %.
+        """
         columns: dict[str, list[Any]] = {
             name: [] for name in ("target", "branch", "quantity", "unit", "rows", "median", "scatter")
         }
@@ -151,7 +155,7 @@ def solve_rows(
     Raises
     ------
     SceneError
-        A scene of other rows, or no row that can be solved.
+        A scene without profile.row = "all", or no row that can be solved.
     """
     tables, base = (scene, Path()) if isinstance(scene, Mapping) else (read_tables(scene), Path(scene).parent)
     if not asks_for_rows(tables):

@@ -146,7 +146,8 @@ class Views:
         if states := [state for state in self.states if state.found]:
             last = states[-1]
             words.append(f"last at {last.mean_pressure:.6g} Pa, contact fraction {last.contact_fraction:.6g}")
-        return f"<Result {self.status}: {', '.join(words)}>"
+        status = "pulled off" if self.status == "unreachable" and self.answered else self.status
+        return f"<Result {status}: {', '.join(words)}>"
 
 
 def _answers(states: Sequence[Any], loading: dict[str, Any]) -> dict[str, NDArray[Any]]:
