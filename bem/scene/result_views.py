@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_origin, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.scene.state import FINAL_STATUSES
 from bem.scene.stored_arrays import FIELDS, split
 
 if TYPE_CHECKING:
@@ -96,6 +97,17 @@ class Views:
             raise ValueError(f'of = {of!r}; allowed: "states", "events" or "targets"')
         kind = get_type_hints(type(self))[of].__args__[0]
         return _columns(kind, getattr(self, of))
+
+    @property
+    def answered(self) -> bool:
+        """Success of the scene: it ended as asked, or every target that was not met lies behind a pull-off.
+
+        A tension beyond what the contact carries, asked for on the way out, is answered by the pull-off.
+        """
+        missed = [state for state in self.states if not state.found]
+        pulled = [k for k, event in enumerate(self.events) if event.kind == "pull_off"]
+        behind = [state.status == "unreachable" and bool(pulled) and pulled[0] < state.events for state in missed]
+        return self.status in FINAL_STATUSES or (self.status == "unreachable" and any(behind) and all(behind))
 
     def came_apart(self) -> float | None:
         """Return the separation (m) at which the surfaces came apart for the last time; None where they did not."""
