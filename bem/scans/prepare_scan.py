@@ -13,7 +13,7 @@ filter     Gaussian filters of ISO 16610-21, profile.cutoff_short and cutoff_lon
 cut        Harmonics from 1 to profile.harmonics are kept (Profile.from_samples).
 
 Each step has the rms height and the rms slope before and after: of the samples about their mean, and of the steps
-between neighbours over their distance; after the cut, of the harmonics, with Ra, Rq and Rz (height_parameters.py).
+between neighbours over their distance; after the cut, of the harmonics.
 scipy is imported by the steps that need it.
 """
 

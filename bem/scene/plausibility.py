@@ -138,10 +138,10 @@ def _noise(scene: Scene, groups: Mapping[str, float]) -> Warnings:
         return
     spectrum = scene.scan.spectrum
     told = f"{share:.0%} of the mean square slope is noise, of {spectrum.noise_rms:.2g} m rms in the scan"
-    if spectrum.law is None or spectrum.crossing is None:
+    if spectrum.crossing is None:
         told = f"{told}; the profile nowhere rises above it: contact areas are those of the noise"
     else:
-        reason = f"there the profile, as f^{-spectrum.law.exponent:.2g}, falls below the noise floor"
+        reason = "there the profile falls below the noise floor"
         told = f"{told}: cutoff_short = {spectrum.crossing:.3g} ({spectrum.crossing * 1e6:.3g} um), {reason}"
     yield "profile.cutoff_short", told
 
