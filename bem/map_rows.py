@@ -98,7 +98,7 @@ def rows_of(tables: Tables, base: Path) -> tuple[range, Scene]:
 def _count(tables: Tables, base: Path, error: SceneError) -> int:
     """Return the number of rows of the map of a scene whose row cannot be solved; raise the error if none is read."""
     from bem.scans.read_scan import read_scan
-    from bem.scans.scan_refusal import ScanFileError
+    from bem.scans.scan_file_error import ScanFileError
 
     try:
         raw = read_scan(base / tables["profile"]["file"], tables_of_row(tables, 0)["profile"])

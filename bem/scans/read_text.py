@@ -9,8 +9,8 @@ LF, CR or both, as in editors.
 
 A *reading* is a delimiter (tab, semicolon, comma, blanks) with a decimal mark.  The file must be rows of one length in
 some reading; tabs part columns before blanks do.  The scene states `decimal` where the decimal mark is not clear: two
-readings give different numbers (`0,5` may be two columns or a decimal comma), every comma may part thousands
-(`12,345`), or columns of whole numbers between commas may hold the decimals of the column before (`0,1,25`).
+readings give different numbers (`0,5` may be two columns or a decimal comma), or columns of whole numbers between
+commas may hold the decimals of the column before (`0,1,25`).  Marks between thousands are not read.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from typing import NamedTuple
 import numpy as np
 
 from bem.geometry.arrays import FloatArray, IntArray
-from bem.geometry.ranges import MOST
+from bem.geometry.ranges import MOST, Mistake
 from bem.scans.read_units import heading_units
-from bem.scans.scan_refusal import Refusal, ScanFileError, refused
+from bem.scans.scan_file_error import ScanFileError, refused
 
 Numbers = tuple[float, ...]
 NumberedLine = tuple[int, str]  # its number as editors count, and its text
@@ -38,7 +38,6 @@ DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma", "": "blanks"}
 MISSING = {"", "-", "--", "---", "***", "na", "n/a", "#n/a", "null", "none"}
 MISSING |= {"nan", "-nan", "nan(ind)", "-nan(ind)", "1.#qnan", "-1.#ind", "inf", "+inf", "-inf"}
 NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
-THOUSANDS = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")  # or a decimal comma
 MINUS = re.compile("[\u2010-\u2015\u2212\ufe63\uff0d]")  # hyphens, dashes and minus signs of Unicode
 WORDS = "words that mark heights become numbers, as 1 and 0 in a column that valid_column names"
 
@@ -197,28 +196,18 @@ def _numbers(body: Sequence[NumberedLine], reading: Reading, rows: Sequence[Numb
         allowed = f"{width} numbers up to {MOST:g}, or NaN for a missing one, with decimal mark {reading.decimal!r}, "
         allowed += f"and {DELIMITERS[reading.delimiter]} between columns: correct the line; {WORDS}"
         rest = [f"and {len(wrong) - SHOWN} more lines like that"] * (len(wrong) > SHOWN)
-        raise ScanFileError([Refusal("file", text, allowed) for text in (*wrong[:SHOWN], *rest)])
+        raise ScanFileError([Mistake("profile.file", text, allowed) for text in (*wrong[:SHOWN], *rest)])
     return np.array(rows, dtype=np.float64)
 
 
 def _refuse_commas(body: Sequence[NumberedLine], reading: Reading, values: FloatArray) -> None:
-    """Raise ScanFileError if commas may be another mark: decimal marks (`0,1,25`), or between thousands (`12,345`)."""
+    """Raise ScanFileError if commas between columns may be decimal marks of the column before (`0,1,25`)."""
     decimals = reading.delimiter == "," and values.shape[1] > 2 and (values[:, 1:] >= 0).all(axis=0).any()
     if decimals and not any("." in line for _, line in body):
         number, line = body[0]
         problem = f"is needed: line {number} ({line[:40]!r}) has commas that may part columns or decimals"
         allowed = 'decimal = "." if every comma parts columns; otherwise write points, or another mark, in the file'
         raise refused("decimal", problem, allowed)
-    if reading.decimal != ",":
-        return
-    commas = ((*line, cell) for line in body for cell in reading.cells(line[1]) if "," in cell)
-    first = next(commas, None)
-    if first is None or not all(THOUSANDS.fullmatch(cell) for *_, cell in (first, *commas)):
-        return
-    number, line, cell = first
-    problem = f"is needed: line {number} ({line[:40]!r}) may mean {cell.replace(',', '.')} or {cell.replace(',', '')}"
-    allowed = 'decimal = "," for the first; for the second remove the commas between thousands from the file'
-    raise refused("decimal", problem, allowed)
 
 
 def _refuse_minus(line: NumberedLine, readings: Iterable[Reading]) -> None:

@@ -328,18 +328,17 @@ def _scan(
         return None, [Mistake("profile.row", f'= "{ALL_ROWS}" is many scenes', allowed)]
     from bem.scans.prepare_scan import prepare
     from bem.scans.read_scan import read_scan, scan_of_arrays
-    from bem.scans.scan_refusal import ScanFileError
+    from bem.scans.scan_file_error import ScanFileError
 
     name = profile["file"]
     try:
         raw = read_scan(base_dir / name, profile) if arrays is None else scan_of_arrays(*arrays, profile)
         scan = prepare(raw, profile)
     except ScanFileError as error:
-        told = [
-            (key, f"= {shown(name)}: {problem}" if key == "file" else problem, allowed)
-            for key, problem, allowed in error.refusals
+        named = f"= {shown(name)}: "
+        return None, [
+            replace(each, found=named * (each.path == "profile.file") + each.found) for each in error.mistakes
         ]
-        return None, [Mistake(f"profile.{key}", problem, allowed) for key, problem, allowed in told]
     return scan, list(scan_mistakes(profile, scan))
 
 

@@ -8,7 +8,7 @@ from bem.geometry.profile import Profile
 from bem.scans.prepare_scan import prepare
 from bem.scans.prepared_scan import DRAWN
 from bem.scans.read_scan import RawScan, read_scan
-from bem.scans.scan_refusal import ScanFileError
+from bem.scans.scan_file_error import ScanFileError
 
 COUNT, SPACING = 200, 1e-5
 X = SPACING * np.arange(COUNT)
@@ -105,7 +105,7 @@ def test_trend_is_removed(method):
 
 
 def test_trend_of_too_few_samples_is_refused():
-    with pytest.raises(ScanFileError, match='detrend: = "cubic" of 3 samples'):
+    with pytest.raises(ScanFileError, match='detrend = "cubic" of 3 samples'):
         prepare(raw(X[:3], H[:3]), {"detrend": "cubic"})
 
 
@@ -173,8 +173,8 @@ def test_value_for_nothing_seen_is_a_missing_height(value, places, told):
     h[places] = value
     with pytest.raises(ScanFileError) as caught:
         prepare(raw(h=h), {"outliers": "replace"})
-    (refusal,) = caught.value.refusals
-    assert (refusal.key, f"dropouts: {value:.9g} m in {told}" in refusal.problem) == ("missing", True), refusal
+    (refusal,) = caught.value.mistakes
+    assert (refusal.path, f"dropouts: {value:.9g} m in {told}" in refusal.found) == ("profile.missing", True), refusal
     bridged = prepare(raw(h=h), {"missing": "interpolate", "detrend": "none"})
     gaps = h.copy()
     gaps[places] = np.nan
