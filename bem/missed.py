@@ -34,7 +34,7 @@ NUMERICAL_FAILURES = (
 )
 COARSER = "fewer profile.harmonics"
 UNCERTIFIED_REMEDIES = ("half the accuracy.max_increment", "a larger accuracy.tolerance", COARSER)
-LISTED = 3  # format: targets missed whose reasons stand in the failure of a result
+REASONS_LISTED = 3  # format: targets missed whose reasons stand in the failure of a result
 
 
 class MissedTargetError(Exception):
@@ -113,9 +113,9 @@ def verdict(states: Iterable[State]) -> tuple[Status, str | None]:
     targets = [state for state in states if state.target]
     lost = [state for state in targets if not state.found]
     refused = [state for state in targets if state.found and not state.certificate.ok]
-    reasons = [reason for state in lost[:LISTED] for reason in state.certificate.reasons]
-    if len(lost) > LISTED:
-        reasons.append(f"{len(lost) - LISTED} more targets were not met either")
+    reasons = [reason for state in lost[:REASONS_LISTED] for reason in state.certificate.reasons]
+    if len(lost) > REASONS_LISTED:
+        reasons.append(f"{len(lost) - REASONS_LISTED} more targets were not met either")
     if refused:
         count = f"{len(refused)} of {len(targets) - len(lost)} states at targets are not certified"
         reasons.append(f"{count}, the first {uncertified(refused[0])}; {advice(UNCERTIFIED_REMEDIES)}")

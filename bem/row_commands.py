@@ -24,7 +24,7 @@ from bem.scene.result_views import UNITS
 from bem.scene.scene_error import SceneError
 
 TABLE = ANSWERS[0]
-DIGITS = 3  # format: of a median and its scatter
+TABLE_DIGITS = 3  # format: of a median and its scatter
 
 
 def run_rows(tables: Mapping[str, Any], options: argparse.Namespace) -> int:
@@ -89,6 +89,6 @@ def table_lines(outcome: RowResults, control: str) -> list[str]:
     for target, branch, name, unit, rows, median, scatter in zip(*columns.values(), strict=True):
         if name in QUANTITIES and name != control:
             held = f"{control.replace('_', ' ')} {quantity(float(target), UNITS[control])}, {branch}"
-            numbers = " ± ".join(readable(float(value), str(unit), DIGITS) for value in (median, scatter))
+            numbers = " ± ".join(readable(float(value), str(unit), TABLE_DIGITS) for value in (median, scatter))
             lines.append(f"{held}: {name.replace('_', ' ')} {numbers} (median and scatter of {rows} rows)")
     return lines

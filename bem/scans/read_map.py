@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 
 from bem.geometry.arrays import FloatArray
-from bem.scans.read_text import LISTED, NUMBER, TextTable
+from bem.scans.read_text import LINES_LISTED, NUMBER, TextTable
 from bem.scans.scan_file_error import refused
 
 FEWEST_SAMPLES = 3  # derived: samples that carry one harmonic
 FEWEST_STEPPED, FEWEST_ORDERED = 4, 8  # format: numbers on an axis, at equal steps or in order; by chance, 1 in 20,000
-EQUAL = 0.01  # format: admitted deviation of a step of an axis, in steps
+EQUAL_STEP = 0.01  # format: admitted deviation of a step of an axis, in steps
 
 BESIDE_CORNER = {"first": slice(1, None), "last": slice(None, -1)}  # numbers of an axis, by the end with a corner
 TEXT_LINES = "the lines of heights, from the first in the file"
@@ -80,7 +80,7 @@ def refuse_numbers_above(table: TextTable, heights: FloatArray, values: Mapping[
             count = np.count_nonzero(heights == value)
             equal += [f"line {number} ({line[:40]!r}): {value:g}, as {count} heights"] * bool(count)
     if equal:
-        told = "; ".join(equal[:LISTED]) + "; .." * (len(equal) > LISTED)
+        told = "; ".join(equal[:LINES_LISTED]) + "; .." * (len(equal) > LINES_LISTED)
         allowed = 'missing_value = the number that stands for a missing height; missing_value = "none" if none does'
         raise refused("missing_value", f"is needed: numbers above the heights equal heights: {told}", allowed)
 
@@ -120,4 +120,4 @@ def _ordered(row: FloatArray, stepped: bool) -> bool:
     steps = np.diff(row)
     if row.size < (FEWEST_STEPPED if stepped else FEWEST_ORDERED) or not ((steps > 0).all() or (steps < 0).all()):
         return False
-    return not stepped or float(np.abs(steps - steps.mean()).max()) <= EQUAL * abs(float(steps.mean()))
+    return not stepped or float(np.abs(steps - steps.mean()).max()) <= EQUAL_STEP * abs(float(steps.mean()))

@@ -24,7 +24,7 @@ from bem.scans.read_bytes import content_of, text_of
 from bem.scans.read_columns import TableLine, line_of
 from bem.scans.read_instrument import RASTER_TEXT, InstrumentScan, read_instrument
 from bem.scans.read_map import ARRAY_LINES, MAP_LINES, row_of, rows_allowed, without_missing
-from bem.scans.read_text import COMMENT, DELIMITERS, LISTED, read_table
+from bem.scans.read_text import COMMENT, DELIMITERS, LINES_LISTED, read_table
 from bem.scans.read_units import resolved_units
 from bem.scans.scan_file_error import ScanFileError, refused
 from bem.scans.scan_keys import SCAN_KEYS, TEXT_KEYS
@@ -112,7 +112,7 @@ def _from_text(text: str, encoding: str, values: Mapping[str, Any]) -> RawScan:
         line for number, line in table.above if number <= skip_lines or (number < table.heading and line[0] in COMMENT)
     ]
     if over:
-        facts["skipped"] = " | ".join(line[:40] for line in over[:LISTED])
+        facts["skipped"] = " | ".join(line[:40] for line in over[:LINES_LISTED])
     facts |= {} if line.map_rows is None else {"rows": line.map_rows}
     stated = {axis: table.units[column] for axis, column in zip("xh", line.columns, strict=True) if column is not None}
     raw = _in_metres(line, stated, f"line {table.heading}", facts, values)

@@ -26,7 +26,7 @@ from bem.scene.stored_arrays import array_mistakes
 SUM_ROUNDING = 1e-9  # derived: of a period or a sum of energies; rounding, with a margin
 LARGEST = 1e150  # derived: magnitude of any number in SI units, whose square is a double with room for a factor
 MISSED = ("unreachable", "not_converged")
-GROUPS = ("rms_height", "rms_slope", "pressure_scale")  # of every scene
+NEEDED_GROUPS = ("rms_height", "rms_slope", "pressure_scale")  # of every scene
 ENDINGS = ("converged", *MISSED, "interrupted")
 
 
@@ -61,7 +61,7 @@ def _unless(holds: bool, key: str, value: Any, allowed: str) -> Iterator[Mistake
 
 def _facts_mistakes(result: Result) -> Iterator[Mistake]:
     """Yield groups and facts of the provenance that are missing, and a digest of another scene."""
-    for name in GROUPS:
+    for name in NEEDED_GROUPS:
         yield from _unless(name in result.groups, f"groups.{name}", None, "a number")
     for name in FACTS:
         yield from _unless(
