@@ -142,8 +142,10 @@ def _derived(result: Result) -> Iterator[Derived]:
         yield f"{key}.total_energy", state.total_energy, total, SUM_ROUNDING * size
         if state.index is not None:
             quantity, asked = asked_for(loading, state.index)
+            size = abs(asked)  # of a distance with the crest, penetration + separation: 1e-300 m is 0
+            size += abs(state.penetration) + abs(state.separation) if quantity in ("separation", "penetration") else 0
             error = getattr(state.error_estimate, quantity) or 0.0
-            yield f"{key}.{quantity}", getattr(state, quantity), float(asked), error + SUM_ROUNDING * abs(asked)
+            yield f"{key}.{quantity}", getattr(state, quantity), float(asked), error + SUM_ROUNDING * size
         if state.gaps is not None:
             yield from _derived_gaps(f"{key}.gaps", state.gaps, state, period)
     tension = result.largest_tension
