@@ -11,7 +11,7 @@ are alike, and the scatter is of rows, not the error of a two-dimensional contac
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -47,13 +47,16 @@ class RowResults:
     failures: dict[int, str]
 
     def to_table(self) -> dict[str, NDArray[Any]]:
-        """Return median and scatter of each quantity at each target, one array a column, as pandas takes them."""
+        """Return median and scatter of each quantity at each target, one array a column, as pandas takes them.
+
+        Columns: target (m or Pa), branch, quantity, unit, rows (their number), median, and scatter, half of the
+        distance between the quantiles of 16 % and 84 %.
+        """
         columns: dict[str, list[Any]] = {
             name: [] for name in ("target", "branch", "quantity", "unit", "rows", "median", "scatter")
         }
         for (target, branch, name), values in self._answers().items():
-            low, median, high = np.quantile(values, QUANTILES)
-            entry = (target, branch, name, UNITS.get(name, ""), len(values), median, (high - low) / 2)
+            entry = (target, branch, name, UNITS.get(name, ""), len(values), *median_and_scatter(values))
             for column, value in zip(columns.values(), entry, strict=True):
                 column.append(value)
         return {name: np.array(values) for name, values in columns.items()}
@@ -70,6 +73,12 @@ class RowResults:
                     if np.isfinite(table[name][k]):
                         values.append(float(table[name][k]))
         return {key: values for key, values in answers.items() if values}
+
+
+def median_and_scatter(values: Sequence[float]) -> tuple[float, float]:
+    """Return the median of some numbers, and half of the distance between their 16 % and 84 % quantiles."""
+    low, median, high = np.quantile(values, QUANTILES).tolist()
+    return median, (high - low) / 2
 
 
 def rows_of(tables: Content, base: Path) -> tuple[range, Scene]:
@@ -141,12 +150,12 @@ def solve_rows(
     folder : Path, optional
         Every row is written into a folder of it when it is solved, and rows that the folder holds are not solved again.
     progress : callable, optional
-        Called with each row and its status.
+        Called with each row, and "answered" or the reason why it is not.
 
     Raises
     ------
     SceneError
-        A scene of other rows, or no row that can be solved.
+        A scene without profile.row = "all", or no row that can be solved.
     """
     tables, base = (scene, Path()) if isinstance(scene, Mapping) else (read_tables(scene), Path(scene).parent)
     if not asks_for_rows(tables):
@@ -164,7 +173,7 @@ def solve_rows(
             else:
                 results[row] = result
             if progress is not None:
-                progress(row, reason or results[row].status.replace("_", " "))
+                progress(row, reason or "answered")
     return RowResults(results, failures)
 
 

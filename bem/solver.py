@@ -344,9 +344,11 @@ class _Run:
             return
         state, effort = self.point.state, self.path.effort
         joined = self.point.status == "complete_contact"
+        held = joined and self.control == "mean_pressure"  # else the pressure of complete contact is not known
+        load = state.load if state is not None else self.point.value if held else 0.0
         self.progress(
             Progress(
-                mean_pressure=0.0 if state is None else self.problem.mean_pressure(state.load),
+                mean_pressure=self.problem.mean_pressure(load),
                 contact_fraction=float(joined) if state is None else state.patches.contact_fraction,
                 n_patches=0 if state is None else state.patches.count,
                 increments_accepted=effort.accepted,

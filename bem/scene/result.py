@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pydantic import PlainSerializer, PlainValidator
 
 from bem.scene.result_views import Views
-from bem.scene.state import FINAL_STATUSES, Bound, Ending, FinalStatus, MaybeNan, Number, State
+from bem.scene.state import Bound, Ending, FinalStatus, MaybeNan, Number, State
 from bem.scene.stored_arrays import decoded, encoded
 
 EventKind = Literal[
@@ -185,17 +185,6 @@ class Result(Views):
             warnings=(*self.warnings, *(warning for entry in parts for warning in entry.warnings)),
             largest_tension=min(tensions, key=lambda tension: tension.mean_pressure, default=None),
         )
-
-    @property
-    def answered(self) -> bool:
-        """Success of the scene: it ended as asked, or every target that was not met lies behind a pull-off.
-
-        A tension beyond what the contact carries, asked for on the way out, is answered by the pull-off.
-        """
-        missed = [state for state in self.states if not state.found]
-        pulled = [k for k, event in enumerate(self.events) if event.kind == "pull_off"]
-        behind = [state.status == "unreachable" and bool(pulled) and pulled[0] < state.events for state in missed]
-        return self.status in FINAL_STATUSES or (self.status == "unreachable" and any(behind) and all(behind))
 
     @property
     def targets(self) -> tuple[State, ...]:

@@ -109,6 +109,8 @@ def _kind(folder: Path) -> str:
     for file, kind in KINDS.items():
         if (folder / file).exists():
             return kind
+    if not folder.is_dir():
+        raise ReportError(f"{folder}: is no folder; a folder of a run or of a verification is needed")
     raise ReportError(f"{folder}: neither {RESULT_FILE} nor {REPORT} there")
 
 

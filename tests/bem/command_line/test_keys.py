@@ -50,7 +50,7 @@ def test_a_section_has_all_its_keys_and_no_others(name):
 
 def test_an_unknown_section_is_one_clear_error(capsys):
     assert command_line.main(["keys", "laod"]) == 2
-    assert capsys.readouterr().err == 'error: section [laod] is unknown; allowed: did you mean "loading"?\n'
+    assert capsys.readouterr().err == 'error: section [laod] is unknown; allowed: "loading", by its name\n'
     assert command_line.main(["keys", "[solid]"]) == 0
 
 

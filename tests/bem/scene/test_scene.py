@@ -211,12 +211,12 @@ def test_message_holds_path_value_and_what_is_allowed():
 )
 def test_unknown_key_suggests_the_closest(path, suggested):
     (mistake,) = mistakes_of(scene_with(path, 1.0))
-    assert mistake.allowed == f'did you mean "{suggested}"?'
+    assert mistake.allowed == f'"{suggested}", by its name'
 
 
 def test_an_unknown_key_that_two_keys_begin_with_suggests_both():
     (mistake,) = mistakes_of(scene_with("profile.cutoff", 8e-6))
-    assert mistake.allowed == 'did you mean "cutoff_short" or "cutoff_long"?'
+    assert mistake.allowed == '"cutoff_short" or "cutoff_long", by its name'
 
 
 def test_a_removed_key_says_what_to_do_instead():
