@@ -34,8 +34,8 @@ ROW_FOLDERS = "row-[0-9]*"  # of `folder_of_row`
 QUANTILES = (0.16, 0.5, 0.84)  # format: of the answers of all rows
 SKIPPED = ("branch", "status", "target", "certified")  # columns of the answer that are no quantities
 
-Tables = Mapping[str, Any]
-Shared = tuple[Tables, Path, Path | None]  # tables, folder of file names, folder of results
+Content = Mapping[str, Any]
+Shared = tuple[Content, Path, Path | None]  # tables, folder of file names, folder of results
 Outcome = tuple[Result | None, str]  # of a row: the result, and the reason where there is no answer
 
 
@@ -81,7 +81,7 @@ def median_and_scatter(values: Sequence[float]) -> tuple[float, float]:
     return median, (high - low) / 2
 
 
-def rows_of(tables: Tables, base: Path) -> tuple[range, Scene]:
+def rows_of(tables: Content, base: Path) -> tuple[range, Scene]:
     """Return the rows that a scene with row = "all" asks for, and the scene of the first row that can be solved.
 
     Raises
@@ -104,10 +104,10 @@ def rows_of(tables: Tables, base: Path) -> tuple[range, Scene]:
     raise first
 
 
-def _count(tables: Tables, base: Path, error: SceneError) -> int:
+def _count(tables: Content, base: Path, error: SceneError) -> int:
     """Return the number of rows of the map of a scene whose row cannot be solved; raise the error if none is read."""
     from bem.scans.read_scan import read_scan
-    from bem.scans.scan_refusal import ScanFileError
+    from bem.scans.scan_file_error import ScanFileError
 
     try:
         raw = read_scan(base / tables["profile"]["file"], tables_of_row(tables, 0)["profile"])
@@ -116,13 +116,13 @@ def _count(tables: Tables, base: Path, error: SceneError) -> int:
     return int(raw.facts["rows"])
 
 
-def tables_of_row(tables: Tables, row: int) -> dict[str, Any]:
+def tables_of_row(tables: Content, row: int) -> dict[str, Any]:
     """Return the tables of the scene of a row."""
     profile = {key: value for key, value in tables["profile"].items() if key != "every"}
     return {**tables, "profile": profile | {"row": row}}
 
 
-def asks_for_rows(tables: Tables) -> bool:
+def asks_for_rows(tables: Content) -> bool:
     """Return whether a scene asks for all rows of a map."""
     profile = tables.get("profile")
     return isinstance(profile, Mapping) and profile.get("row") == ALL_ROWS
@@ -134,7 +134,7 @@ def folder_of_row(folder: Path, row: int) -> Path:
 
 
 def solve_rows(
-    scene: Path | str | Tables,
+    scene: Path | str | Content,
     jobs: int = 1,
     folder: Path | None = None,
     progress: Callable[[int, str], None] | None = None,

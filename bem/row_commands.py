@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from bem.command_line.answer_table import (
+    NO_NUMBER,
     PULL_OFF,
     QUANTITIES,
-    UNKNOWN,
     aligned,
     pull_off,
     quantity,
@@ -34,7 +34,7 @@ from bem.scene.scene_error import SceneError
 
 TABLE = ANSWERS[0]
 MEDIANS = {"width_median": "width: median", "open_gap_p50": "open gap: median"}  # of one column in three
-DIGITS = 3  # format: of a median and its scatter
+TABLE_DIGITS = 3  # format: of a median and its scatter
 
 
 def run_rows(tables: Mapping[str, Any], options: argparse.Namespace) -> int:
@@ -114,7 +114,7 @@ def table_lines(outcome: RowResults, control: str) -> list[str]:
     cells: dict[str, dict[str, str]] = {}
     last = ""
     for target, branch, name, unit, rows, median, scatter in entries_of(outcome):
-        words = " ± ".join(readable(value, unit, DIGITS) for value in (median, scatter))
+        words = " ± ".join(readable(value, unit, TABLE_DIGITS) for value in (median, scatter))
         words += f" ({rows} rows)" if rows < len(outcome.results) else ""
         if name == PULL_OFF:
             last = f"Pull-off: {words}"
@@ -123,7 +123,7 @@ def table_lines(outcome: RowResults, control: str) -> list[str]:
     heads = list(dict.fromkeys(head for row in cells.values() for head in row))
     names = [name for name in QUANTITIES if name in cells]
     texts = [
-        [MEDIANS.get(name, QUANTITIES[name]), *(cells[name].get(head, UNKNOWN) for head in heads)] for name in names
+        [MEDIANS.get(name, QUANTITIES[name]), *(cells[name].get(head, NO_NUMBER) for head in heads)] for name in names
     ]
     table = [[f"{control.replace('_', ' ')} (held)", *heads], *texts] if heads else []
     words = f"Median and scatter of {len(outcome.results)} rows: half of the distance of their 16 and 84 % quantiles."

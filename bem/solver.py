@@ -39,7 +39,7 @@ from bem.scene.memory_estimate import refuse_beyond_memory
 from bem.scene.progress import Progress
 from bem.scene.result import Result, asked_for
 from bem.scene.scene import Scene, Table, Tables, scene_of
-from bem.scene.state import Branch, State, Status
+from bem.scene.state import Branch, Ending, State
 
 if TYPE_CHECKING:
     from bem.record import AnyPoint
@@ -188,7 +188,7 @@ class _Run:
         self.record.entries = list(entries)
         self.stands = self.stands and not entries
 
-    def follow(self) -> tuple[Status, str | None]:
+    def follow(self) -> tuple[Ending, str | None]:
         """Visit the remaining targets; return the status of the result, and the reason unless `converged`."""
         try:
             for index in range(self.done, len(self.goals)):

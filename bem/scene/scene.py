@@ -44,7 +44,7 @@ from bem.scene.scene_tables import (
     REQUIRED_TABLES,
     TABLES,
     WITH_DEFAULTS,
-    Accuracy,
+    AccuracyTable,
     Loading,
     Output,
     ProfileTable,
@@ -64,7 +64,7 @@ if TYPE_CHECKING:
 
 ALL_ROWS = "all"  # profile.row of a map whose rows are solved each (bem/map_rows.py)
 IN_MEMORY = "arrays in memory"  # the name of the file of samples that are given as arrays
-LISTED = 12  # format: targets listed in an error
+NAMED = 12  # format: targets listed in an error
 
 __all__ = ["Loading", "Mistake", "Scene", "SceneError", "StoredStart", "load_scene", "parse_scene", "scene_of"]
 
@@ -81,7 +81,7 @@ class Tables(TypedDict, total=False):
     layer: Layer | Table | None
     adhesion: Adhesion | Table | None
     loading: Loading | Table
-    accuracy: Accuracy | Table
+    accuracy: AccuracyTable | Table
     output: Output | Table
 
 
@@ -110,7 +110,7 @@ class Scene:
     layer: Layer | None
     adhesion: Adhesion | None
     loading: Loading
-    accuracy: Accuracy
+    accuracy: AccuracyTable
     output: Output
     origin: float
     scan: Scan | None = field(default=None, compare=False)
@@ -347,18 +347,17 @@ def _scan(
         return None, [Mistake("profile.row", f'= "{ALL_ROWS}" is many scenes', allowed)]
     from bem.scans.prepare_scan import prepare
     from bem.scans.read_scan import read_scan, scan_of_arrays
-    from bem.scans.scan_refusal import ScanFileError
+    from bem.scans.scan_file_error import ScanFileError
 
     name = profile["file"]
     try:
         raw = read_scan(base_dir / name, profile) if arrays is None else scan_of_arrays(*arrays, profile)
         scan = prepare(raw, profile)
     except ScanFileError as error:
-        told = [
-            (key, f"= {shown(name)}: {problem}" if key == "file" else problem, allowed)
-            for key, problem, allowed in error.refusals
+        named = f"= {shown(name)}: "
+        return None, [
+            replace(each, found=named * (each.path == "profile.file") + each.found) for each in error.mistakes
         ]
-        return None, [Mistake(f"profile.{key}", problem, allowed) for key, problem, allowed in told]
     return scan, list(scan_mistakes(profile, scan))
 
 
@@ -411,7 +410,7 @@ def _profile(profile: ProfileTable, scan: Scan | None) -> ProfileTable:
 def _output_mistakes(scene: Scene) -> Iterator[Mistake]:
     """Yield outputs asked for at other values than targets."""
     targets = scene.loading.targets
-    listed = ", ".join(f"{target:g}" for target in dict.fromkeys(targets[:LISTED])) + ", ..." * (len(targets) > LISTED)
+    listed = ", ".join(f"{target:g}" for target in dict.fromkeys(targets[:NAMED])) + ", ..." * (len(targets) > NAMED)
     allowed = f"true, false or a list of targets ({listed}); add it to loading.targets to have a state there"
     for name in OUTPUTS:
         asked = getattr(scene.output, name)
