@@ -36,21 +36,7 @@ from validation.report.run_words import outcome, succeeded
 from validation.report.verification_page import REPORT, page_of_file
 from validation.studies.own_scene import BUDGET, SEEDS
 
-INSTEAD = {  # of commands of earlier releases
-    "stability": "linecontact verify --only hard, and python -m validation.cases.random_judge for random scenes",
-    "convergence": "linecontact verify --only convergence",
-    "work-precision": "linecontact verify --only cost",
-    "faults": "python -m validation.studies.mutants",
-    "maps": "linecontact example guide-maps",
-    "baseline": "linecontact verify --only CASE --store --reason TEXT",
-}
-
-
-class UsageError(ValueError):
-    """A command that cannot be carried out as it was written."""
-
-
-REFUSED = (ReportError, CorruptResultError, SceneError, FolderError, UsageError)
+REFUSED = (ReportError, CorruptResultError, SceneError, FolderError)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -141,10 +127,6 @@ def _study(options: argparse.Namespace) -> int:
     return code
 
 
-def _gone(options: argparse.Namespace) -> int:
-    raise UsageError(f"baseline: gone; use {INSTEAD['baseline']}")
-
-
 def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], run_name: str = "run") -> None:
     """Add the commands to a program, which passes its parsed options to `options.perform`.
 
@@ -164,16 +146,13 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     paper = commands.add_parser("replicate", help="the results of the paper from an ensemble, as a report")
     paper.add_argument("--out", type=Path, required=True, help="folder of the report; realisations there stay")
     paper.add_argument("--jobs", type=positive, default=cores, help=f"worker processes (default: {cores})")
-    paper.add_argument("--executor", type=_no_executor, help=argparse.SUPPRESS)
     paper.add_argument("--quick", action="store_true", help="few realisations with few harmonics: shows that it runs")
     paper.set_defaults(command=_replicate, perform=perform)
 
     challenge.add_commands(commands, perform)
 
-    study = commands.add_parser(
-        "study", help="study scene SCENE: its cost of accuracy, and what its question leaves open"
-    )
-    study.add_argument("name", type=_study_name, metavar="scene")
+    study = commands.add_parser("study", help="study scene SCENE: how well its answers are known")
+    study.add_argument("name", choices=["scene"])
     study.add_argument("scene", type=Path, metavar="SCENE", help="scene file (TOML)")
     study.add_argument("--seeds", type=_natural, metavar="N", help=f"realisations besides its own (default: {SEEDS})")
     study.add_argument("--budget", type=positive, metavar="SECONDS", help=f"CPU seconds (default: {BUDGET:g})")
@@ -182,22 +161,6 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     study.add_argument("--jobs", type=positive, default=1, help="worker processes (default: 1)")
     study.add_argument("--out", type=Path, required=True)
     study.set_defaults(command=_study, perform=perform)
-
-    gone = commands.add_parser("baseline")
-    gone.add_argument("words", nargs=argparse.REMAINDER)
-    gone.set_defaults(command=_gone, perform=perform)
-
-
-def _no_executor(text: str) -> None:
-    raise argparse.ArgumentTypeError(f"{text}: no executors; --jobs N solves in N processes of this machine")
-
-
-def _study_name(name: str) -> str:
-    """Return the only study, "scene"; refuse others, of earlier releases with the command that replaces each."""
-    if name != "scene":
-        instead = INSTEAD.get(name, "linecontact study scene SCENE --out DIR")
-        raise argparse.ArgumentTypeError(f"study {name}: no such study; use {instead}")
-    return name
 
 
 def _natural(text: str) -> int:

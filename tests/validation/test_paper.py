@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from persson import double_gaussian
-from validation import __main__ as command_line
 from validation.harness.schema import Figure, Panel, Series
 from validation.paper import pressures, profiles, replicate, spectra
 from validation.paper.curves import banded, joined
@@ -234,12 +233,6 @@ def test_figure_files_are_vectors_and_repeat(tmp_path):
     for path in (tmp_path / "a").iterdir():
         assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes()
     assert b"<image" not in (tmp_path / "a" / "one.svg").read_bytes()
-
-
-def test_an_executor_is_refused_and_jobs_are_named(tmp_path, capsys):
-    with pytest.raises(SystemExit, match="2"):
-        command_line.main(["replicate", "--executor", "dask://host:8786", "--out", str(tmp_path)])
-    assert "--jobs N solves in N processes" in capsys.readouterr().err
 
 
 def test_members_are_stored_used_again_and_solved_again_where_damaged(tmp_path):

@@ -27,10 +27,8 @@ def figures_of(result: Result, theories: Sequence[Theory]) -> Iterator[Figure]:
     yield from distributions_of(result)
     if len(result.states) > 1 and any(state.error_estimate.mean_pressure for state in result.states):
         yield drawn("errors", "Estimated errors of all states, in the order of the path.", _errors(result))
-    for figure_of in (preparation_figure, spectrum_figure):
-        prepared = figure_of(result.fields, result.profile_preparation)
-        if prepared is not None:
-            yield prepared
+    scan = preparation_figure(result.fields), spectrum_figure(result.fields, result.profile_preparation)
+    yield from filter(None, scan)
 
 
 def stored_states(result: Result) -> dict[str, State]:
