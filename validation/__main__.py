@@ -34,7 +34,6 @@ from validation.report.pdf import write_pdf
 from validation.report.run_page import write_run_page
 from validation.report.run_words import outcome, succeeded
 from validation.report.verification_page import REPORT, page_of_file
-from validation.studies.own_scene import BUDGET, SEEDS
 
 REFUSED = (ReportError, CorruptResultError, SceneError, FolderError)
 
@@ -117,10 +116,9 @@ def _replicate(options: argparse.Namespace) -> int:
 def _study(options: argparse.Namespace) -> int:
     """Study a scene."""
     module = import_module("validation.studies.own_scene")
-    given = {key: value for key in ("seeds", "budget") if (value := getattr(options, key)) is not None}
-    plan = module.Options(jobs=options.jobs, quick=options.quick, overwrite=options.overwrite, **given)
+    given = {name: getattr(options, name) for name in ("quick", "jobs", "overwrite")}
     with locked(options.out):
-        code = int(module.run(options.scene, options.out, plan, say))
+        code = int(module.run(options.scene, options.out, say, **given))
         if code == DONE and (options.out / RESULT_FILE).exists():
             write_run_page(options.out)  # with the uncertainty of the input
             print(options.out / PAGE)
@@ -154,19 +152,11 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     study = commands.add_parser("study", help="study scene SCENE: how well its answers are known")
     study.add_argument("name", choices=["scene"])
     study.add_argument("scene", type=Path, metavar="SCENE", help="scene file (TOML)")
-    study.add_argument("--seeds", type=_natural, metavar="N", help=f"realisations besides its own (default: {SEEDS})")
-    study.add_argument("--budget", type=positive, metavar="SECONDS", help=f"CPU seconds (default: {BUDGET:g})")
     study.add_argument("--overwrite", action="store_true", help="replace the study of another scene")
-    study.add_argument("--quick", action="store_true", help="its short form")
+    study.add_argument("--quick", action="store_true", help="fewer seeds of a random profile")
     study.add_argument("--jobs", type=positive, default=1, help="worker processes (default: 1)")
     study.add_argument("--out", type=Path, required=True)
     study.set_defaults(command=_study, perform=perform)
-
-
-def _natural(text: str) -> int:
-    if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"{text!r}: an integer >= 0 is needed")
-    return int(text)
 
 
 if __name__ == "__main__":

@@ -54,9 +54,9 @@ class Means:
         """Return ln(A_law / A_ensemble) of `persson.contact_area`, the noise, 1 in the domain, and A, (4, n)."""
         lines, columns = self.group.lines, []
         work = self.theta * MODULUS * lines.full_contact_energy or None
-        solid = {"youngs_modulus": YOUNGS_MODULUS, "poisson_ratio": POISSON_RATIO, "work_of_adhesion": work}
+        solid = {"youngs_modulus": YOUNGS_MODULUS, "poisson_ratio": POISSON_RATIO}
         for load, area, error in zip(self.loads, self.area, self.error, strict=True):
-            law = persson.contact_area(lines, load * RMS_SLOPE * MODULUS, **solid)
+            law = persson.contact_area(lines, load * RMS_SLOPE * MODULUS, work_of_adhesion=work, **solid)
             columns.append((np.log(law.contact_fraction / area), error, law.status == "in_domain", area))
         return np.array(columns, dtype=np.float64).reshape(-1, 4).T
 

@@ -2,7 +2,7 @@
 
 Results of the realisations (members.py) are kept in DIR/members: a replication that was interrupted continues, and one
 that is finished is reported again in a minute, by the command that began it.  DIR gets report.json with the
-`statements` (statements.py), report.html made from it, and the figures as SVG, PDF and CSV in figures/.
+`statements` (statements.py), report.html made from it with the figures, and the numbers of these in figures/.
 
 --quick solves the same scenes with fewer realisations and harmonics: everything runs, and statements that rest on the
 paper's ensemble are `not run`.
@@ -22,11 +22,11 @@ from validation.harness.figure_data import table
 from validation.harness.provenance import provenance
 from validation.harness.schema import Figure, Table
 from validation.paper import load_curves, pressures, profiles, spectra
-from validation.paper.ensemble import SOLID, Ensemble, read_ensemble, solve_members, workers
+from validation.paper.ensemble import SOLID, Ensemble, read_ensemble, solve_members
 from validation.paper.members import LOADS, PAPER, QUICK, SPECTRA_AT, Size, members_of
 from validation.paper.statements import headline, judge
 from validation.references.paper_problem import HURST, MODULUS, WORK_OF_ADHESION
-from validation.report.figures import svg_of, write_figure
+from validation.report.figures import svg_of, table_of
 from validation.report.pages import filled
 
 SCHEMA = "linecontact-replication/2"
@@ -39,11 +39,10 @@ def replicate(
 ) -> int:
     """Solve missing realisations and write the report; return 1 if a member has no certified result, else 0."""
     begun, size = time.monotonic(), size or (QUICK if quick else PAPER)
-    with workers(jobs) as pool:
-        members = [member for group in members_of(size).values() for member in group]
-        failed = solve_members(members, folder / "members", pool, say)
+    members = [member for group in members_of(size).values() for member in group]
+    outcomes = solve_members(members, folder / "members", jobs, say)
     say("figures and statements")
-    content, figures = report(read_ensemble(size, folder / "members", failed))
+    content, figures = report(read_ensemble(size, folder / "members", outcomes))
     content |= {
         "schema": SCHEMA,
         "headline": ("short form: " if quick else "") + content["headline"],
@@ -52,7 +51,7 @@ def replicate(
         "provenance": provenance(),
     }
     for figure in figures:
-        write_figure(figure, folder / "figures")
+        write_atomically(folder / f"figures/{figure.id}.csv", table_of(figure))
     text = json.dumps(content, indent=1, allow_nan=False) + "\n"
     write_atomically(folder / REPORT, text)
     drawings = [(figure, svg_of(figure, figure.id)) for figure in figures]
@@ -78,7 +77,7 @@ def report(ensemble: Ensemble) -> tuple[dict[str, Any], list[Figure]]:
             if not all(state.certificate.ok for state in member.result.states)
         ],
         "tables": [table.model_dump() for table in tables],
-        "figures": [f"figures/{figure.id}.svg" for figure in figures],
+        "figures": [f"figures/{figure.id}.csv" for figure in figures],
     }
     return content, figures
 
