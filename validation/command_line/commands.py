@@ -7,9 +7,7 @@ import argparse
 import json
 import sys
 from collections.abc import Callable, Sequence
-from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 import bem
 import validation.__main__ as harness
@@ -18,8 +16,6 @@ from bem.command_line.perform import BAD_INPUT, DONE, FAILED
 from bem.scene.atomic_file import write_atomically
 from validation.command_line import comparison, examples, fem_answer, trace_answer
 from validation.report.documents import TOPICS, UnknownTopicError, contents, documents_page, topic_text
-
-SHELLS = ("bash", "zsh", "tcsh")
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -32,7 +28,6 @@ def main(arguments: Sequence[str]) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="linecontact", description="Adhesive contact of rough profiles, verified.")
     parser.add_argument("--version", action="version", version=f"%(prog)s {bem.__version__}")
-    parser.add_argument("--print-completion", action=_PrintCompletion, choices=SHELLS, help="print shell completion")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
     example = commands.add_parser("example", help="list examples, or write one into the current folder")
@@ -98,26 +93,3 @@ def _compare(options: argparse.Namespace) -> int:
         lines = [*compared.notes, *(f"DIFFERS {line}" for line in differing)]
         print(*lines, f"{len(compared.numbers)} numbers compared: {ending}", sep="\n")
     return FAILED if differing else DONE
-
-
-class _PrintCompletion(argparse.Action):
-    """Action that prints the shell completion of our commands, by shtab (extra `completion`)."""
-
-    def __call__(self, parser: argparse.ArgumentParser, namespace: Any, values: Any, option: str | None = None) -> None:
-        try:
-            shtab = import_module("shtab")
-        except ImportError:
-            parser.exit(BAD_INPUT, f"error: {option}: not installed: pip install 'linecontact[completion]'\n")
-        _complete_paths(parser, shtab)
-        print(shtab.complete(parser, values))
-        parser.exit(DONE)
-
-
-def _complete_paths(parser: argparse.ArgumentParser, shtab: Any) -> None:
-    """Tell which arguments are files, and which are folders."""
-    for action in parser._actions:
-        if isinstance(action, argparse._SubParsersAction):
-            for command in action.choices.values():
-                _complete_paths(command, shtab)
-        elif action.type is Path:
-            action.complete = shtab.FILE if action.dest == "scene" else shtab.DIRECTORY  # type: ignore[attr-defined]

@@ -23,7 +23,6 @@ EXAMPLES = {  # in the order in which they are listed: a scene, a script or own 
     "guide-seal": ("seal.py",),
     "guide-pull-off": ("pull_off.py",),
     "guide-ensemble": ("ensemble.py",),
-    "guide-own-scan": ("own_scan.py", "own-scan.csv"),
     "guide-map": ("map.py",),
     "guide-sweep": ("sweep.py",),
     "guide-fem": ("boundary_and_finite_elements.py",),
