@@ -14,11 +14,12 @@ import numpy as np
 import pytest
 
 import bem
-from validation.cases.hard_scenes import LOW, PERIOD, SCENES, WAVE, scene
+from validation.cases.hard_scenes import LOW, SCENES, WAVE, scene
 from validation.plugin.rows import Code, Quantity
 from validation.references.closed_forms import Sinusoid, full_contact_amplitudes
 from validation.references.dense import LayerKernel, dense_nodes, evaluate_dense, layer_nodes
 from validation.references.isolated_crack import closing, crack
+from validation.references.paper_problem import PERIOD
 from validation.references.waves import Waves
 from validation.routes.dense_algebra import reference
 

@@ -4,7 +4,6 @@
 """
 
 import argparse
-import json
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -48,7 +47,6 @@ def _parser() -> argparse.ArgumentParser:
     two = commands.add_parser("compare", help="two results, or two verification reports, by their uncertainties")
     two.add_argument("a", type=Path, metavar="A")
     two.add_argument("b", type=Path, metavar="B")
-    two.add_argument("--json", action="store_true", help="print as JSON")
     two.set_defaults(command=_compare, perform=harness.perform)
     return parser
 
@@ -80,16 +78,12 @@ def _docs(options: argparse.Namespace) -> int:
 
 def _compare(options: argparse.Namespace) -> int:
     """Print the differences, the largest of each quantity, and the number of compared numbers."""
-    compared, as_json = comparison.compare(options.a, options.b), options.json
+    compared = comparison.compare(options.a, options.b)
     differing, apart = compared.differing, sum(number.differs for number in compared.numbers)
     most = max(compared.numbers, key=lambda number: number.ratio / number.limit)
-    if as_json:
-        facts = {"compared": len(compared.numbers), "apart": apart, "differing": differing, "notes": compared.notes}
-        print(json.dumps(facts | {"largest": str(most)}))
-    else:
-        ending = f"they agree; at most, {most}"
-        if differing:
-            ending = f"{apart} differ, and {len(compared.others)} other differences"
-        lines = [*compared.notes, *(f"DIFFERS {line}" for line in differing)]
-        print(*lines, f"{len(compared.numbers)} numbers compared: {ending}", sep="\n")
+    ending = f"they agree; at most, {most}"
+    if differing:
+        ending = f"{apart} differ, and {len(compared.others)} other differences"
+    lines = [*compared.notes, *(f"DIFFERS {line}" for line in differing)]
+    print(*lines, f"{len(compared.numbers)} numbers compared: {ending}", sep="\n")
     return FAILED if differing else DONE

@@ -7,7 +7,6 @@ cannot cancel between two codes.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -35,9 +34,3 @@ class Problem:
     def harmonics(self) -> tuple[Any, FloatArray, FloatArray]:
         """Orders, amplitudes and phases as arrays."""
         return np.array(self.orders), np.array(self.amplitudes), np.array(self.phases)
-
-
-def missing(extra: str, *packages: str) -> str:
-    """Return the reason why a route of an extra cannot run on this machine; empty if it can."""
-    absent = [name for name in packages if find_spec(name) is None]
-    return f'{", ".join(absent)} not installed: pip install ".[{extra}]"' if absent else ""

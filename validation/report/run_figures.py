@@ -1,4 +1,4 @@
-"""Figures of one run that do not move: the area, distributions, estimated errors, a scan and its preparation."""
+"""Figures of one run that do not move: the area, distributions, a scan and its preparation."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from bem.command_line.answer_table import axis_unit, readable
 from bem.scene.result import Result
 from bem.scene.state import State
-from validation.harness.figure_data import axes, drawn, semilogx, semilogy, trace
-from validation.harness.schema import Figure, Panel
-from validation.report.run_curves import Theory, curves_of, finite
+from validation.harness.figure_data import axes, drawn, semilogx, trace
+from validation.harness.schema import Figure
+from validation.report.run_curves import Theory, curves_of
 from validation.report.scan_figure import preparation_figure, spectrum_figure
 
 MOST_LINES = 8
@@ -25,8 +25,6 @@ def figures_of(result: Result, theories: Sequence[Theory]) -> Iterator[Figure]:
     """Yield all figures of a run, in the order of the page."""
     yield from curves_of(result, theories)
     yield from distributions_of(result)
-    if len(result.states) > 1 and any(state.error_estimate.mean_pressure for state in result.states):
-        yield drawn("errors", "Estimated errors of all states, in the order of the path.", _errors(result))
     scan = preparation_figure(result.fields), spectrum_figure(result.fields, result.profile_preparation)
     yield from filter(None, scan)
 
@@ -34,22 +32,6 @@ def figures_of(result: Result, theories: Sequence[Theory]) -> Iterator[Figure]:
 def stored_states(result: Result) -> dict[str, State]:
     """Return the states of which arrays are stored, by the k of these."""
     return {str(state.stored): state for state in result.states if state.stored is not None}
-
-
-def _errors(result: Result) -> Panel:
-    """Draw estimated errors over the states: of the contact fraction, and of the pressure over its largest value."""
-    scale = max((abs(state.mean_pressure) for state in result.states if not math.isnan(state.mean_pressure)), default=0)
-    estimates = [state.error_estimate for state in result.states]
-    by_quantity = {
-        "contact fraction": [finite(estimate.contact_fraction) for estimate in estimates],
-        "mean pressure over the largest": [finite(estimate.mean_pressure) / (scale or 1.0) for estimate in estimates],
-    }
-    last = len(result.states)
-    asked = float(result.scene["accuracy"]["tolerance"])
-    series = [
-        trace(name, range(1, last + 1), [value or None for value in errors]) for name, errors in by_quantity.items()
-    ]
-    return semilogy("state", "estimated error", *series, trace("asked for", (1, last), (asked, asked), "dashed"))
 
 
 def distributions_of(result: Result) -> Iterator[Figure]:
