@@ -2,8 +2,8 @@
 
 import json
 
-from validation.studies import path_comparison
-from validation.studies.path_comparison import scenes
+from validation.command_line import path_comparison
+from validation.command_line.path_comparison import scenes
 
 
 def test_scenes_of_a_seed_are_the_same_and_have_adhesion():

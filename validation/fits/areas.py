@@ -10,7 +10,8 @@ dry fit at all contact fractions from `LEAST`.  With adhesion every realisation 
 phases, and the law takes the dry area from the ensemble: p_d(A) is moved onto its mean, so that noise and errors that
 both share cancel; the error is then the jackknife's of the ratio wet / dry.  The hold-out judges `persson.contact_area`
 as it is; it has other spectra, loads, seeds and works of adhesion, and enters no fit.  Prints coefficients beside the
-package's, and the rms error and noise of the hold-out; `--out` writes its areas (tests/validation/hold_out_LAW.csv).
+package's, and the rms error and noise of the hold-out; `--out` writes its areas
+(tests/validation/hold_out_dry.csv and hold_out_wet.csv).
 """
 
 import argparse

@@ -1,6 +1,6 @@
 """Comparison of paths at other increments and tolerances with the path in fine increments, over random scenes.
 
-    python -m validation.studies.path_comparison --seed 57 --count 100 --out FOLDER
+    python -m validation.command_line.path_comparison --seed 57 --count 100 --out FOLDER
 
 Scene k of a seed is a scene of corpus/random_scenes.py with adhesion: with few waves, with many, or nearly repeating
 within its period.  The reference of a scene is its path at the default tolerance in a third of its increment.
