@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from importlib import import_module
 
 import numpy as np
-from numpy.typing import NDArray
 
 from validation.harness.arrays import FloatArray
 from validation.harness.route import Problem
@@ -38,27 +37,17 @@ def grid_contact(problem: Problem, mean_pressure: float, points: int) -> GridCon
     ArithmeticError after `ITERATIONS` iterations, NotImplementedError where the points do not resolve the profile.
     """
     modulus = problem.youngs_modulus / (1 - problem.poisson_ratio**2)
-    height, _ = on_grid(problem, points)
-    gap, contact, iterations = pressed(height, problem.period, modulus, mean_pressure)
-    return GridContact(points, float(np.mean(gap)), float(np.mean(contact)), iterations)
-
-
-def pressed(
-    height: FloatArray, period: float, modulus: float, mean_pressure: float
-) -> tuple[FloatArray, NDArray[np.bool_], int]:
-    """Return gaps in m, where contact is, (n,) each, and iterations, of heights (n,) in m under a mean pressure in Pa.
-
-    ArithmeticError after `ITERATIONS` iterations.
-    """
+    height = on_grid(problem, points)
     substrates, systems = import_module("ContactMechanics"), import_module("ContactMechanics.Systems")
-    line = import_module("SurfaceTopography").UniformLineScan(height, period, periodic=True)
-    half_space = substrates.PeriodicFFTElasticHalfSpace(height.shape, modulus, (period,))
+    line = import_module("SurfaceTopography").UniformLineScan(height, problem.period, periodic=True)
+    half_space = substrates.PeriodicFFTElasticHalfSpace(height.shape, modulus, (problem.period,))
     solution = systems.NonSmoothContactSystem(substrate=half_space, surface=line).minimize_proxy(
-        external_force=mean_pressure * period, pentol=LARGEST_OVERLAP, maxiter=ITERATIONS
+        external_force=mean_pressure * problem.period, pentol=LARGEST_OVERLAP, maxiter=ITERATIONS
     )
     if not solution.success:
-        raise ArithmeticError(f"{height.size} points at {mean_pressure:g} Pa: {solution.message}")
-    return solution.x - height - solution.offset, solution.jac > 0, int(solution.nit)
+        raise ArithmeticError(f"{points} points at {mean_pressure:g} Pa: {solution.message}")
+    gap = solution.x - height - solution.offset
+    return GridContact(points, float(np.mean(gap)), float(np.mean(solution.jac > 0)), int(solution.nit))
 
 
 def extrapolated(grids: list[GridContact]) -> float:
@@ -72,8 +61,8 @@ def extrapolated(grids: list[GridContact]) -> float:
     return 2 * grids[-1].contact_fraction - grids[-2].contact_fraction
 
 
-def on_grid(problem: Problem, points: int) -> tuple[FloatArray, FloatArray]:
-    """Return heights in m and slopes of a profile at x = k period / points, (points,) each.
+def on_grid(problem: Problem, points: int) -> FloatArray:
+    """Return heights in m of a profile at x = k period / points, (points,).
 
     NotImplementedError where the points do not resolve them.
     """
@@ -82,5 +71,4 @@ def on_grid(problem: Problem, points: int) -> tuple[FloatArray, FloatArray]:
         raise NotImplementedError(f"{points} points do not resolve {int(orders.max())} harmonics")
     modes = np.zeros(points // 2 + 1, dtype=np.complex128)
     modes[orders] = amplitudes * np.exp(1j * phases) * points / 2
-    slopes = 1j * 2 * np.pi / problem.period * np.arange(modes.size) * modes
-    return np.fft.irfft(modes, points), np.fft.irfft(slopes, points)
+    return np.fft.irfft(modes, points)
