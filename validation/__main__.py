@@ -34,6 +34,7 @@ from validation.report.pdf import write_pdf
 from validation.report.run_page import write_run_page
 from validation.report.run_words import outcome, succeeded
 from validation.report.verification_page import REPORT, page_of_file
+from validation.studies.own_scene import BUDGET
 
 REFUSED = (ReportError, CorruptResultError, SceneError, FolderError)
 
@@ -116,7 +117,7 @@ def _replicate(options: argparse.Namespace) -> int:
 def _study(options: argparse.Namespace) -> int:
     """Study a scene."""
     module = import_module("validation.studies.own_scene")
-    given = {name: getattr(options, name) for name in ("quick", "jobs", "overwrite")}
+    given = {name: getattr(options, name) for name in ("quick", "jobs", "overwrite", "budget")}
     with locked(options.out):
         code = int(module.run(options.scene, options.out, say, **given))
         if code == DONE and (options.out / RESULT_FILE).exists():
@@ -152,6 +153,9 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     study = commands.add_parser("study", help="study scene SCENE: how well its answers are known")
     study.add_argument("name", choices=["scene"])
     study.add_argument("scene", type=Path, metavar="SCENE", help="scene file (TOML)")
+    study.add_argument(
+        "--budget", type=positive, default=BUDGET, metavar="S", help="CPU seconds (default: %(default)s)"
+    )
     study.add_argument("--overwrite", action="store_true", help="replace the study of another scene")
     study.add_argument("--quick", action="store_true", help="fewer seeds of a random profile")
     study.add_argument("--jobs", type=positive, default=1, help="worker processes (default: 1)")

@@ -133,7 +133,6 @@ def test_the_examples_show_what_they_are_named_after():
 
 GUIDE = {  # what each script prints: words, and a number behind them with what it may be off by
     "guide-seal": (r"0\.2 MPa: touches on ([\d.]+) of the face in 24 strips", 0.7039, 6e-5),  # four digits are printed
-    "guide-pull-off": (r"pull_off at a tension of ([\d.]+) Pa", 223.135013, 6e-7),  # six decimals are printed
     "guide-ensemble": (r"20 kPa: contact fraction ([\d.]+) \+- 0\.0079", 0.6558, 6e-5),
     "guide-map": (r"H = 0\.3: ([\d.]+) Pa", 104.0, 6e-2),  # four digits are printed
     "guide-sweep": (r"200000\.0 +([\d.]+)", 0.8980, 6e-5),

@@ -21,7 +21,6 @@ EXAMPLES = {  # in the order in which they are listed: a scene, a script or own 
     "no-adhesion": ("no-adhesion.toml",),
     "steep-profile": ("steep-profile.toml",),
     "guide-seal": ("seal.py",),
-    "guide-pull-off": ("pull_off.py",),
     "guide-ensemble": ("ensemble.py",),
     "guide-map": ("map.py",),
     "guide-sweep": ("sweep.py",),

@@ -200,27 +200,13 @@ def read_ensemble(size: Size, folder: Path, outcomes: Mapping[str, str]) -> Ense
 
 
 def estimate(values: ArrayLike) -> tuple[Any, Any]:
-    """Return the mean over the first axis, and its standard error.
-
-    Examples
-    --------
-    >>> mean, error = estimate([1.0, 3.0])
-    >>> float(mean), float(error)
-    (2.0, 1.0)
-    """
+    """Return the mean over the first axis, and its standard error."""
     array = np.asarray(values, dtype=np.float64)
     return array.mean(axis=0), array.std(axis=0, ddof=1) / np.sqrt(len(array))
 
 
 def jackknife(quantity: Callable[[FloatArray], float], values: ArrayLike) -> tuple[float, float]:
-    """Return a quantity of the mean over the first axis, and its standard error.
-
-    Examples
-    --------
-    >>> value, error = jackknife(lambda mean: float(mean[0]), [[1.0], [3.0]])
-    >>> round(value, 12), round(error, 12)
-    (2.0, 1.0)
-    """
+    """Return a quantity of the mean over the first axis, and its standard error."""
     array = np.asarray(values, dtype=np.float64)
     n, total = len(array), array.sum(axis=0)
     without = np.array([quantity((total - value) / (n - 1)) for value in array])

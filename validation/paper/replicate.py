@@ -18,9 +18,8 @@ import numpy as np
 
 import persson
 from bem.scene.atomic_file import write_atomically
-from validation.harness.figure_data import table
 from validation.harness.provenance import provenance
-from validation.harness.schema import Figure, Table
+from validation.harness.schema import Figure
 from validation.paper import load_curves, pressures, profiles, spectra
 from validation.paper.ensemble import SOLID, Ensemble, read_ensemble, solve_members
 from validation.paper.members import LOADS, PAPER, QUICK, SPECTRA_AT, Size, members_of
@@ -66,7 +65,6 @@ def report(ensemble: Ensemble) -> tuple[dict[str, Any], list[Figure]]:
     measured = {name: number for topic in TOPICS if enough for name, number in topic.measured(ensemble).items()}
     rows = judge(measured, ensemble.shortfall)
     figures = [figure for topic in TOPICS if enough for figure in topic.figures(ensemble)]
-    tables = [_conventions(ensemble), _realisations(ensemble)] if enough else [_realisations(ensemble)]
     content = {
         "headline": headline(rows),
         "statements": rows,
@@ -76,34 +74,14 @@ def report(ensemble: Ensemble) -> tuple[dict[str, Any], list[Figure]]:
             for member in ensemble.everything
             if not all(state.certificate.ok for state in member.result.states)
         ],
-        "tables": [table.model_dump() for table in tables],
+        "conventions": _conventions(ensemble) if enough else [],
         "figures": [f"figures/{figure.id}.csv" for figure in figures],
     }
     return content, figures
 
 
-def _realisations(ensemble: Ensemble) -> Table:
-    """List every realisation: its profile, the load it reached, its cost."""
-    members = ensemble.everything
-    given, results = [member.result.scene["profile"] for member in members], [member.result for member in members]
-    return table(
-        "Every realisation, with the load it reached; phases default_rng(seed).uniform(-pi, pi).",
-        {
-            "name": [member.name for member in members],
-            "seed": [profile["seed"] for profile in given],
-            "H": [profile["hurst"] for profile in given],
-            "harmonics": [profile["harmonics"] for profile in given],
-            "highest load / E*": [member.final_load for member in members],
-            "largest contact fraction": [max(state.contact_fraction for state in result.states) for result in results],
-            "states": [len(result.states) for result in results],
-            "status": [result.status for result in results],
-            "CPU s": [sum(state.cpu_seconds for state in result.states) for result in results],
-        },
-    )
-
-
-def _conventions(ensemble: Ensemble) -> Table:
-    """List conventions of ours beside the paper's, with what each changes in the theory's area with adhesion."""
+def _conventions(ensemble: Ensemble) -> list[tuple[str, str, str, str]]:
+    """Return conventions: name, ours, the other or the paper's, and its change of the theory's area with adhesion."""
     lines, q0 = ensemble.lines, ensemble.loading[0].profile.q0
     wavenumbers = np.geomspace(lines.wavenumbers[0], lines.wavenumbers[-1], 200)
     density = np.exp(np.interp(np.log(wavenumbers), np.log(lines.wavenumbers), np.log(lines.amplitudes**2 / (4 * q0))))
@@ -127,7 +105,7 @@ def _conventions(ensemble: Ensemble) -> Table:
 
     jumped = sum(member.target_at(load) is None for member in ensemble.loading for load in LOADS)
     normalisation = "normalisation of a continuous spectrum"
-    rows = [
+    return [
         (
             normalisation,
             "the lines themselves",
@@ -148,7 +126,3 @@ def _conventions(ensemble: Ensemble) -> Table:
             f"{jumped} of {len(ensemble.loading) * len(LOADS)} loads; no spectra or distributions there",
         ),
     ]
-    return table(
-        "Conventions, and the change of the theory's contact area with adhesion by the other choice.",
-        dict(zip(("convention", "ours", "other, or the paper's", "change"), zip(*rows, strict=True), strict=True)),
-    )

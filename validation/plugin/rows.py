@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
@@ -424,6 +424,12 @@ class Rows:
         """Add a table of numbers and texts."""
         plain = [[cell.item() if isinstance(cell, np.generic) else cell for cell in line] for line in lines]
         self.tables.append({"title": title, "columns": list(columns), "lines": plain})
+
+    def content(self) -> dict[str, Any]:
+        """Return rows, figures, tables and costs as plain values."""
+        return {name: getattr(self, name) for name in ("figures", "tables", "costs")} | {
+            "rows": [asdict(row) for row in self.rows]
+        }
 
     def conclude(self) -> None:
         """Raise where a row fails, where there is none, or where a stored row is gone."""

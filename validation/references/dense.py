@@ -159,15 +159,6 @@ def evaluate_dense(
     ------
     ValueError
         Patches overlap, or are not in order.
-
-    Examples
-    --------
-    Half a period of a sinusoid in contact without adhesion carries the load 2 pi sin^2(pi/4) (Westergaard):
-
-    >>> wave = Waves(2 * np.pi, np.array([1]), np.array([1.0]), np.array([0.0]))
-    >>> state = evaluate_dense(wave, np.array([-np.pi / 2]), np.array([np.pi / 2]), 0.5 * (1 + np.log(2)))
-    >>> round(state.load / np.pi, 12)
-    1.0
     """
     behind = np.append(left[1:], left[:1] + 2 * np.pi) - right
     if not (np.all(right > left) and np.all(behind > 0)):

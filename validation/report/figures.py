@@ -126,15 +126,7 @@ def _renamed(name: str, value: str, prefix: str) -> str:
 
 
 def described(figure: Figure) -> str:
-    """Describe the axes and curves of a figure in words.
-
-    Examples
-    --------
-    >>> from validation.harness.schema import Panel, Series
-    >>> panel = Panel(xlabel="x", ylabel="load", series=[Series(label="a & b", x=[0.0], y=[1.0])])
-    >>> described(Figure(id="one", caption="One point.", solution=panel))
-    'load against x: a & b.'
-    """
+    """Describe the axes and curves of a figure in words."""
     panel = figure.solution
     names = ", ".join(series.label for series in panel.series if series.label)
     return f"{panel.ylabel} against {panel.xlabel}: {names}."

@@ -19,18 +19,7 @@ from validation.harness.schema import Figure
 
 
 def preparation_figure(fields: Mapping[str, NDArray[np.float64]]) -> Figure | None:
-    """Draw the scan and the profile of a result from its fields; None without a scan.
-
-    Examples
-    --------
-    >>> line = np.array([0.0, 1e-3, 2e-3]), np.array([1e-6, 0.0, 2e-6])
-    >>> fields = dict(zip(("scan_x", "scan_h", "profile_x", "profile_h"), (*line, *line), strict=True))
-    >>> panel = preparation_figure(fields).solution
-    >>> panel.xlabel, [series.label for series in panel.series]
-    ('x / mm', ['as measured', 'as prepared'])
-    >>> preparation_figure({}) is None
-    True
-    """
+    """Draw the scan and the profile of a result from its fields; None without a scan."""
     if "scan_x" not in fields:
         return None
     lengths, heights = fields["profile_x"] - fields["profile_x"][0], fields["scan_h"] - np.nanmean(fields["scan_h"])
@@ -46,16 +35,7 @@ def preparation_figure(fields: Mapping[str, NDArray[np.float64]]) -> Figure | No
 
 
 def spectrum_figure(fields: Mapping[str, NDArray[np.float64]], steps: Sequence[Mapping[str, Any]]) -> Figure | None:
-    """Draw the power spectrum over wavelengths; None for a result without a spectrum, or with equal heights.
-
-    Examples
-    --------
-    >>> fields = {"scan_wavelength": np.array([8e-6, 2e-6]), "scan_density": np.array([4e-20, 1e-22])}
-    >>> spectrum = {"step": "spectrum", "noise": "flat tail", "noise_density": 1e-22, "noise_rms": 5e-9}
-    >>> steps = [spectrum, {"step": "filter", "cutoff_short": 5e-6}]
-    >>> [series.label for series in spectrum_figure(fields, steps).solution.series]
-    ['power spectrum of the scan', 'noise floor', 'cutoff_short, 5 µm']
-    """
+    """Draw the power spectrum over wavelengths; None for a result without a spectrum, or with equal heights."""
     positive = np.flatnonzero(fields.get("scan_density", np.zeros(0)) > 0)
     if not positive.size:
         return None

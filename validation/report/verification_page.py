@@ -156,14 +156,6 @@ def digit(value: float | None) -> str:
     >>> digit(0.234), digit(0.0), digit(1e-5), digit(12.0), digit(None)
     ('.23', '0', '<.01', '12', '–')
     """
-    if not value:
-        return "–" if value is None else "0"
-    return (
-        f"{value:.2g}"
-        if value >= 1
-        else f"{value:.2f}"[1:]
-        if 0.01 <= value < 0.995
-        else "<.01"
-        if value < 1e-2
-        else "1.0"
-    )
+    if value is None:
+        return "–"
+    return "<.01" if 0 < value < 0.01 else f"{value:.2g}".removeprefix("0") or "0"

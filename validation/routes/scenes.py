@@ -83,12 +83,6 @@ def problem_of(scene: Scene, code: str, *effects: str) -> Problem:
     """Return solid, profile and path of a scene, and its tables "layer" and "adhesion" if `code` provides them.
 
     ValueError where the scene has another table that decides what is in contact.
-
-    Examples
-    --------
-    >>> problem_of(posed("sinusoid"), "this code", "layer")
-    Traceback (most recent call last):
-    ValueError: scene: this code does not provide [adhesion]
     """
     tables = scene.physics()
     unknown = [name for name in tables if name not in ("solid", "profile", *effects)]

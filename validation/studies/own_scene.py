@@ -45,7 +45,7 @@ from validation.studies.scene_settings import BASE, SAME_CUT, SEED, SOURCES, TOL
 SCHEMA = "linecontact-scene-study/2"
 FILE, PAGE, PARTS = "study.json", "study.html", "parts"
 SEEDS, FEW_SEEDS = 8, 2  # realisations besides the scene's own, and with --quick
-BUDGET = 3600.0  # CPU s
+BUDGET = 3600  # CPU s
 LEAST_SHARE = 0.1  # of the largest answer of its kind on the path
 SLACK, LEAST_LIMIT = 30.0, 60.0  # times the seconds of the scene as it is, and s: a setting is stopped beyond both
 UNITS = {
@@ -106,7 +106,14 @@ class Stored:
 
 
 def run(
-    path: Path, folder: Path, say: Callable[[str], None], *, quick: bool = False, jobs: int = 1, overwrite: bool = False
+    path: Path,
+    folder: Path,
+    say: Callable[[str], None],
+    *,
+    quick: bool = False,
+    jobs: int = 1,
+    overwrite: bool = False,
+    budget: float = BUDGET,
 ) -> int:
     """Run the study of a scene file into a folder; return 1 if the unchanged scene does not converge.
 
@@ -136,7 +143,7 @@ def run(
         if more:
             write_atomically(folder / PAGE, study_page(json.loads(text)))
 
-    for name, answer in solve_settings(settings, solved, path.parent, jobs):
+    for name, answer in solve_settings(settings, solved, path.parent, jobs, budget):
         solved[name] = answer
         say(f"{name}: {answer.status} {answer.reason}".rstrip() + f", {answer.cpu_seconds:.3g} s")
         store()
@@ -203,7 +210,7 @@ def read_solved(folder: Path, sha256: str, overwrite: bool) -> dict[str, Solved]
 
 
 def solve_settings(
-    settings: Sequence[Setting], stored: Mapping[str, Solved], base: Path, jobs: int, budget: float = BUDGET
+    settings: Sequence[Setting], stored: Mapping[str, Solved], base: Path, jobs: int, budget: float
 ) -> Iterator[tuple[str, Solved]]:
     """Solve the settings that are not stored, the unchanged scene first, and yield every outcome with its title."""
     first, *others = settings
