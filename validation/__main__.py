@@ -30,7 +30,6 @@ from validation.challenge import judge as challenge
 from validation.plugin import verify
 from validation.plugin.content import SCHEMA
 from validation.report.pages import PAGE, ReportError
-from validation.report.pdf import write_pdf
 from validation.report.run_page import write_run_page
 from validation.report.run_words import outcome, succeeded
 from validation.report.verification_page import REPORT, page_of_file
@@ -90,7 +89,7 @@ def _verify(options: argparse.Namespace) -> int:
 
 
 def _report(options: argparse.Namespace) -> int:
-    """Render the page of a run or of a verification again; with --pdf print the page."""
+    """Render the page of a run or of a verification again."""
     folder: Path = options.folder if options.folder.name else options.folder.absolute()  # "." has no name
     if not (folder / REPORT).exists() and (folder / RESULT_FILE).exists():
         result = write_run_page(folder)
@@ -102,8 +101,6 @@ def _report(options: argparse.Namespace) -> int:
         write_atomically(folder / PAGE, page_of_file(content))
         words, code = f"{content['headline']};", FAILED if content["failed"] else DONE
     print(f"{words} report: {folder / PAGE}")
-    if options.pdf:
-        print(write_pdf(folder))
     return code
 
 
@@ -139,7 +136,6 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
 
     report = commands.add_parser("report", help="render the page of a run, or of a verification, again")
     report.add_argument("folder", type=Path)
-    report.add_argument("--pdf", action="store_true", help="print it to report.pdf too, with bookmarks (by Chromium)")
     report.set_defaults(command=_report, perform=perform)
 
     paper = commands.add_parser("replicate", help="the results of the paper from an ensemble, as a report")

@@ -27,11 +27,11 @@ FINER = 3.0  # times the increments of the reference
 
 
 def scenes(seed: int, count: int) -> Iterator[tuple[str, Table]]:
-    """Yield name and tables of `count` scenes of a seed that have adhesion and an answer."""
+    """Yield name and tables of `count` scenes of a seed that have adhesion."""
     index = 0
     while count:
         drawn, index = draw(seed, index, (12, 60, 12)[index % 3]), index + 1
-        if drawn.expected != "an answer" or "adhesion" not in drawn.tables or drawn.scan is not None:
+        if "adhesion" not in drawn.tables or drawn.scan is not None:
             continue
         tables, count = drawn.tables, count - 1
         if index % 3 == 0 and tables["profile"]["kind"] == "harmonics":
