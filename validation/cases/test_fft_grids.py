@@ -74,19 +74,6 @@ def test_extrapolated_grids(rows, harmonics):
                  for share, sequence, state in zip(SHARES, grids, states, strict=True)})
 
 
-@pytest.mark.standard
-def test_recorded_figures(rows):
-    """Does the paper's profile without adhesion give the figures recorded from an FFT solver?"""
-    states = solved("paper_profile", **tables(1000)).targets
-    recorded = rows.between(Code.BEM, Code.PUBLISHED, "figures recorded from an FFT solver, seed 2009")
-    recorded.compare("separation", values(states, "separation"), [38.27e-6, 24.79e-6, 12.94e-6], unit="m",
-                     quantity=Quantity.LENGTH, uncertainty=(estimates(states, "separation"), 0.5e-8))
-    area = np.array([0.0415, 0.0797, 0.1533])
-    recorded.compare("contact fraction", values(states, "contact_fraction"), area, quantity=Quantity.AREA,
-                     uncertainty=(estimates(states, "contact_fraction"), 0.01 * area), required=0.01 * area,
-                     because="the finest grid counts whole points; its area still falls")
-
-
 def record():
     """Store the grids of all problems, where the solver is installed."""
     versions = {name: metadata.version(name) for name in PACKAGES}
