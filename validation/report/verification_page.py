@@ -158,4 +158,6 @@ def digit(value: float | None) -> str:
     """
     if value is None:
         return "–"
-    return "<.01" if 0 < value < 0.01 else f"{value:.2g}".removeprefix("0") or "0"
+    if 0 < value < 0.995:
+        return "<.01" if value < 0.01 else f"{value:.2f}"[1:]
+    return f"{value:.2g}"
