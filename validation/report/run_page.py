@@ -34,8 +34,7 @@ from bem.scene.atomic_file import write_atomically
 from bem.scene.plausibility import MEANINGS
 from bem.scene.result import Result
 from bem.scene.result_file import read_result
-from bem.scene.result_invariants import LARGEST
-from bem.scene.state import State
+from bem.scene.state import LARGEST, State
 from bem.scene.stored_json import verified
 from validation.report.figures import svg_of
 from validation.report.moving_path import moving_path

@@ -46,11 +46,6 @@ def spectrum_figure(fields: Mapping[str, NDArray[np.float64]], steps: Sequence[M
     if "noise_density" in facts:
         ends = (wavelength.min(), wavelength.max())
         series.append(trace("noise floor", [length * end for end in ends], [facts["noise_density"]] * 2, "dashed"))
-    if "exponent" in facts:
-        law = facts["law_at_1_per_m"] * wavelength ** facts["exponent"]
-        shown = (law > density.min()) & (law < density.max())
-        label = f"profile's power law, exponent {facts['exponent']:.2g}"
-        series.append(trace(label, length * wavelength[shown], law[shown], "dashed"))
     height = [float(density.min()), float(density.max())]
     series += [trace(f"{name}, {length * at:.3g} {unit}", [length * at] * 2, height) for name, at in _cuts(steps)]
     return drawn(

@@ -33,9 +33,8 @@ from bem.scene.atomic_file import write_atomically
 from bem.scene.progress import Progress
 from bem.scene.provenance import digest
 from bem.scene.result import Result, asked_for
-from bem.scene.result_invariants import LARGEST
 from bem.scene.scene import Scene, SceneError, load_scene, parse_scene, read_tables
-from bem.scene.state import FINAL_STATUSES
+from bem.scene.state import FINAL_STATUSES, LARGEST
 from bem.scene.stored_json import CorruptResultError, verified
 from validation.harness.provenance import provenance
 from validation.plugin.content import finite
@@ -124,7 +123,8 @@ def run(
     sha256, title = digest(resolved), scene.title or "untitled"
     solved = read_solved(folder, sha256, overwrite)
     settings = settings_of(scene, read_tables(path), path.parent, folder / PARTS, FEW_SEEDS if quick else SEEDS)
-    words = ["linecontact", "study", "scene", str(path), *["--quick"] * quick, "--out", str(folder)]
+    given = [*["--quick"] * quick, *["--budget", f"{budget:g}"] * (budget != BUDGET)]
+    words = ["linecontact", "study", "scene", str(path), *given, "--out", str(folder)]
     head = {
         "schema": SCHEMA,
         "scene_sha256": sha256,
