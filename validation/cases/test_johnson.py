@@ -114,24 +114,6 @@ def test_largest_tension(rows, alpha):
 
 
 @pytest.mark.quick
-def test_seven_equal_waves_lose_their_symmetry(rows):
-    """Is the loss of symmetry of equal contacts an event, and has one wave alone, whose branch is single, none?"""
-    lost = {}
-    for order in (1, 7):
-        wave = Sinusoid(DEPTH / order, WAVE.wavelength / order, 1e6, 0.5, 0.3)
-        deepest = float(wave.penetration(0.9 * np.pi / 2))
-        result = solved("sinusoid", profile={"orders": [order], "amplitudes": [DEPTH / order]},
-                        adhesion={"work_of_adhesion": wave.work_of_adhesion},
-                        loading={"targets": [0.3 * deepest, deepest]}, accuracy={"tolerance": 1e-6})
-        places = [event.penetration for event in result.events if event.kind == "bifurcation"]
-        lost[order] = [wave.angle(place, wave.fold(), 1.5) * 2 / np.pi for place in places]
-    assert not lost[1]
-    rows.compare("contact fraction at which seven equal contacts lose their symmetry", lost[7][0], 0.76,
-                 of=Code.BEM, by=Code.DENSE, quantity=Quantity.AREA, uncertainty=(1e-6, 0.01),
-                 source="smallest eigenvalue by a dense prototype, two digits: unstable above 0.76")
-
-
-@pytest.mark.quick
 def test_error_against_unknowns(rows):
     """At Johnson's edges, how many unknowns does an adhesive contact need for a given accuracy?"""
     psi, half = 0.6 * np.pi / 2, 0.3 * WAVE.wavelength
