@@ -55,9 +55,9 @@ def verdicts(result):
 def test_the_case_of_the_page_passes_and_fails_as_the_page_says(run, pytester):
     page = (Path(__file__).parents[2] / "validation" / "README.md").read_text("utf-8")
     code = re.search(r"```python\n(.*?)```", page, re.DOTALL)[1]
-    (pytester.path / "test_dry_wave.py").write_text(code)
+    (pytester.path / "test_own_wave.py").write_text(code)
     run.again().assert_outcomes(passed=2)
-    (pytester.path / "test_dry_wave.py").write_text(code.replace("* 50e-6 /", "* 51e-6 /"))
+    (pytester.path / "test_own_wave.py").write_text(code.replace("* 50e-6 /", "* 51e-6 /"))
     result = run.again()
     result.assert_outcomes(failed=2)
     said = re.search(r"```\n(1 of 2 rows.*?)\n```", page, re.DOTALL)[1].splitlines()

@@ -71,12 +71,6 @@ class Sinusoid:
             self.amplitude * share * (1 - np.log(share)) + adhesive * self.wavelength / (np.pi * self.modulus)
         )
 
-    def angle(self, penetration: float, least: float = 0.3, most: float = 1.4) -> float:
-        """Return psi at a penetration in m, bracketed by the angles `least` and `most`."""
-        return float(
-            brentq(lambda psi: float(self.penetration(psi)) - penetration, least, most, xtol=1e-16, rtol=1e-15)
-        )
-
     def pressure(self, x: FloatArray, psi: float) -> FloatArray:
         """Return the pressure in Pa at distances in m from the crest, on the contact."""
         v = np.sin(np.pi * x / self.wavelength)
