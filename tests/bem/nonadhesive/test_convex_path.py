@@ -95,12 +95,6 @@ def test_surfaces_part_at_zero():
     assert (apart.status, apart.state) == ("separated", None)
 
 
-def test_more_than_the_least_load_is_complete_contact():
-    path = fresh(LoadControl())
-    assert reached(path, 1.01 * path.body.complete.least_load).status == "complete_contact"
-    assert reached(path, 0.99 * path.body.complete.least_load).status == "converged"
-
-
 def test_stiffness_is_the_slope_of_the_load():
     path, step = fresh(), 1e-4
     ahead, back = (reached(fresh(), 1.0 + shift).state.load for shift in (step, -step))
