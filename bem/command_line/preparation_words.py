@@ -5,15 +5,18 @@ The steps are those of `Scan.preparation` (bem/scans/prepared_scan.py); result.j
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from typing import Any
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING
 
 from bem.command_line.answer_table import quantity
+
+if TYPE_CHECKING:
+    from bem.scans.prepared_scan import Step
 
 TRENDS = {"line": "least-squares line", "quadratic": "quadratic trend", "cubic": "cubic trend"}
 
 
-def preparation_sentences(steps: Iterable[Mapping[str, Any]]) -> list[str]:
+def preparation_sentences(steps: Iterable[Step]) -> list[str]:
     """Return a sentence for each step of the preparation of a scan, with the change of its roughness.
 
     Examples
@@ -27,7 +30,7 @@ def preparation_sentences(steps: Iterable[Mapping[str, Any]]) -> list[str]:
     return [f"{SENTENCES[step['step']](step)}{_change(step)}." for step in steps]
 
 
-def _read(step: Mapping[str, Any]) -> str:
+def _read(step: Step) -> str:
     rows = f", one row of a map of {step['rows']} rows" if "rows" in step else ""
     units = (
         f" in {step['unit_h']}"
@@ -39,18 +42,18 @@ def _read(step: Mapping[str, Any]) -> str:
     return f"The trace has {step['samples']} samples{rows}{units}{skipped}; {rough}"
 
 
-def _map(step: Mapping[str, Any]) -> str:
+def _map(step: Step) -> str:
     return f"{step['model'][0].upper()}{step['model'][1:]}"
 
 
-def _dropouts(step: Mapping[str, Any]) -> str:
+def _dropouts(step: Step) -> str:
     if not step["count"]:
         return "There are no dropouts"
     fate = "kept as heights" if step["method"] == "keep" else "taken for missing"
     return f"Dropouts ({step['values']} in {step['places']}): {_samples(step)} {fate}"
 
 
-def _outliers(step: Mapping[str, Any]) -> str:
+def _outliers(step: Step) -> str:
     if not step["count"]:
         return "There are no spikes"
     fate = "kept" if step["method"] == "keep" else "replaced by the median of its neighbours"
@@ -58,7 +61,7 @@ def _outliers(step: Mapping[str, Any]) -> str:
     return f"Spikes, {limit}: {_samples(step)} {fate}, the first at {step['first']}"
 
 
-def _missing(step: Mapping[str, Any]) -> str:
+def _missing(step: Step) -> str:
     if not step["count"]:
         return "No heights are missing"
     cut = sum(step["cut_at_ends"])
@@ -68,7 +71,7 @@ def _missing(step: Mapping[str, Any]) -> str:
     return f"{heights} missing{ends}; {filled}"
 
 
-def _spacing(step: Mapping[str, Any]) -> str:
+def _spacing(step: Step) -> str:
     if "least" in step:
         between = f"which lie {_length(step['least'])} to {_length(step['most'])} apart"
         return f"The samples, {between}, are interpolated at equal distances"
@@ -77,7 +80,7 @@ def _spacing(step: Mapping[str, Any]) -> str:
     return "The samples are equally spaced"
 
 
-def _detrend(step: Mapping[str, Any]) -> str:
+def _detrend(step: Step) -> str:
     if step["method"] == "none":
         return f"No trend is subtracted; the trace is tilted by {step['tilt']:.3g}"
     first, last = step["removed"]
@@ -87,7 +90,7 @@ def _detrend(step: Mapping[str, Any]) -> str:
     return f"The {TRENDS[step['method']]} is subtracted, {ends}"
 
 
-def _spectrum(step: Mapping[str, Any]) -> str:
+def _spectrum(step: Step) -> str:
     if "noise_rms" not in step:
         return f"The power spectrum shows {step['noise'].replace('no floor', 'no noise floor', 1)}"
     words = f"The power spectrum ends in a noise floor of {_length(step['noise_rms'])} rms"
@@ -96,7 +99,7 @@ def _spectrum(step: Mapping[str, Any]) -> str:
     return words
 
 
-def _periodic(step: Mapping[str, Any]) -> str:
+def _periodic(step: Step) -> str:
     method = step["method"]
     if method == "mirror":
         return f"The trace is followed by its mirror image: the period is {_length(step['period'])}"
@@ -107,18 +110,18 @@ def _periodic(step: Mapping[str, Any]) -> str:
     return f"The trace is repeated as it is, with the period {_length(step['period'])}; {jump}"
 
 
-def _filter(step: Mapping[str, Any]) -> str:
+def _filter(step: Step) -> str:
     cuts = [("cutoff_short", "shorter"), ("cutoff_long", "longer")]
     waves = " and ".join(f"{word} than {_length(step[key])}" for key, word in cuts if key in step)
     return f"A Gaussian filter dampens waves {waves}"
 
 
-def _cut(step: Mapping[str, Any]) -> str:
+def _cut(step: Step) -> str:
     kept = f"{step['slope_share_kept']:.1%} of the rms slope"
     return f"The first {step['harmonics']} of {step['of']} harmonics are kept, with {kept}"
 
 
-SENTENCES: dict[str, Callable[[Mapping[str, Any]], str]] = {
+SENTENCES: dict[str, Callable[[Step], str]] = {
     "read": _read,
     "map": _map,
     "dropouts": _dropouts,
@@ -133,11 +136,11 @@ SENTENCES: dict[str, Callable[[Mapping[str, Any]], str]] = {
 }
 
 
-def _samples(step: Mapping[str, Any]) -> str:
+def _samples(step: Step) -> str:
     return "1 sample is" if step["count"] == 1 else f"{step['count']} samples are"
 
 
-def _change(step: Mapping[str, Any]) -> str:
+def _change(step: Step) -> str:
     """Return by how much a step changes the rms height and the rms slope, as far as three digits show it."""
     words = []
     for key, name, text in (("rms_height", "rms height", _length), ("rms_slope", "rms slope", "{:.3g}".format)):
