@@ -318,7 +318,8 @@ def solve_setting(bounds: tuple[Path, float], tables: dict[str, Any]) -> Solved:
     except _TooLongError:
         return Solved(sha256, "stopped", f"took more than {limit:.0f} s", time.process_time() - begun)
     status = "converged" if result.answered and result.status not in FINAL_STATUSES else result.status
-    return Solved(sha256, status, result.failure or "", time.process_time() - begun, list(answers_of(result)))
+    reason = "" if result.answered else result.failure or ""
+    return Solved(sha256, status, reason, time.process_time() - begun, list(answers_of(result)))
 
 
 def answers_of(result: Result) -> Iterator[Answer]:
@@ -430,6 +431,8 @@ def share(relative: float | None) -> str:
     """
     if relative is None:
         return "–"
+    if relative >= 10:
+        return f"{relative:.0f} times"
     if relative >= 1:
         return f"{100 * relative:.0f} %"
     return f"{100 * relative:.2g} %" if relative >= 1e-4 else f"{relative:.1g}"
