@@ -210,10 +210,14 @@ def short_name(event: Event) -> str:
 
 
 def _drawn(point: PathState, index: int, fields: Fields, units: Units) -> dict[str, Any]:
-    """Return the numbers of a state that its drawing needs; `place` is its index on the path."""
+    """Return the numbers of a state that its drawing needs; `place` is its index on the path.
+
+    `target`: it is at a target and touches.
+    """
     state, (factor, _) = point.state, units.x
     return {
         "place": index,
+        "target": state.target and state.contact_fraction > 0,
         "branch": state.branch,
         "status": state.status,
         "separation": state.separation * units.height[0],
