@@ -258,7 +258,7 @@ def test_short_form_runs_to_the_end_and_says_that_little_was_run(replicated):
     page = (folder / "report.html").read_text()
     assert "Passed" not in page and report["headline"] in page
     drawings = [folder / name for name in report["figures"]]
-    assert len(drawings) == 9
+    assert len(drawings) == 8
     assert all(path.stat().st_size for path in drawings)
 
 
