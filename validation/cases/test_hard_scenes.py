@@ -18,7 +18,7 @@ from validation.cases.hard_scenes import LOW, SCENES, WAVE, scene
 from validation.plugin.rows import Code, Quantity
 from validation.references.closed_forms import Sinusoid, full_contact_amplitudes
 from validation.references.dense import LayerKernel, dense_nodes, evaluate_dense, layer_nodes
-from validation.references.isolated_crack import closing
+from validation.references.isolated_crack import closing, crack
 from validation.references.paper_problem import PERIOD
 from validation.references.waves import Waves
 from validation.routes.dense_algebra import reference
@@ -27,6 +27,7 @@ EPS = float(np.finfo(float).eps)
 ROUNDINGS = 24  # of the heights, seen through the stiffness of a state
 MOST_NODES = 3000  # of dense algebra: 1 s
 LEAST, NARROWEST = 1e-3, 3e-3  # contact fraction and gap, periods, where Newton by dense algebra ends within rounding
+ISOLATED = 2e-6  # of the pressure unit and the separation: terms left out by isolated cracks, (c / period)^2
 DENSE = {
     "mean_pressure": (Quantity.PRESSURE, "Pa"),
     "contact_fraction": (Quantity.AREA, ""),
@@ -62,6 +63,8 @@ def test_hard_scene(rows, hard):
     if "tension" in hard.checks:
         loads = [state.mean_pressure for state in touching]
         construction(rows, "load not compressive before and tensile at the end", not max(loads) > 0 > loads[-1])
+    if "last gap" in hard.checks:
+        by_last_gap(rows, posed, touching[-1])
     if "closing gaps" in hard.checks:
         by_closing_gaps(rows, posed, touching[-1])
 
@@ -201,6 +204,19 @@ def by_closed_form(rows, posed, states):
                      by=Code.EXACT, quantity=quantity, unit=unit, uncertainty=own,
                      required=2e-8 * np.maximum(scale, np.abs(known)), source="Johnson 1995",
                      because="heights known to 1e-16 leave 1e-8 at a contact fraction of 0.9999")
+
+
+def by_last_gap(rows, posed, state):
+    """Add rows of load and separation of the last gap with adhesion, by an isolated crack of its width."""
+    surface, ((start, end),) = posed.surface(), state.edges
+    modulus = posed.solid.youngs_modulus / (1 - posed.solid.poisson_ratio**2)
+    pressure, separation = crack(surface, modulus, posed.adhesion.work_of_adhesion, end, start + surface.period)
+    pair = rows.between(Code.BEM, Code.EXACT, "isolated crack, Tada, Paris, Irwin 2000")
+    estimate = state.error_estimate
+    pair.compare("mean pressure of the last gap", state.mean_pressure, pressure, quantity=Quantity.PRESSURE, unit="Pa",
+                 uncertainty=(estimate.mean_pressure or 0.0, ISOLATED * abs(pressure)))
+    pair.compare("separation of the last gap", state.separation, separation, quantity=Quantity.LENGTH, unit="m",
+                 uncertainty=(0.0, ISOLATED * separation))
 
 
 def by_closing_gaps(rows, posed, state):

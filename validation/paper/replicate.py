@@ -49,6 +49,7 @@ def replicate(
         "seconds": round(time.monotonic() - begun, 1),
         "provenance": provenance(),
     }
+    (folder / "figures").mkdir(parents=True, exist_ok=True)
     for figure in figures:
         write_atomically(folder / f"figures/{figure.id}.csv", table_of(figure))
     text = json.dumps(content, indent=1, allow_nan=False) + "\n"
