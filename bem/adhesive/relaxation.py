@@ -244,4 +244,4 @@ def _frozen_field(
     frozen = np.all(np.abs((apart + np.pi) % TWO_PI - np.pi) > patches.half_width[members], axis=1)
     keep = np.repeat(frozen, state.resolution.modes)
     charges = state.skeleton + (penetration - state.penetration) * state.skeleton_rate
-    return system.elastic.field_of_charges(state.skeleton_nodes()[keep], charges[keep], members.size)
+    return system.elastic.field_of_charges(state.skeleton_nodes()[keep], charges[keep])

@@ -2,8 +2,8 @@
 
 A branch ends where it folds, where a symmetry breaks, or where a gap closes; all are located (fold.py, touch.py), so
 that neither the jump nor its numbers depend on the steps.  The jump follows the forces at the value of the control at
-which the branch ends (relaxation.py): from a fold along its mode until a force is felt, which grows as the square of
-the motion, from a broken symmetry along a branch that begins there, or on both sides of its mode.  The energy released
+which the branch ends (relaxation.py): from a fold pushed along its mode, where the force grows as the square of the
+motion, from a broken symmetry along a branch that begins there, or on both sides of its mode.  The energy released
 is the difference of the potential of two equilibria, each located with its error.  A jump that leaves all patches in
 place is an event if it releases more than the error stated.  Dimensionless.
 """
@@ -16,7 +16,7 @@ from typing import Literal
 import numpy as np
 
 from bem.adhesive.branch import after_step, moving_patches, numbers_of, outward_motion, unstable_patches
-from bem.adhesive.equilibrium import Balance, System, balance
+from bem.adhesive.equilibrium import Balance, System
 from bem.adhesive.relaxation import NO_CAUSE, Cause, Relaxed, fall, interpenetration
 from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima
@@ -67,14 +67,12 @@ class Jumps:
         return self.behind(at.numbers, at.error, landed, landed.changes)
 
     def from_fold(self, limit: LimitPoint) -> Point | None:
-        """Return the state behind a fold; None where no force is felt along its mode that leads on."""
+        """Return the state behind a fold; None where edges pushed along its mode fall back to it."""
         at, mode = limit.at, limit.modes[:, 0]
         state, patches, work = at.balance.state, at.patches, at.balance.work
         length = np.sqrt(np.array(FORCES) * float(work @ np.abs(mode)) / limit.bend)
         longest = LONGEST_MOTION / float(np.max(np.abs(mode) / patches.edge_scale))
         for part in np.minimum(length, longest):
-            if not self._is_felt(patches.moved(part * mode), state.penetration, at.numbers.value, mode):
-                continue
             landed = self._landed(state, patches.moved(part * mode), at.numbers.value, moving_patches(patches, mode))
             if self._returned(patches, landed, part * mode):
                 continue
@@ -169,14 +167,6 @@ class Jumps:
             return None
         moved = outward_motion(balance.state.patches, located.patches) / balance.state.patches.edge_scale
         return located if np.max(np.abs(moved)) <= LONGEST_MOTION else None
-
-    def _is_felt(self, patches: Patches, penetration: float, value: float, motion: FloatArray) -> bool:
-        """Return whether the force on edges along a motion exceeds its error."""
-        if not patches.is_ordered:
-            return False
-        forces = balance(self.system, patches, penetration, value, self.increments.way.tolerance)
-        force = -float(forces.gradient @ motion) / float(forces.work @ np.abs(motion))
-        return force > SAFETY * self.increments.way.residual
 
     def _returned(self, start: Patches, landed: Landed, outward: FloatArray) -> bool:
         """Return whether edges that were pushed outward fell back to an equilibrium."""

@@ -37,7 +37,7 @@ from bem.path.locating import LOCATED, AtControl, Condition, InPlane, Located, R
 from bem.path.opening import Flaw
 from bem.path.points_with_edges import Equilibrium, Point, Stretch
 from bem.path.span import Span
-from bem.path.stand import Stand
+from bem.path.stand import SHORT, Stand
 from bem.path.steps import (
     SHORTER,
     SHORTEST_STEP,
@@ -215,7 +215,7 @@ class Path:
         if at is None:
             yield Failed(point.value, "not_converged")
             return
-        length, load, again = FIRST * way.longest, point.load, True
+        length, load = FIRST * way.longest, point.load
         while True:
             ahead = predicted(at, length, way)
             tried = float(np.max(np.abs(ahead[0] / at.unit)))
@@ -223,16 +223,15 @@ class Path:
                 yield self._by_control(at, way)
                 return
             span = step_from(self.system, at, ahead, way)
-            if span is Refused.MISFIT and again:
-                refined, again = evaluated_at_itself(self.system, at, way), False
-                at = at if isinstance(refined, Refused) else refined
-                continue
             branch_end = (
                 span if isinstance(span, Refused) else BranchEnds(self.system, self.increments).first(span, way)
             )
             if isinstance(span, Refused) or isinstance(branch_end, Refused):
                 self.effort.rejected += 1
                 length = tried / SHORTER
+                if span is Refused.MISFIT and at.off > SHORT:
+                    refined = evaluated_at_itself(self.system, at, way)
+                    at = at if isinstance(refined, Refused) else refined
                 continue
             self.effort.accepted += 1
             self.effort.unknowns = max(self.effort.unknowns, span.last.balance.state.unknowns)
@@ -241,7 +240,7 @@ class Path:
                 return
             self._note_turn(span, 1.0, way)
             yield from self._stretches(span, 1.0, Equilibrium.near(span.last), load)
-            at, length, again = span.last, min(way.longest, tried * growth(span)), True
+            at, length = span.last, min(way.longest, tried * growth(span))
             load = at.numbers.load
 
     def last_increment(self, value: float, patches: int, closing: float) -> float:
