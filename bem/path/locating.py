@@ -158,6 +158,7 @@ def locate(
     """
     before: EventNumbers | None = None
     place, last = start, np.inf
+    short = SHORT if held is None else LAST  # where modes are held, the control hardly acts on the eigenvalue
     for _ in range(MAXIMUM_ITERATIONS):
         asked = on.asked(system.sloped)
         if before is None:
@@ -177,7 +178,7 @@ def locate(
         numbers, last = after_step(system, balance, place.value, step.motion, step.change), step.size
         if before is not None and step.size <= LAST:
             return Located(balance, numbers, numbers.apart(before, system.control.force(balance.state)), step.motion)
-        if before is None and step.size <= SHORT:
+        if before is None and step.size <= short:
             before, last = numbers, np.inf
         place = step.end(balance, place.value)
     return Refused.DIVERGED
