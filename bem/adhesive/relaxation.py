@@ -28,8 +28,8 @@ from bem.loading.control import DisplacementControl
 from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
 
 LARGEST_STEP = 0.4  # step scales: largest trust radius; below 0.7, or the two edges of a gap may cross
-LOCAL_RESIDUAL = 1e-2  # residual in the field of frozen patches
-NEIGHBOURS = 4
+LOCAL_RESIDUAL = 1e-2  # speed: residual in the field of frozen patches
+NEIGHBOURS = 4  # speed: patches on each side that move first; 2: work -1.2 %, 8: same
 
 
 @dataclass(frozen=True, eq=False)

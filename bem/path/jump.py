@@ -18,20 +18,20 @@ import numpy as np
 from bem.adhesive.branch import after_step, moving_patches, numbers_of, outward_motion, unstable_patches
 from bem.adhesive.equilibrium import Balance, System
 from bem.adhesive.relaxation import NO_CAUSE, Cause, Relaxed, fall, interpenetration
+from bem.adhesive.vanishing import TIED
 from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import Patches
 from bem.loading.complete_contact import CompleteContact
-from bem.loading.increments import MAXIMUM_ITERATIONS, SAFETY, Increments
+from bem.loading.increments import FINE, MAXIMUM_ITERATIONS, SAFETY, Increments
 from bem.loading.path_events import EventNumbers, PathEvent, path_events
 from bem.loading.points_without_edges import Complete, Failed, Separated
 from bem.path.fold import LimitPoint
-from bem.path.locating import OFF, VERIFIED, AtControl, Located, Refused, Start, locate
+from bem.path.locating import OFF, AtControl, Located, Refused, Start, locate
 from bem.path.opening import complete_potential
 from bem.path.points_with_edges import Equilibrium, Point
 from bem.path.stand import LONGEST_MOTION
-from bem.path.symmetry import EQUAL
 from bem.path.touch import Touch
 
 NEARLY = 1e-3  # speed: residual from which on Newton goes on, where it is not far from the end of a descent
@@ -157,7 +157,7 @@ class Jumps:
     def _coarseness(self, balance: Balance) -> float:
         """Return the error of a difference of energies by coarse evaluations: of second order in their errors."""
         tolerance = self.increments.way.tolerance
-        return (OFF * tolerance) ** 2 * balance.state.elastic_energy if tolerance > VERIFIED else 0.0
+        return (OFF * tolerance) ** 2 * balance.state.elastic_energy if tolerance > FINE.tolerance else 0.0
 
     def _minimum(self, balance: Balance, value: float) -> Located | None:
         """Return the stable equilibrium in which a jump ended, with its errors; None where there is none."""
@@ -253,5 +253,5 @@ def _failed(landed: Landed, events: tuple[PathEvent, ...] = ()) -> Failed:
 def leading_patch(patches: Patches, outward: FloatArray) -> float:
     """Return the centre of the patch that grows or shrinks most in a motion; of two alike, of the one that shrinks."""
     growth = (outward / patches.edge_scale).reshape(2, -1).sum(axis=0)
-    leading = int(np.argmax(np.abs(growth) * np.where(growth < 0, 1 + EQUAL, 1.0)))
+    leading = int(np.argmax(np.abs(growth) * np.where(growth < 0, 1 + TIED, 1.0)))
     return float(patches.center[leading])

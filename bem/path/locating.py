@@ -23,13 +23,12 @@ from bem.elastic.collocation import Resolution, finer, resolve
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
-from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
+from bem.loading.increments import FINE, MAXIMUM_ITERATIONS, Accuracy
 from bem.loading.path_events import EventNumbers
 from bem.path.stand import LONGEST_MOTION, SHORT, Row, bordered, missing, unit_of
 
 LAST = 1e-5  # units: the last step, behind which LAST^2 = 1e-10 is missing
 LOCATED = 1e-9  # largest remainder of zero: rms heights, works of adhesion, eigenvalues
-VERIFIED = 1e-8  # tolerance of evaluations up to which a located equilibrium is evaluated once more, finer
 OFF = 0.3  # of the tolerance: error of K, of a gap and of the load by an evaluation; measured .03, .2 on thin layers
 FINER_MODES = 1e-2  # of the tolerance, for which a finer evaluation has the modes
 
@@ -173,7 +172,7 @@ def locate(
             return step
         if step.size >= last:
             return Refused.DIVERGED
-        if tolerance > VERIFIED and step.size <= np.sqrt(tolerance):
+        if tolerance > FINE.tolerance and step.size <= np.sqrt(tolerance):
             return _unverified(system, balance, place.value, on, step, tolerance)
         numbers, last = after_step(system, balance, place.value, step.motion, step.change), step.size
         if before is not None and step.size <= LAST:

@@ -37,7 +37,7 @@ from bem.path.locating import LOCATED, AtControl, Condition, InPlane, Located, R
 from bem.path.opening import Flaw
 from bem.path.points_with_edges import Equilibrium, Point, Stretch
 from bem.path.span import Span
-from bem.path.stand import SHORT, Stand
+from bem.path.stand import LONGEST_STEP, SHORT, Stand
 from bem.path.steps import (
     SHORTER,
     SHORTEST_STEP,
@@ -53,9 +53,7 @@ from bem.path.tension import LeastLoad, behind_jump, turn_of_load
 from bem.path.touch import Touch
 
 FIRST = 0.5  # speed: of the longest step: the first one of a branch
-LONGEST_STEP = 0.4  # units: the motion of the edges in a step
-PER_INCREMENT = 9.0  # units per rms height of `accuracy.max_increment`: a step, if that is less than the longest
-NATURAL = 1e-7, 1e-6, 1e-5, 1e-4  # of the unit of the control: steps of it where none along the curve is left
+NATURAL = 1e2 * LOCATED, 1e3 * LOCATED, 1e4 * LOCATED, 1e5 * LOCATED  # steps of the control where no other is left
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,7 +197,7 @@ class Path:
         if control.load_weight:  # a stiff contact hardly moves
             growth_of_control = control.penetration_weight + control.load_weight * point.balance.stiffness
             largest = max(largest, self.increments.deepest * growth_of_control)
-        longest = min(LONGEST_STEP, PER_INCREMENT * self.increments.deepest)
+        longest = LONGEST_STEP * min(1.0, self.increments.deepest / Increments.deepest)
         return Way(direction, end, longest, largest, self.increments.way.tolerance)
 
     def _along(self, point: Equilibrium, goal: float) -> Iterator[Point]:

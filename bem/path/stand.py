@@ -34,7 +34,8 @@ from bem.geometry.patches import Patches
 from bem.loading.path_events import EventNumbers
 
 PINNED = 0.4  # of the shortest wave that may pin an edge: its unit of length, if its edge scale is not less
-LONGEST_MOTION = 0.2  # units: a motion of the edges along the curve, in a step or by Newton
+LONGEST_STEP = 0.4  # units: the motion of the edges in a step
+LONGEST_MOTION = LONGEST_STEP / 2  # of the edges by Newton
 SHORT = 5e-4  # units, or of a gap: a motion in which everything is linear but for a part of its square
 SOFTENING = 60.0  # times the work of adhesion: largest loss of stiffness per unit in a motion by a unit; measured 39
 MODES = 8  # lowest modes that are looked at; more turn within a step only among equal patches

@@ -19,7 +19,7 @@ from bem.geometry.patches import TWO_PI, Patches
 
 CORE_PATCHES = 24  # speed: patches in the core of a window, more or less
 BUFFER = 2  # least number of patches beside the core
-CHOICE = 4  # gaps, of which the widest is where a window ends, or a core
+CHOICE = 2 * BUFFER  # gaps, of which the widest is where a window ends, or a core
 
 
 @dataclass(frozen=True, eq=False)
