@@ -157,7 +157,9 @@ def locate(
     """
     before: EventNumbers | None = None
     place, last = start, np.inf
-    short = SHORT if held is None else LAST  # where modes are held, the control hardly acts on the eigenvalue
+    short = max(np.sqrt(tolerance), LAST)  # its square, which is missing, is no more than an evaluation is off
+    if held is not None:  # the control hardly acts on the eigenvalue
+        short = LAST
     for _ in range(MAXIMUM_ITERATIONS):
         asked = on.asked(system.sloped)
         if before is None:
@@ -172,7 +174,7 @@ def locate(
             return step
         if step.size >= last:
             return Refused.DIVERGED
-        if tolerance > FINE.tolerance and step.size <= np.sqrt(tolerance):
+        if tolerance > FINE.tolerance and step.size <= short:
             return _unverified(system, balance, place.value, on, step, tolerance)
         numbers, last = after_step(system, balance, place.value, step.motion, step.change), step.size
         if before is not None and step.size <= LAST:

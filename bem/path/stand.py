@@ -56,25 +56,16 @@ def unit_of(system: System, balance: Balance) -> FloatArray:
     return np.minimum(scale, PINNED * system.pinning.shortest(balance.work, scale))
 
 
-def imbalance_by_edges(system: System, balance: Balance, unit: FloatArray) -> FloatArray:
-    """Return d(K - 2 sqrt(w)) by outward motions in units at a given control, (2 L, 2 L)."""
-    control = system.control
-    matrix = balance.jacobian.copy()
-    if control.load_weight > 0:
-        share = control.load_weight * control.rate(balance.state)
-        matrix -= np.outer(share * balance.state.stress_intensity_rate, balance.load_gradient)
-    matrix.flat[:: balance.work.size + 1] -= balance.work_gradient / np.sqrt(balance.work)
-    matrix *= unit
-    return matrix
-
-
 def bordered(system: System, balance: Balance, unit: FloatArray, row: Row) -> FloatArray:
     """Return the matrix of the bordered system, motions in units, (2 L + 1, 2 L + 1)."""
-    state, n = balance.state, balance.work.size
+    state, control, n, root = balance.state, system.control, balance.work.size, np.sqrt(balance.work)
     matrix = np.empty((n + 1, n + 1))
-    matrix[:n, :n] = imbalance_by_edges(system, balance, unit)
-    matrix[:n, n] = state.stress_intensity_rate * system.control.rate(state)
-    matrix[:n] /= np.sqrt(balance.work)[:, None]
+    matrix[:n, :n], matrix[:n, n] = balance.jacobian, state.stress_intensity_rate * control.rate(state)
+    if control.load_weight > 0:
+        matrix[:n, :n] -= np.outer(control.load_weight * matrix[:n, n], balance.load_gradient)
+    matrix.flat[: n * (n + 1) : n + 2] -= balance.work_gradient / root
+    matrix[:n, :n] *= unit
+    matrix[:n] /= root[:, None]
     matrix[n, :n], matrix[n, n] = row.by_edges * unit, row.by_control
     return matrix
 
