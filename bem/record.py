@@ -40,7 +40,7 @@ from bem.scene.result import Caution, Entry, Event, JumpEnd, LargestTension, Res
 from bem.scene.result_invariants import check_result
 from bem.scene.scene import Scene
 from bem.scene.scene_tables import OUTPUTS
-from bem.scene.state import Branch, State, Status
+from bem.scene.state import Branch, Ending, State, Status
 from bem.scene.stored_arrays import split
 
 if TYPE_CHECKING:
@@ -132,7 +132,7 @@ class Record:
         """Number of events of all entries."""
         return self.entries[-1].state.events if self.entries else 0
 
-    def result(self, status: Status, failure: str | None = None) -> Result:
+    def result(self, status: Ending, failure: str | None = None) -> Result:
         """Return the result of all entries; InvariantError, a fault of this program, where its parts do not match."""
         return check_result(replace(self.begun.with_entries(self.entries), status=status, failure=failure))
 

@@ -17,7 +17,7 @@ the midpoint rule in the angle: nothing is taken from gap_series.py.  Checked ar
 
 The demands are those of `Demands` (certificate.py): `interpenetration` is that of a gap over its largest opening, and
 of tension in contact over the largest that a gap holds back.  Dimensionless (scaling.py).  Limits: pressures are known
-to `ROUNDING`, so that 1e-12 from complete contact nothing below some 1e-2 of the tension is seen.
+to `PRESSURE_ROUNDING`, so that 1e-12 from complete contact nothing below some 1e-2 of the tension is seen.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ from bem.geometry.gaps import Gaps, sines
 from bem.geometry.minima import BESIDE, TO_ROUNDING, refined
 from bem.geometry.profile import POINTS_PER_WAVELENGTH, Profile
 
-ROUNDING = 5e-15  # of pressures, over the sum of the mean and the rms pressure of complete contact; measured 1e-15
-CLOSE = 0.03  # derived: distance at which cot(y/2)/2 - 1/y is a series; terms of y^9 are 1e-16 there, the first 1e-3
+PRESSURE_ROUNDING = 5e-15  # of pressures, over mean plus rms pressure of complete contact; measured 1e-15
+NEAR_IMAGE = 0.03  # derived: where cot(y/2)/2 - 1/y is a series; terms of y^9 are 1e-16 there, the first 1e-3
 HIGHEST = 1 << 16  # limit: modes of a layer
 
 Openings = tuple[FloatArray, ...]
@@ -75,7 +75,7 @@ def certify_gaps(
         raise ValueError("gaps: at least one, of positive width, in order on the circle, with contact between them")
     demands, field = Demands(), _Pressure(profile, gaps, opening, deficit, compliance_ratio)
     verdict, gap = Verdict(gaps.count), "in gap" * (gaps.count > 1)
-    noise = ROUNDING * field.scale
+    noise = PRESSURE_ROUNDING * field.scale
     noisy = noise * gaps.half_width / np.array([np.max(np.abs(g)) for g in opening])
     ends = np.array([_end_value(g) for g in opening])
     closure = verdict.judge("closure", ends, np.maximum(demands.closure, noisy), gap)
@@ -238,7 +238,7 @@ def _cotangent(y: FloatArray, left_out: list[FloatArray]) -> FloatArray:
     square, near, lines = nearest * nearest, np.zeros(y.shape, dtype=bool), np.zeros(y.shape)
     with np.errstate(divide="ignore"):
         for image in left_out:
-            close = np.abs(image) < CLOSE
+            close = np.abs(image) < NEAR_IMAGE
             near |= close
             lines += np.where(close, 0.0, 1 / image)
         rest = -nearest / 12 * (1 + square / 60 * (1 + square / 42 * (1 + square / 40 * (1 + square * 5 / 198))))

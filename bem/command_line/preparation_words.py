@@ -117,8 +117,7 @@ def _filter(step: Step) -> str:
 
 def _cut(step: Step) -> str:
     kept = f"{step['slope_share_kept']:.1%} of the rms slope"
-    heights = ", ".join(f"{name} {_length(step[name])}" for name in ("Ra", "Rq", "Rz"))
-    return f"The first {step['harmonics']} of {step['of']} harmonics are kept, with {kept}: {heights}"
+    return f"The first {step['harmonics']} of {step['of']} harmonics are kept, with {kept}"
 
 
 SENTENCES: dict[str, Callable[[Step], str]] = {

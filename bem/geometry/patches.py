@@ -17,6 +17,8 @@ from bem.geometry.arrays import FloatArray
 from bem.geometry.minima import BESIDE, refined
 
 TWO_PI = 2 * np.pi
+POSITION_ROUNDING = 3 * TWO_PI * float(np.finfo(float).eps)  # of center, edge and point, each rounded; measured 1.1e-15
+CHARGE_ROUNDING = 1e-14  # of charges of order 1 per node, and of heights, times a mean pressure above 1; measured 4e-15
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,6 +17,7 @@ from bem.geometry.ranges import shown
 from bem.geometry.regular_file import read_regular
 from bem.scene.provenance import digest
 
+SIGNS = {"lt": "<", "gt": ">", "ge": ">="}  # of limits, by their names in pydantic
 SCHEMA, FORMER = "linecontact-result/2", "linecontact-result/1"
 
 Kind = TypeVar("Kind")
@@ -99,4 +100,5 @@ def _first_mistake(error: ValidationError) -> str:
     key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in first["loc"]).lstrip(".")
     if first["type"].startswith("missing"):
         return f"{key} is missing"
-    return f"{key} is {shown(first['input'])}: {first['msg']}"
+    limit = [f"; allowed: {SIGNS[name]} {value:g}" for name, value in first.get("ctx", {}).items() if name in SIGNS]
+    return f"{key} is {shown(first['input'])}{''.join(limit) or ': ' + first['msg']}"

@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "bem" / "THRESHOLDS.md").read_text("utf-8")
 MODULES = sorted(str(path.relative_to(ROOT)) for path in (ROOT / "bem").rglob("*.py"))
 UNNAMED = "Numbers in functions"
-ROWS = 85  # at most: a new constant is derived, or takes the place of another
+ROWS = 75  # at most: a new constant is derived, or takes the place of another
 REASONS = re.findall(r"^\| (\w+) \|", PAGE.partition("| word |")[2].partition("\n\n")[0], flags=re.MULTILINE)
 NUMERIC = (ast.Constant, ast.Tuple, ast.UnaryOp, ast.BinOp, ast.operator, ast.unaryop, ast.Name, ast.Attribute)
 ARITHMETIC = {"float", "linspace", "finfo"}

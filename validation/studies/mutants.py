@@ -234,6 +234,7 @@ class Executed:
             paths = sorted((tree / suite).glob("test_*.py"))
             texts = {path.relative_to(tree).as_posix(): path.read_text("utf-8") for path in paths}
             files = [path for path, text in texts.items() if any(name in text for name in judged)]
+            files = [path for path in files if "subprocess" not in texts[path] and "pytester" not in texts[path]]
             words = [*QUICK, suite] if suite == CASES else ["--timeout", "60", *files]
             if not files and suite != CASES:
                 return

@@ -4,7 +4,7 @@ import copy
 import math
 import os
 import pickle
-from dataclasses import FrozenInstanceError, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -211,12 +211,12 @@ def test_message_holds_path_value_and_what_is_allowed():
 )
 def test_unknown_key_suggests_the_closest(path, suggested):
     (mistake,) = mistakes_of(scene_with(path, 1.0))
-    assert mistake.allowed == f'did you mean "{suggested}"?'
+    assert mistake.allowed == f'"{suggested}", by its name'
 
 
 def test_an_unknown_key_that_two_keys_begin_with_suggests_both():
     (mistake,) = mistakes_of(scene_with("profile.cutoff", 8e-6))
-    assert mistake.allowed == 'did you mean "cutoff_short" or "cutoff_long"?'
+    assert mistake.allowed == '"cutoff_short" or "cutoff_long", by its name'
 
 
 def test_a_removed_key_says_what_to_do_instead():
@@ -229,12 +229,6 @@ def test_defaults():
     assert (scene.profile.seed, scene.adhesion.slope_term, scene.loading.initial) == (0, False, "separated")
     assert (scene.accuracy.tolerance, scene.accuracy.max_increment) == (1e-6, 0.05)
     assert (scene.output.shapes, scene.output.spectra, scene.layer) == (False, False, None)
-
-
-def test_scene_is_frozen():
-    scene = parse_scene(BASE)
-    with pytest.raises(FrozenInstanceError):
-        scene.solid.youngs_modulus = 2.0
 
 
 def test_range_goes_there_and_back_with_the_turning_point_once():
@@ -263,18 +257,6 @@ def test_resolved_scene_parses_to_itself():
     data = scene_with("output", {"shapes": [30e-6]})
     resolved = parse_scene(data).resolved()
     assert parse_scene(resolved).resolved() == resolved
-
-
-def test_resolved_scene_holds_the_defaults():
-    resolved = parse_scene(BASE).resolved()
-    assert resolved["accuracy"] == {"tolerance": 1e-6, "max_increment": 0.05}
-    assert resolved["profile"]["seed"] == 0
-    assert resolved["layer"] is None
-
-
-def test_surface_of_a_self_affine_scene_has_the_stated_rms_height():
-    # measured relative difference 1e-16
-    assert parse_scene(BASE).surface().rms_height == pytest.approx(50e-6, rel=1e-14)
 
 
 def write_scan(folder, x, h):
