@@ -35,7 +35,7 @@ QUANTILES = (0.16, 0.5, 0.84)  # format: of the answers of all rows
 SKIPPED = ("branch", "status", "target", "certified")  # columns of the answer that are no quantities
 
 Content = Mapping[str, Any]
-Shared = tuple[Content, Path, Path | None]  # tables, folder of file names, folder of results
+OfRows = tuple[Content, Path, Path | None]  # tables, folder of file names, folder of results
 Outcome = tuple[Result | None, str]  # of a row: the result, and the reason where there is no answer
 
 
@@ -162,7 +162,7 @@ def solve_rows(
         parse_scene(tables, base)
         raise TypeError('solve_rows: the scene is of one profile; bem.solve solves it, profile.row = "all" has rows')
     rows, _ = rows_of(tables, base)
-    shared: Shared = tables, base, folder
+    shared: OfRows = tables, base, folder
     results, failures = {}, {}
     with at_work(min(jobs, len(rows)), shared) as each:
         for row, (result, reason) in zip(rows, each(solved_row, rows), strict=True):
@@ -177,7 +177,7 @@ def solve_rows(
     return RowResults(results, failures)
 
 
-def solved_row(shared: Shared, row: int) -> Outcome:
+def solved_row(shared: OfRows, row: int) -> Outcome:
     """Return the outcome of a row, stored or solved."""
     tables, base, folder = shared
     try:

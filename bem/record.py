@@ -292,16 +292,16 @@ class Recorder:
         wanted = [name for name in OUTPUTS if index is not None and self.scene.wants(name, index)]
         if not wanted:
             return {}
-        observables = import_module("bem.observables.observables")
+        stored = import_module("bem.stored_fields")
         state, k = point.state, self.record.stored
         fields: dict[str, NDArray[Any]]
         if point.status == "complete_contact":
             load = point.value if self.scene.loading.control == "mean_pressure" else self.complete.least_load
-            fields = observables.complete_contact_fields(wanted, self.problem, self.complete, load, k)
+            fields = stored.complete_contact_fields(wanted, self.problem, self.complete, load, k)
         else:
             pressure = PatchPressure(np.empty(0), np.empty(0), ()) if state is None else state.pressure()
             depth = self._penetration_of(point) if state is None else state.penetration
-            fields = observables.contact_fields(wanted, self.problem, pressure, depth, k)
+            fields = stored.contact_fields(wanted, self.problem, pressure, depth, k)
         return fields
 
     def _penetration_of(self, point: AnyPoint) -> float:

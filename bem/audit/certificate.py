@@ -26,7 +26,7 @@ import numpy as np
 from bem.audit.displacement import ComplianceRatio, DisplacementField, regular_part
 from bem.audit.gap_depths import gap_depths
 from bem.geometry.arrays import FloatArray, IntArray
-from bem.geometry.minima import BESIDE, refined
+from bem.geometry.minima import OFFSETS, refined
 from bem.geometry.patches import CHARGE_ROUNDING, POSITION_ROUNDING, PatchPressure
 from bem.geometry.profile import Profile
 
@@ -318,7 +318,7 @@ def _tension(pressure: PatchPressure) -> FloatArray:
         before, middle, after = q[:, :-2], q[:, 1:-1], q[:, 2:]
         sag = before + after - 2 * middle  # more than what a minimum between the points may lie lower
         row, k = np.nonzero((middle <= before) & (middle < after) & (middle < sag))
-        dips = refined(partial(_cosines, rows[row]), (k + 1 + BESIDE) * (np.pi / points))
+        dips = refined(partial(_cosines, rows[row]), (k + 1 + OFFSETS) * (np.pi / points))
         np.minimum.at(lowest, row, dips.value)
         tension[who] = -lowest / np.maximum(np.abs(rows[:, 0]), SMALLEST_CHARGE * rows.shape[1])
     return tension

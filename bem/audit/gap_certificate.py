@@ -31,7 +31,7 @@ from bem.audit.certificate import Demands, DimensionlessCertificate, Verdict
 from bem.audit.displacement import ComplianceRatio
 from bem.geometry.arrays import ComplexArray, FloatArray
 from bem.geometry.gaps import Gaps, sines
-from bem.geometry.minima import BESIDE, TO_ROUNDING, refined
+from bem.geometry.minima import OFFSETS, TO_ROUNDING, refined
 from bem.geometry.profile import POINTS_PER_WAVELENGTH, Profile
 
 PRESSURE_ROUNDING = 5e-15  # of pressures, over mean plus rms pressure of complete contact; measured 1e-15
@@ -127,7 +127,7 @@ class _Pressure:
         x, q = self.table.grid
         before, after = np.roll(q, 1), np.roll(q, -1)
         deep = np.flatnonzero((q <= before) & (q < after) & (3 * q - before - after <= q.min()))
-        self.least_mean = -float(refined(self._wave, x[deep] + x[1] * BESIDE, refinements=TO_ROUNDING).value.min())
+        self.least_mean = -float(refined(self._wave, x[deep] + x[1] * OFFSETS, refinements=TO_ROUNDING).value.min())
         self.above_lowest = self.least_mean - deficit  # p_0 + q is this plus q
         self.scale = abs(self.least_mean) + float(np.sqrt(np.sum(self.amplitude**2) / 2))
         self.layer = np.empty(0, dtype=np.complex128) if ratio is None else self._layer_modes(ratio)
@@ -160,7 +160,7 @@ class _Pressure:
             before, middle, after = values[:-2], values[1:-1], values[2:]
             may_be_lower = (3 * middle <= before + after) | (middle == middle.min())
             low = np.flatnonzero((middle <= before) & (middle < after) & may_be_lower)
-            three = (low + 1.5 + BESIDE) * (np.pi / n)
+            three = (low + 1.5 + OFFSETS) * (np.pi / n)
             minima = refined(partial(self._behind, i), three, refinements=TO_ROUNDING)
             ends = self._behind(i, _midpoints(n)[[0, -1]])
             lowest = min(lowest, float(ends.min()), float(minima.value.min(initial=math.inf)))

@@ -5,12 +5,13 @@ The steps are those of `Scan.preparation` (bem/scans/prepared_scan.py); result.j
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from typing import Any
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING
 
 from bem.command_line.answer_table import quantity
 
-Step = Mapping[str, Any]
+if TYPE_CHECKING:
+    from bem.scans.prepared_scan import Step
 
 TRENDS = {"line": "least-squares line", "quadratic": "quadratic trend", "cubic": "cubic trend"}
 

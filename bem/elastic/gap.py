@@ -25,7 +25,7 @@ from bem.elastic.collocation import Elastic, Evaluation
 from bem.elastic.logarithmic_potential import LogarithmicPotential
 from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray, IntArray
-from bem.geometry.minima import BESIDE, RATIO, refined, vertices
+from bem.geometry.minima import OFFSETS, RATIO, refined, vertices
 from bem.geometry.patches import TWO_PI
 from bem.geometry.profile import Profile
 from bem.kernels import gaps
@@ -149,7 +149,7 @@ def minima_near(field: GapField, position: FloatArray, gap: IntArray) -> GapMini
     for base in (reach, reach / RATIO):
         for _ in range(DOWNHILL):
             middle = np.minimum(np.maximum(position, first), last)
-            x = middle + base * BESIDE
+            x = middle + base * OFFSETS
             y = function(x)
             position = vertices(x, y).position
             if np.all(np.abs(position - middle) < 0.5 * base):

@@ -24,7 +24,7 @@ from bem.scans.read_map import (
     row_of,
     without_missing,
 )
-from bem.scans.read_text import MARKS, SHOWN, TextTable
+from bem.scans.read_text import REMEDY, SHOWN, TextTable
 from bem.scans.scan_file_error import refused
 
 
@@ -92,7 +92,7 @@ def _valid(heights: FloatArray, marks: FloatArray, values: Mapping[str, Any]) ->
     others = np.unique(marks[marks != 0])
     told = f"column {column} holds {_counted(marks)}"
     if valid is None and (others.size > 1 or np.isnan(others).any()):
-        allowed = f"0 and one other number; or valid_value = the number that marks a valid height; {MARKS}"
+        allowed = f"0 and one other number; or valid_value = the number that marks a valid height; {REMEDY}"
         raise refused("valid_column", f"= {column}: {told}", allowed)
     if valid is not None and valid not in marks:
         raise refused("valid_value", f"= {valid:g}: {told}", "the one of these numbers that marks a valid height")

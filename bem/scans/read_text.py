@@ -28,7 +28,7 @@ from bem.geometry.ranges import MOST, Mistake
 from bem.scans.read_units import heading_units
 from bem.scans.scan_file_error import ScanFileError, refused
 
-Row = tuple[float, ...]
+Cells = tuple[float, ...]
 NumberedLine = tuple[int, str]  # its number as editors count, and its text
 
 SHOWN = 3  # format: mistakes of one sort that are spelt out
@@ -39,7 +39,7 @@ MISSING = {"", "-", "--", "---", "***", "na", "n/a", "#n/a", "null", "none"}
 MISSING |= {"nan", "-nan", "nan(ind)", "-nan(ind)", "1.#qnan", "-1.#ind", "inf", "+inf", "-inf"}
 NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 MINUS = re.compile("[\u2010-\u2015\u2212\ufe63\uff0d]")  # hyphens, dashes and minus signs of Unicode
-MARKS = "words that mark heights become numbers, as 1 and 0 in a column that valid_column names"
+REMEDY = "words that mark heights become numbers, as 1 and 0 in a column that valid_column names"
 
 
 class Reading(NamedTuple):
@@ -54,7 +54,7 @@ class Reading(NamedTuple):
             return re.split("[ \t]+", line.strip(" \t"))
         return [cell.strip(" \t").strip('"').strip(" \t") for cell in line.split(self.delimiter)]
 
-    def row(self, line: str) -> Row | None:
+    def row(self, line: str) -> Cells | None:
         """Return the numbers of a line, NaN for a missing one; None if a cell is neither."""
         values = []
         for cell in self.cells(line):
@@ -112,7 +112,7 @@ def read_table(text: str, skip_lines: int = 0, decimal: str | None = None) -> Te
         _refuse_minus(line, readings)
     if not body:
         told = f": {_quoted(above)} not numbers alone" if above else ""
-        raise refused("file", f"holds no line of numbers{told}", f"a text file with lines of numbers; {MARKS}")
+        raise refused("file", f"holds no line of numbers{told}", f"a text file with lines of numbers; {REMEDY}")
     reading, read = _rows_of(body, readings)
     width = len(reading.cells(body[0][1]))
     units = _heading_of(above, width)
@@ -140,7 +140,7 @@ def _heading_of(above: Sequence[NumberedLine], width: int) -> tuple[str, ...]:
         "columns of numbers, under a heading with a unit for each column, as in x [mm]; h [um]; or, if no samples "
     )
     allowed += f"stand there, skip_lines = {above[-1 - count][0]}, and what the lines say in unit_x, unit_h, spacing, "
-    raise refused("file", f"{_quoted(above)} not numbers", f"{allowed}columns, missing_value, valid_column; {MARKS}")
+    raise refused("file", f"{_quoted(above)} not numbers", f"{allowed}columns, missing_value, valid_column; {REMEDY}")
 
 
 def _quoted(lines: Sequence[NumberedLine]) -> str:
@@ -159,7 +159,7 @@ def _are_names(lines: Sequence[NumberedLine], units: int, width: int) -> bool:
     )
 
 
-def _rows_of(body: Sequence[NumberedLine], readings: Iterable[Reading]) -> tuple[Reading, list[Row | None]]:
+def _rows_of(body: Sequence[NumberedLine], readings: Iterable[Reading]) -> tuple[Reading, list[Cells | None]]:
     """Return the reading in which most lines are rows as long as the first, and the rows, None for other lines.
 
     ScanFileError for readings with unlike decimal marks that give unlike numbers.
@@ -182,7 +182,7 @@ def _rows_of(body: Sequence[NumberedLine], readings: Iterable[Reading]) -> tuple
     return reading, rows
 
 
-def _numbers(body: Sequence[NumberedLine], reading: Reading, rows: Sequence[Row | None], width: int) -> FloatArray:
+def _numbers(body: Sequence[NumberedLine], reading: Reading, rows: Sequence[Cells | None], width: int) -> FloatArray:
     """Return the numbers of all rows, (n_rows, width); ScanFileError for lines that are no rows."""
     wrong = []
     for (number, line), row in zip(body, rows, strict=True):
@@ -194,7 +194,7 @@ def _numbers(body: Sequence[NumberedLine], reading: Reading, rows: Sequence[Row 
             wrong.append(f"line {number} ({line[:40]!r}) holds {parted}")
     if wrong:
         allowed = f"{width} numbers up to {MOST:g}, or NaN for a missing one, with decimal mark {reading.decimal!r}, "
-        allowed += f"and {DELIMITERS[reading.delimiter]} between columns: correct the line; {MARKS}"
+        allowed += f"and {DELIMITERS[reading.delimiter]} between columns: correct the line; {REMEDY}"
         rest = [f"and {len(wrong) - SHOWN} more lines like that"] * (len(wrong) > SHOWN)
         raise ScanFileError([Mistake("profile.file", text, allowed) for text in (*wrong[:SHOWN], *rest)])
     return np.array(rows, dtype=np.float64)

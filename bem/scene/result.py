@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pydantic import PlainSerializer, PlainValidator
 
 from bem.scene.result_views import Views
-from bem.scene.state import Bound, Ending, FinalStatus, MaybeNan, Number, State
+from bem.scene.state import Bound, Ending, FinalStatus, MaybeNan, Quantity, State
 from bem.scene.stored_arrays import decoded, encoded
 
 EventKind = Literal[
@@ -37,7 +37,7 @@ class Effect:
     name: str
     active: bool
     reason: str
-    seconds: Number | None = None
+    seconds: Quantity | None = None
 
 
 @dataclass(frozen=True)
@@ -62,9 +62,9 @@ class JumpEnd:
     """State at one end of a jump, located by the path but not certified: penetration and edges in m, pressure in Pa."""
 
     status: FinalStatus
-    penetration: Number
+    penetration: Quantity
     mean_pressure: MaybeNan
-    edges: tuple[tuple[Number, Number], ...] = ()
+    edges: tuple[tuple[Quantity, Quantity], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -78,10 +78,10 @@ class Event:
     """
 
     kind: EventKind
-    penetration: Number
+    penetration: Quantity
     mean_pressure: MaybeNan
-    position: Number | None
-    energy_released: Number | None
+    position: Quantity | None
+    energy_released: Quantity | None
     error_estimate: EventError
     before: JumpEnd | None = None
     after: JumpEnd | None = None
@@ -113,9 +113,9 @@ class LargestTension:
     error_estimate : TensionError
     """
 
-    mean_pressure: Number
-    penetration: Number
-    separation: Number
+    mean_pressure: Quantity
+    penetration: Quantity
+    separation: Quantity
     kind: Literal["turn", "fold", "jump"]
     error_estimate: TensionError
 
@@ -168,7 +168,7 @@ class Result(Views):
     status: Ending
     fields: Arrays = field(default_factory=dict)
     failure: str | None = None
-    groups: dict[str, Number] = field(default_factory=dict)
+    groups: dict[str, Quantity] = field(default_factory=dict)
     warnings: tuple[Caution, ...] = ()
     profile_preparation: tuple[dict[str, Any], ...] = ()
     largest_tension: LargestTension | None = None

@@ -30,7 +30,7 @@ def _nan_of_null(value: Any, number: ValidatorFunctionWrapHandler) -> Any:
     return math.nan if value is None else number(value)
 
 
-Number = Annotated[float, Field(gt=-LARGEST, lt=LARGEST)]
+Quantity = Annotated[float, Field(gt=-LARGEST, lt=LARGEST)]
 MaybeNan = Annotated[float, Field(gt=-LARGEST, lt=LARGEST), WrapValidator(_nan_of_null)]
 Bound = Annotated[float, Field(ge=0, lt=LARGEST)]  # of an error
 Count = Annotated[int, Field(ge=0, lt=2**63)]
@@ -60,11 +60,11 @@ class ErrorEstimate:
 class GapQuantiles:
     """Heights below which the gap lies on 10, 25, 50, 75 and 90 % of the open length, m."""
 
-    p10: Number
-    p25: Number
-    p50: Number
-    p75: Number
-    p90: Number
+    p10: Quantity
+    p25: Quantity
+    p50: Quantity
+    p75: Quantity
+    p90: Quantity
 
 
 @dataclass(frozen=True)
@@ -84,11 +84,11 @@ class GapNumbers:
         Share of the period that is open.
     """
 
-    mean_open: Number
-    mean_cubic_root: Number
+    mean_open: Quantity
+    mean_cubic_root: Quantity
     quantiles: GapQuantiles
-    widest_channel: Number
-    open_fraction: Number
+    widest_channel: Quantity
+    open_fraction: Quantity
 
 
 CLOSED = GapNumbers(0.0, 0.0, GapQuantiles(0.0, 0.0, 0.0, 0.0, 0.0), 0.0, 0.0)
@@ -116,7 +116,7 @@ class State:
     stored : int or None
         The k of its arrays x_k, ... in fields.npz; None where none are stored.
     events : int
-        Number of events up to this state.
+        Quantity of events up to this state.
     peak_pressure, largest_gap : float or None
         Pa and m, of samples of pressure and gap; known at targets alone.  There is no peak without contact.
     gaps : GapNumbers or None
@@ -136,19 +136,19 @@ class State:
     status: Status
     penetration: MaybeNan
     separation: MaybeNan
-    total_displacement: Number | None = None
+    total_displacement: Quantity | None = None
     mean_pressure: MaybeNan = 0.0
     contact_fraction: MaybeNan = 0.0
     n_patches: Count = 0
-    edges: tuple[tuple[Number, Number], ...] = ()
+    edges: tuple[tuple[Quantity, Quantity], ...] = ()
     elastic_energy: MaybeNan = 0.0
     adhesion_energy: MaybeNan = 0.0
     total_energy: MaybeNan = 0.0
-    stress_intensity_max: Number | None = None
-    contact_stiffness: Number | None = None
+    stress_intensity_max: Quantity | None = None
+    contact_stiffness: Quantity | None = None
     stable_at_fixed_load: bool | None = None
-    peak_pressure: Number | None = None
-    largest_gap: Number | None = None
+    peak_pressure: Quantity | None = None
+    largest_gap: Quantity | None = None
     gaps: GapNumbers | None = None
     error_estimate: ErrorEstimate = field(default_factory=ErrorEstimate)
     certificate: Certificate = field(default_factory=Certificate)

@@ -20,7 +20,7 @@ from bem.scene.provenance import digest
 SIGNS = {"lt": "<", "gt": ">", "ge": ">="}  # of limits, by their names in pydantic
 SCHEMA, FORMER = "linecontact-result/2", "linecontact-result/1"
 
-Kind = TypeVar("Kind")
+Stored = TypeVar("Stored")
 
 
 class CorruptResultError(ValueError):
@@ -64,7 +64,7 @@ def _other_schema(schema: Any) -> str:
     return f"schema is {shown(schema)}; allowed: {SCHEMA}"
 
 
-def typed(adapter: TypeAdapter[Kind], content: dict[str, Any], place: str, without: str | None = None) -> Kind:
+def typed(adapter: TypeAdapter[Stored], content: dict[str, Any], place: str, without: str | None = None) -> Stored:
     """Return content of JSON as a dataclass, `without` a key that files do not hold.
 
     CorruptResultError names the first key that is wrong.

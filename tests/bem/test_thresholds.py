@@ -89,6 +89,18 @@ def test_modules_on_the_page_exist():
     assert set(listed()) <= set(MODULES)
 
 
+def test_a_name_in_capitals_is_defined_once():
+    """One name for one thing, one thing for one name."""
+    places: dict[str, list[str]] = {}
+    for module in MODULES:
+        tree = ast.parse((ROOT / module).read_text("utf-8"))
+        names = [part for node in tree.body if isinstance(node, ast.Assign) for part in ast.walk(node)]
+        stored = (part for part in names if isinstance(part, ast.Name) and isinstance(part.ctx, ast.Store))
+        for name in {part.id for part in stored if part.id.isupper()}:
+            places.setdefault(name, []).append(module)
+    assert {name: modules for name, modules in places.items() if len(modules) > 1} == {}
+
+
 def test_constants_are_recognised():
     source = "A, B = 1e-3, 1 << 4\n_C = (0.1, -2)\nD = 4 * float(np.eps)\nE = Exact(0.0)\nF = ('x', 1)\nG = h\nh = 1.0"
     derived = "H, I = 2 * A, 4 * np.finfo(float).eps\nJ = 2  # derived: a pair\nK = 3  # limit: of pairs"

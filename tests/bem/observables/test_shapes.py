@@ -9,10 +9,10 @@ from bem.elastic.layer import Layer
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 from bem.loading.complete_contact import complete_contact
-from bem.observables.observables import complete_contact_fields, contact_fields
 from bem.observables.shapes import OUTSIDE, complete_contact_shape, separated_shape, shape
 from bem.problem import Problem, pose
 from bem.scene.scene_tables import OUTPUTS
+from bem.stored_fields import complete_contact_fields, contact_fields
 
 ALL = OUTPUTS
 NOTHING = PatchPressure(np.empty(0), np.empty(0), ())
