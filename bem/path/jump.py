@@ -148,16 +148,13 @@ class Jumps:
         released = at.potential - after.potential
         doubt = error.potential + uncertain + self._moved_by_error(at, error, after.penetration, after.load)
         happened = surely or not np.isfinite(doubt) or released > SAFETY * doubt
-        stated = doubt + self._coarseness(balance)
+        tolerance = self.increments.way.tolerance
+        coarse = (OFF * tolerance) ** 2 if tolerance > FINE.tolerance else 0.0  # energies err by the square
+        stated = doubt + coarse * balance.state.elastic_energy
         events = path_events(changes, at, error, released, stated) if happened else ()
         if landed.status != "converged":
             return _failed(landed, events)
         return Equilibrium(value, balance, patches, after.load, events=events)
-
-    def _coarseness(self, balance: Balance) -> float:
-        """Return the error of a difference of energies by coarse evaluations: of second order in their errors."""
-        tolerance = self.increments.way.tolerance
-        return (OFF * tolerance) ** 2 * balance.state.elastic_energy if tolerance > FINE.tolerance else 0.0
 
     def _minimum(self, balance: Balance, value: float) -> Located | None:
         """Return the stable equilibrium in which a jump ended, with its errors; None where there is none."""

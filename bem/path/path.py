@@ -204,7 +204,8 @@ class Path:
         """Yield points along the curve of a state, to the goal or to the point behind the first end of the branch."""
         direction, closing, end = self.direction(point, goal), self.bare.closing_value, goal
         if direction > 0 and goal >= closing:
-            end = closing - self.last_increment(point.value, point.patches.count, closing)
+            one_gap, way_left = point.patches.count == 1, closing - point.value
+            end = closing - (self.increments.smallest if one_gap else max(way_left / 2, LOCATED))
             if point.value >= end - LOCATED * self.increments.smallest:
                 yield self.bare.closed(point.state.patches, goal)
                 return
@@ -240,12 +241,6 @@ class Path:
             yield from self._stretches(span, 1.0, Equilibrium.near(span.last), load)
             at, length = span.last, min(way.longest, tried * growth(span))
             load = at.numbers.load
-
-    def last_increment(self, value: float, patches: int, closing: float) -> float:
-        """Return the increment before complete contact: the smallest; half the way, where several gaps are left."""
-        if patches == 1:
-            return self.increments.smallest
-        return max((closing - value) / 2, LOCATED)
 
     def _stretches(self, span: Span, reach: float, point: Equilibrium, load: float) -> Iterator[Equilibrium]:
         """Yield a point on a span with the stretch to it from a load, after a point where the load turns before."""
