@@ -301,7 +301,7 @@ def read(file: Path) -> dict[tuple[str, str], dict[str, str]]:
 
 
 def table(lines: Iterable[dict[str, str]]) -> str:
-    """Return the table of a mutants.csv by package, and the shares with two standard errors."""
+    """Return the table of a mutants.csv by package: shares with the intervals of Wilson (1927), two standard errors."""
     lines = list(lines)
     text = [
         "| package | mutants | equivalent | killed by tests | by the quick level |",
@@ -313,8 +313,10 @@ def table(lines: Iterable[dict[str, str]]) -> str:
         shares = []
         for key in ("tests", "quick"):
             killed, count = sum(line[key] in ("killed", "timeout") for line in other), max(1, len(other))
-            error = 2 * (killed * (count - killed) / count**3) ** 0.5
-            shares.append(f"{killed} of {len(other)}: {killed / count:.0%} ± {error:.0%}")
+            middle, half = (killed + 2) / (count + 4), 2 / (count + 4) * (killed * (count - killed) / count + 1) ** 0.5
+            shares.append(
+                f"{killed} of {len(other)} = {killed / count:.0%} ({middle - half:.0%} to {middle + half:.0%})"
+            )
         text.append(f"| {package or 'all'} | {len(own)} | {len(own) - len(other)} | {shares[0]} | {shares[1]} |")
     return "\n".join(text)
 
