@@ -38,14 +38,14 @@ class Resolution:
     order : int
         Order of the displacement elements: 2 (P2/P1) or 4 (P4/P3).
     cells : int
-        Base cells per period (more are taken for thin layers and high harmonics), >= 4.
+        Base cells per period (more are taken for thin layers and high harmonics), >= 3.
     tip_levels : int
         Halvings from the shortest interval beside an edge to the smallest triangle there, 4 to 24.
 
     Examples
     --------
-    >>> Resolution(4, 8, 20).coarser()
-    Resolution(order=4, cells=6, tip_levels=17)
+    >>> Resolution(4, 8, 20).coarser(0.5)
+    Resolution(order=4, cells=4, tip_levels=12)
     """
 
     order: int = 4
@@ -55,23 +55,19 @@ class Resolution:
     def __post_init__(self) -> None:
         if self.order not in (2, 4):
             raise InvalidProblemError("resolution", f"order must be 2 or 4, got {self.order!r}")
-        if self.cells < 4:
-            raise InvalidProblemError("resolution", f"cells must be at least 4, got {self.cells!r}")
+        if self.cells < 3:
+            raise InvalidProblemError("resolution", f"cells must be at least 3, got {self.cells!r}")
         if not FEWEST_LEVELS <= self.tip_levels <= 24:
             raise InvalidProblemError("resolution", f"tip_levels must lie in 4..24, got {self.tip_levels!r}")
 
-    @property
-    def _cells_of_coarser(self) -> int:
-        return int(np.ceil(0.75 * self.cells))
+    def coarser(self, share: float) -> "Resolution":
+        """Return the resolution with a share of the cells, rounded up.
 
-    @property
-    def levels_fewer(self) -> int:
-        """By how many tip levels the next coarser member has fewer: the tip keeps pace with the order of a load."""
-        return round(2 * self.order * float(np.log2(self.cells / self._cells_of_coarser)))
-
-    def coarser(self) -> "Resolution":
-        """Return the next coarser resolution: 3/4 of the cells, rounded up, and fewer tip levels at the same pace."""
-        return replace(self, cells=self._cells_of_coarser, tip_levels=self.tip_levels - self.levels_fewer)
+        The sizes at the tips keep pace with the order of a load: 2 m levels for each halving.
+        """
+        cells = int(np.ceil(share * self.cells))
+        fewer = round(2 * self.order * float(np.log2(self.cells / cells)))
+        return replace(self, cells=cells, tip_levels=self.tip_levels - fewer)
 
 
 @dataclass(frozen=True)

@@ -1,36 +1,17 @@
 """Every quantity with its uncertainty and observed order, from a sequence of meshes.
 
-The problem is solved on meshes of increasing fineness h_k = 1 / cells_k (the closure, too, is closed anew on each).
-For a quantity q with values q_1 .. q_n the observed order p solves
-
-    |q_{n-1} - q_{n-2}| / |q_n - q_{n-1}| = (h_{n-2}^p - h_{n-1}^p) / (h_{n-1}^p - h_n^p)
-
-(Roache, Verification and Validation in Computational Science and Engineering, 1998, ch. 5; for arrays in the largest
-norm). The uncertainty of the finest value is that of `result`; on the coarser levels U_k = |q_k - q_n| + U_n. Nothing
-is extrapolated.
+The problem is solved on meshes of increasing fineness; the closure, too, is closed anew on each. Uncertainty and order
+are those of `uncertainty`. Nothing is extrapolated.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-import numpy as np
-from scipy.optimize import brentq
-
 from fem_reference.closure import ControlKind, Evaluation, evaluate
 from fem_reference.mesh import Resolution
 from fem_reference.problem import FloatArray, InvalidProblemError
-from fem_reference.result import (
-    ROUNDING,
-    Quantity,
-    Result,
-    aligned_values,
-    defect_spread,
-    quantities,
-    resolutions_of,
-    spread,
-    uncertainties,
-)
+from fem_reference.result import Quantity, Result, aligned_values, quantities, sizes_of, uncertainties
 from fem_reference.solve import (
     Edges,
     Harmonics,
@@ -42,8 +23,7 @@ from fem_reference.solve import (
     prescribed,
     problem_of,
 )
-
-ORDERS = (0.3, 20.0)  # an observed order outside is no order
+from fem_reference.uncertainty import fitted
 
 
 @dataclass(frozen=True)
@@ -54,27 +34,25 @@ class Estimate:
     ----------
     value, uncertainty : float or FloatArray
         On the finest mesh; unit as in `Result`.
-    observed_order : float or None
-        None when the differences do not decrease, or are down to rounding.
-    levels, level_uncertainties : tuple
-        The same on every mesh, coarsest first.
+    observed_order : float or FloatArray
+        nan where the values show none.
+    levels : tuple
+        Values on every mesh, coarsest first.
     """
 
     value: Quantity
     uncertainty: Quantity
-    observed_order: float | None
+    observed_order: Quantity
     levels: tuple[Quantity, ...]
-    level_uncertainties: tuple[Quantity, ...]
 
 
 @dataclass(frozen=True)
 class Refinement:
-    """The state on the finest mesh and an estimate for every quantity.
+    """The state on the finest mesh, with its uncertainties, and an estimate for every quantity.
 
     Parameters
     ----------
     result : Result
-        On the finest mesh, its `uncertainty` taken from the estimates.
     resolutions : tuple of Resolution
         Coarsest first.
     estimates : mapping
@@ -91,38 +69,12 @@ class Refinement:
         return self.result.status
 
 
-def observed_order(differences: Sequence[float], sizes: Sequence[float]) -> float | None:
-    """Order p at which two successive differences (coarse, fine) agree with mesh sizes (coarse, middle, fine).
-
-    Examples
-    --------
-    >>> observed_order([4.0**2 - 2.0**2, 2.0**2 - 1.0], [4.0, 2.0, 1.0])
-    2.0
-    """
-    coarse, fine = differences
-    if not (coarse > 0.0 and fine > 0.0):
-        return None
-    h1, h2, h3 = sizes
-
-    def mismatch(p: float) -> float:
-        return float(np.log((h1**p - h2**p) / (h2**p - h3**p)) - np.log(coarse / fine))
-
-    low, high = ORDERS
-    if mismatch(low) * mismatch(high) > 0.0:
-        return None
-    return round(float(brentq(mismatch, low, high, xtol=1e-10)), 9)
-
-
 def estimate(name: str, evaluations: Sequence[Evaluation]) -> Estimate:
-    """Estimate of one named quantity from solved meshes, coarsest first (at least two)."""
+    """Return the estimate of one named quantity from solved meshes, coarsest first (at least two)."""
     values = aligned_values(name, evaluations)
-    total = spread(values, resolutions_of(evaluations)) + defect_spread(name, evaluations[-1])
-    steps = [float(np.max(np.abs(b - a), initial=0.0)) for a, b in pairwise(values)]
-    order = None
-    if len(steps) > 1 and steps[-1] > ROUNDING * np.max(np.abs(values[-1]), initial=0.0):
-        order = observed_order(steps[-2:], [1.0 / e.resolution.cells for e in evaluations[-3:]])
-    totals = [np.abs(v - values[-1]) + total for v in values[:-1]] + [total]
-    return Estimate(_plain(values[-1]), _plain(total), order, tuple(map(_plain, values)), tuple(map(_plain, totals)))
+    resolutions = [evaluation.resolution for evaluation in evaluations]
+    total, order = fitted(values, sizes_of(resolutions), 2 * resolutions[-1].order)
+    return Estimate(_plain(values[-1]), _plain(total), _plain(order), tuple(map(_plain, values)))
 
 
 def _plain(value: FloatArray) -> Quantity:
@@ -150,7 +102,7 @@ def refine(
     Parameters
     ----------
     resolutions : sequence of Resolution, optional
-        Coarsest first, one element order, at least three, cells increasing; by default P4/P3 with 6, 8 and 10 cells.
+        Coarsest first, one element order, at least three, cells increasing; by default P4/P3 with 5, 8 and 10 cells.
 
     Raises
     ------
@@ -178,5 +130,5 @@ def refine(
 
 
 def default_ladder() -> list[Resolution]:
-    """P4/P3 with 6, 8 and 10 cells per period, the tips following."""
+    """Return P4/P3 with 5, 8 and 10 cells per period, the tips following."""
     return companions(Resolution(4, 10, 20))

@@ -1,4 +1,4 @@
-"""Result of a solution: SI values, each with its uncertainty, and the rule that gives it from several meshes.
+"""Result of a solution: SI values, each with its uncertainty.
 
 Energies and loads are per period of the profile and unit length in the third direction. u_tot is the displacement of
 the plate from first touch of the undeformed layer; Delta = u_tot - mean(u_y over the face) is the penetration, its
@@ -7,27 +7,14 @@ mean part computed from the finite element field itself (for the exact solution 
 
     elastic_energy = strain_energy - load * mean(u_y) / 2.
 
-The uncertainty of a quantity q with values q_1 .. q_n on meshes of increasing fineness h_k = 1 / cells_k is
-
-    U_n = 1.5 max( |q_n - q_{n-1}|, f |q_{n-1} - q_{n-2}| ) + 1e-11 |q_n|,
-
-the second term (with three meshes or more) against two meshes that agree by chance. Where both differences have one
-sign the values converge monotonically and f = (h_n / h_{n-1})^(3m/2), m the order of the displacement elements. Where
-the sign turns they show no order, and f = 1: the range of values counts whole, as of every oscillating sequence
-(Stern, Wilson, Coleman and Paterson, J. Fluids Eng. 123 (2001) 793, doi:10.1115/1.1412235; Eca and Hoekstra, J. Comput.
-Phys. 262 (2014) 104, doi:10.1016/j.jcp.2014.01.006). Fields have no sign: theirs are differences in the largest norm
-of a facet, with f as above. Nothing is divided by what the observed order promises: with cells in ratio 3:4 the error
-is at most |q_n - q_{n-1}| for every observed order above 2.4. Stress intensities and release rates also carry the
-rank-one defect, which needs no second mesh.
-
-This is a statement of 95 %, no bound: meshes whose cells are not in ratio 1:2 are not similar, and the error of one
-need not be below that of the coarser. README.md has the coverage measured.
+Uncertainties are those of `uncertainty`, on meshes of sizes h = 1 / cells. The theoretical order of every number is
+2 m, m that of the displacement elements: each is a linear or quadratic functional of the solution, and the levels at
+the edges keep pace. Displacements and gaps at a point have the order m + 1, pressures m.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -38,6 +25,7 @@ from fem_reference.contact import projected_pressure
 from fem_reference.face import face_nodes, interpolate, nodal_profile
 from fem_reference.mesh import Resolution
 from fem_reference.problem import FloatArray, IntArray, Problem
+from fem_reference.uncertainty import ROUNDING, uncertainty
 
 Status = Literal[
     "converged",
@@ -50,8 +38,6 @@ Status = Literal[
 Quantity = float | FloatArray
 
 WINDOW = 0.8  # of a patch: what its middle pressure is averaged over
-SAFETY = 1.5  # times the difference of two meshes
-ROUNDING = 1e-11  # relative: what the linear solver leaves, measured 1e-13 to 1e-12
 
 
 @dataclass(frozen=True)
@@ -291,28 +277,14 @@ def interface_fields(evaluation: Evaluation) -> Interface:
     )
 
 
-def resolutions_of(evaluations: Sequence[Evaluation]) -> list[Resolution]:
-    """Return the resolution of each evaluation."""
-    return [evaluation.resolution for evaluation in evaluations]
+def sizes_of(resolutions: Sequence[Resolution]) -> list[float]:
+    """Return the size of each mesh, periods."""
+    return [1.0 / resolution.cells for resolution in resolutions]
 
 
 def spread(values: Sequence[FloatArray], resolutions: Sequence[Resolution]) -> FloatArray:
-    """Uncertainty (module docstring) of the last of two or more values of one quantity, coarsest mesh first."""
-    before, last = [np.signbit(b - a) for a, b in pairwise(values[-3:])][-2:] if len(values) > 2 else (False, False)
-    return _expanded(values, np.where(before == last, _shrinkage(resolutions), 1.0))
-
-
-def _expanded(values: Sequence[FloatArray], factor: FloatArray | float) -> FloatArray:
-    """Return the uncertainty of the last value, with the difference before the last multiplied by a factor."""
-    steps = [np.abs(b - a) for a, b in pairwise(values)]
-    largest = np.maximum(steps[-1], factor * steps[-2]) if len(steps) > 1 else steps[-1]
-    return np.asarray(SAFETY * largest + ROUNDING * np.abs(values[-1]))
-
-
-def _shrinkage(resolutions: Sequence[Resolution]) -> float:
-    """(h_n / h_{n-1})^(3m/2) of the last two meshes."""
-    fine, coarse = resolutions[-1], resolutions[-2]
-    return float((coarse.cells / fine.cells) ** (1.5 * fine.order))
+    """Return the uncertainty of the last of two or more values of one quantity, coarsest mesh first."""
+    return uncertainty(values, sizes_of(resolutions), 2 * resolutions[-1].order)
 
 
 def aligned_values(name: str, evaluations: Sequence[Evaluation]) -> list[FloatArray]:
@@ -325,22 +297,14 @@ def aligned_values(name: str, evaluations: Sequence[Evaluation]) -> list[FloatAr
     return values
 
 
-def defect_spread(name: str, evaluation: Evaluation) -> FloatArray | float:
-    """Return what the rank-one defect adds to the uncertainty of a quantity of the edges, zero for the others."""
-    if name not in ("stress_intensity", "energy_release_rate"):
-        return 0.0
-    return np.asarray(evaluation.values.defect[patch_order(evaluation)] * np.abs(quantities(evaluation)[name]))
-
-
 def uncertainties(evaluations: Sequence[Evaluation]) -> dict[str, Quantity]:
-    """Uncertainty of every quantity of the last evaluation, from two or more meshes, coarsest first."""
-    fine = evaluations[-1]
+    """Return the uncertainty of every quantity of the last evaluation, from two or more meshes, coarsest first."""
+    resolutions = [evaluation.resolution for evaluation in evaluations]
     result: dict[str, Quantity] = {}
-    for name in quantities(fine):
-        total = spread(aligned_values(name, evaluations), resolutions_of(evaluations)) + defect_spread(name, fine)
+    for name in quantities(evaluations[-1]):
+        total = spread(aligned_values(name, evaluations), resolutions)
         result[name] = total if total.ndim else float(total)
-    result |= _field_uncertainties(evaluations)
-    return result
+    return result | _field_uncertainties(evaluations)
 
 
 def _field_uncertainties(evaluations: Sequence[Evaluation]) -> dict[str, Quantity]:
@@ -359,9 +323,9 @@ def _field_uncertainties(evaluations: Sequence[Evaluation]) -> dict[str, Quantit
         values["gap"].append(displacement - float(quantities(evaluation)["total_displacement"]))
         values["pressure"].append(interpolate(local, nodes.x, face.pressure, nodes.order))
     units = (problem.unit_height, problem.unit_height, problem.unit_stress)
-    order, shrinkage = fine.resolution.order, _shrinkage(resolutions_of(evaluations))
+    m, sizes = fine.resolution.order, sizes_of([evaluation.resolution for evaluation in evaluations])
     return {
-        name: _largest_beside(_expanded(values[name], shrinkage), order) + ROUNDING * unit
+        name: _largest_beside(uncertainty(values[name], sizes, m + (name != "pressure")), m) + ROUNDING * unit
         for name, unit in zip(values, units, strict=True)
     }
 
