@@ -12,9 +12,8 @@ motion of the mesh in x that carries one edge along, W the density of the energy
 
     G = +- { int W theta,x - sigma_ij u_i,x theta,j  +  sum r_i (h' theta)_i },
 
-is exactly the derivative of the discrete energy by that edge (Destuynder, Djaoua and Lescure 1983); K^2 = 2 E* G.
-
-Any triangle mesh of a period will do, with vertices at the edges and equal ones on both sides. Any consistent units.
+is exactly the derivative of the discrete energy by that edge (Destuynder, Djaoua and Lescure 1983); K^2 = 2 E* G. Any
+triangle mesh of a period will do, with vertices at the edges and equal ones on both sides. Any consistent units.
 """
 
 from collections.abc import Callable
@@ -30,7 +29,6 @@ from fem_reference.elasticity import ELEMENTS
 from fem_reference.problem import FloatArray
 
 Function = Callable[[FloatArray], FloatArray]
-NEAR = 1e-9  # of the period: how far a node of a boundary may be off its line
 
 
 @dataclass(frozen=True)
@@ -95,7 +93,7 @@ def layer_state(
     K = bmat([[A, B.T], [B, C]], format="csr")
 
     period, depth = mesh.p.max(axis=1)
-    near = NEAR * period
+    near = 1e-9 * period  # how far a node of a boundary may be off its line
     x, y = np.hstack([V.doflocs, Q.doflocs])
     kind = np.full(len(x), 2)  # 0 of u_x, 1 of u_y, 2 of p
     for component, indices in enumerate(V.split_indices()):
@@ -108,7 +106,6 @@ def layer_state(
     same = np.arange(len(x))
     same[right] = left  # nodal value that stands for each one
     T = coo_matrix((np.ones(len(x)), (np.arange(len(x)), same)), shape=K.shape).tocsr()
-
     face = np.flatnonzero(np.abs(mesh.p[1]) < near)
     face = face[np.argsort(mesh.p[0, face])]
     vertices, given = mesh.p[0, face], np.zeros(len(x))
@@ -122,8 +119,12 @@ def layer_state(
     for place in np.ndindex(*edges.shape):
         theta = motion(mesh, edges, place)
         volume = energy_released.assemble(V, theta=P1.interpolate(theta), **fields)
-        rate = carried(vertices, lambda at, t=theta: slope(at) * np.interp(at, vertices, t[face]), x[contact], order)
-        released[place] = (volume + float(reactions @ rate)) * (1.0 if place[1] else -1.0)
+
+        def rate(at: FloatArray, on_face: FloatArray = theta[face]) -> FloatArray:
+            return np.asarray(slope(at) * np.interp(at, vertices, on_face))
+
+        surface = reactions @ carried(vertices, rate, x[contact], order)
+        released[place] = volume + surface if place[1] else -volume - surface
     return LayerState(float(reactions.sum()), 0.5 * float(z @ (K @ z)), released, z[: V.N], V)
 
 
@@ -133,9 +134,8 @@ def carried(vertices: FloatArray, function: Function, x: FloatArray, order: int)
     tests = line.with_element(skfem.ElementLineP0() if order == 2 else skfem.ElementDG(skfem.ElementLineP2()))
     mass = skfem.BilinearForm(lambda u, q, w: u * q).assemble(line, tests)
     moments = skfem.LinearForm(lambda q, w: function(w.x[0]) * q).assemble(tests)
-    values, at_vertices = np.zeros(line.N), line.nodal_dofs[0]
-    values[at_vertices] = function(line.mesh.p[0])
-    between = line.complement_dofs(at_vertices)
+    values, between = np.zeros(line.N), line.complement_dofs(line.nodal_dofs[0])
+    values[line.nodal_dofs[0]] = function(line.mesh.p[0])
     values[between] = skfem.solve(mass[:, between].tocsc(), moments - mass @ values)
     return np.asarray(line.probes(x[None]) @ values)
 

@@ -54,7 +54,7 @@ class Control:
     value: float
 
     def load(self, states: UnitStates) -> float:
-        """Load per period at which the states meet the control."""
+        """Return the load per period at which the states meet the control."""
         if self.kind == "mean_pressure":
             return self.value
         response = states.penetration if self.kind == "penetration" else states.displacement_of_plate
@@ -103,7 +103,7 @@ def residual(problem: Problem, evaluation: Evaluation) -> FloatArray:
 
 
 def _critical_and_scale(problem: Problem, edges: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """K_c at edges (n_patches, 2), and the scale of the residual there."""
+    """Return K_c at edges (n_patches, 2), and the scale of the residual there."""
     critical = problem.critical_stress_intensity(edges)
     geometric = 0.1 * problem.plane_strain_modulus * np.sqrt(np.diff(edges, axis=1))
     return critical, np.maximum(critical, geometric)
@@ -134,14 +134,14 @@ class Closure:
 
 
 def intervals(edges: FloatArray) -> FloatArray:
-    """Lengths (2 n_patches,) of patch, gap, patch, gap, ... round the period."""
+    """Return the lengths (2 n_patches,) of patch, gap, patch, gap, ... round the period."""
     return np.asarray(np.diff(np.append(edges.ravel(), edges[0, 0] + 1.0)))
 
 
 def start_edges(
     problem: Problem, crests: FloatArray, control: Control, resolution: Resolution, factor: float
 ) -> FloatArray:
-    """Edges (n_patches, 2) of the family of `crests` where the closure is nearest to being met, stably.
+    """Return the edges (n_patches, 2) of the family of `crests` where the closure is nearest to being met, stably.
 
     Near pull-off few contacts of the family close: where all that are tried open at every edge, those that close are
     looked for between them.
@@ -211,7 +211,7 @@ def difference_jacobian(
     base: FloatArray,
     kept: KeptFactors | None = None,
 ) -> FloatArray:
-    """D residual / d edge by forward differences on the moving mesh, shape (2 n_patches, 2 n_patches)."""
+    """Return d residual / d edge by forward differences on the moving mesh, shape (2 n_patches, 2 n_patches)."""
     edges = mesh.edges
     lengths = intervals(edges)
     columns = []
@@ -335,7 +335,7 @@ def followed_mesh(mesh: LayerMesh, edges: FloatArray, resolution: Resolution, pr
 
 
 def _unrolled(local: FloatArray) -> FloatArray:
-    """Edges (n_patches, 2) from local positions that may have passed the seam."""
+    """Return the edges (n_patches, 2) from local positions that may have passed the seam."""
     flat = local.ravel()
     return np.asarray((flat[0] + (flat - flat[0]) % 1.0).reshape(local.shape))
 
@@ -377,7 +377,9 @@ def scouting(resolution: Resolution) -> Resolution:
 
 
 def hessian(problem: Problem, closure: Closure) -> FloatArray:
-    """Second derivatives (2 n_patches, 2 n_patches) of the energy in outward motions of the edges, not symmetrised.
+    """Return the second derivatives (2 n_patches, 2 n_patches) of the energy by outward motions of the edges.
+
+    They are not symmetrised.
 
     From the Jacobian of the coarse closure; E a^2 / lambda^2.
     """

@@ -106,7 +106,7 @@ def _gmsh_file(path: Path) -> meshio.Mesh:
 
 
 def _named_vertices(source: meshio.Mesh, name: str) -> IntArray:
-    """Vertex numbers of a named boundary of lines."""
+    """Return the vertex numbers of a named boundary of lines."""
     tag, dimension = source.field_data.get(name, (None, None))
     if tag is None or dimension != 1:
         known = sorted(source.field_data) or "none"
@@ -138,7 +138,7 @@ def _check_shape(layer: ImportedLayer) -> None:
 
 
 def layer_mesh_of(layer: ImportedLayer, edges: FloatArray) -> LayerMesh:
-    """Mesh in periods with contact edges (n_patches, 2), periods, at vertices of the face.
+    """Return the mesh in periods with contact edges (n_patches, 2), periods, at vertices of the face.
 
     Raises
     ------

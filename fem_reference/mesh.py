@@ -103,7 +103,7 @@ class LayerMesh:
         return np.asarray((self.edges - self.seam) % 1.0)
 
     def reach(self) -> FloatArray:
-        """Distance (n_patches, 2) from each edge to the next edge, the seam or the plate, whichever is nearest."""
+        """Return the distance (n_patches, 2) from each edge to the nearest of the next edge, the seam and the plate."""
         tips = self.local_edges.ravel()
         knots = np.concatenate([[0.0], np.sort(tips), [1.0]])
         where = np.searchsorted(knots[1:-1], tips) + 1
@@ -130,7 +130,7 @@ def check_edges(edges: FloatArray, argument: str = "edges") -> None:
 
 
 def crisscross(x: FloatArray, y: FloatArray) -> Any:
-    """Triangle mesh of the tensor grid x (n,), y (m,), every rectangle cut in four by its diagonals.
+    """Return a triangle mesh of the tensor grid x (n,), y (m,), every rectangle cut in four by its diagonals.
 
     Examples
     --------
@@ -148,7 +148,7 @@ def crisscross(x: FloatArray, y: FloatArray) -> Any:
 
 
 def _grid(depth: float, resolution: Resolution, highest_order: int) -> tuple[int, int]:
-    """Columns and rows of the base mesh."""
+    """Return the numbers of columns and rows of the base mesh."""
     n = resolution.cells
     size = min(1.0 / n, 4.0 * depth / n, 4.0 / (n * highest_order))
     rows = max(2, int(np.ceil(GROWTH / size * np.log1p(depth / GROWTH) - 1e-9)))
@@ -156,7 +156,7 @@ def _grid(depth: float, resolution: Resolution, highest_order: int) -> tuple[int
 
 
 def base_unknowns(depth: float, resolution: Resolution, highest_order: int) -> float:
-    """About how many unknowns a mesh has before it is graded to any edge, and without making it.
+    """Return about how many unknowns a mesh has before it is graded to any edge, without making it.
 
     Examples
     --------
@@ -168,7 +168,7 @@ def base_unknowns(depth: float, resolution: Resolution, highest_order: int) -> f
 
 
 def _base(depth: float, resolution: Resolution, highest_order: int) -> Any:
-    """Crisscross mesh without edges."""
+    """Return a crisscross mesh without edges."""
     columns, rows = _grid(depth, resolution, highest_order)
     y = GROWTH * np.expm1(np.linspace(0.0, np.log1p(depth / GROWTH), rows + 1))
     y[-1] = depth
@@ -203,14 +203,14 @@ def _seam_matched(mesh: Any) -> Any:
 
 
 def _seam_of(edges: FloatArray) -> float:
-    """Middle of the longest interval between successive edges."""
+    """Return the middle of the longest interval between successive edges."""
     knots = np.append(edges.ravel(), edges[0, 0] + 1.0)
     longest = int(np.argmax(np.diff(knots)))
     return float((0.5 * (knots[longest] + knots[longest + 1])) % 1.0)
 
 
 def layer_mesh(depth: float, edges: FloatArray, resolution: Resolution, highest_order: int = 1) -> LayerMesh:
-    """Mesh of the layer graded towards the given edges.
+    """Return the mesh of the layer graded towards the given edges.
 
     Parameters
     ----------

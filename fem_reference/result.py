@@ -143,18 +143,18 @@ class Result:
         return None if self.min_eigenvalue is None else self.min_eigenvalue > 0.0
 
     def displacement(self, x: ArrayLike) -> FloatArray:
-        """u_y of the face at positions x in m (any shape), evaluated in the elements."""
+        """Return u_y of the face at positions x in m (any shape), evaluated in the elements."""
         local = (np.asarray(x, dtype=float) / self.problem.period - self.evaluation.states.mesh.seam) % 1.0
         return face_displacement(self.evaluation, local) * self.problem.unit_height
 
     def gap(self, x: ArrayLike) -> FloatArray:
-        """Gap u_y - (h - h_max + u_tot) at positions x in m (any shape)."""
+        """Return the gap u_y - (h - h_max + u_tot) at positions x in m (any shape)."""
         at = np.asarray(x, dtype=float)
         rigid = (self.problem.height(at / self.problem.period) - self.problem.highest) * self.problem.unit_height
         return np.asarray(self.displacement(at) - rigid - self.total_displacement)
 
     def uncertainty_at(self, field: Literal["displacement", "gap", "pressure"], x: ArrayLike) -> FloatArray:
-        """Uncertainty of a field of the interface at positions x in m (any shape): that of the nodes on both sides."""
+        """Return the uncertainty of a field at positions x in m (any shape): the larger of the nodes beside x."""
         nodes = self.interface.x
         local = nodes[0] + (np.asarray(x, dtype=float) - nodes[0]) % self.problem.period
         after = np.clip(np.searchsorted(nodes, local), 1, len(nodes) - 1)
@@ -175,18 +175,18 @@ def face_displacement(evaluation: Evaluation, local: FloatArray) -> FloatArray:
 
 
 def patch_order(evaluation: Evaluation) -> IntArray:
-    """Order (n_patches,) of the patches by a in [0, period), as results list them."""
+    """Return the order (n_patches,) of the patches by a in [0, period), as results list them."""
     return np.asarray(np.argsort(evaluation.edges[:, 0] % 1.0)) if evaluation.edges.size else np.zeros(0, dtype=int)
 
 
 def contact_edges(evaluation: Evaluation) -> FloatArray:
-    """Edges (n_patches, 2) in periods with every a in [0, 1), in the order of the computation."""
+    """Return the edges (n_patches, 2) in periods with every a in [0, 1), in the order of the computation."""
     edges = evaluation.edges
     return edges - np.floor(edges[:, :1]) if edges.size else edges
 
 
 def adhesion_energy(problem: Problem, edges: FloatArray) -> float:
-    """- int gamma sqrt(1 + h'^2) over the patches (n_patches, 2), E a^2; a full period without edges.
+    """Return - int gamma sqrt(1 + h'^2) over the patches (n_patches, 2), E a^2; a full period without edges.
 
     Composite Gauss rule with 16 points on pieces of 1/8 of the shortest wavelength: exact to rounding.
     """
@@ -202,7 +202,7 @@ def adhesion_energy(problem: Problem, edges: FloatArray) -> float:
 
 
 def middle_pressure(evaluation: Evaluation) -> FloatArray:
-    """Weighted mean pressure (n_patches,) of the middle of each patch, E a / lambda, in the order of the computation.
+    """Return the weighted mean pressure (n_patches,) of the middle of each patch, E a / lambda.
 
     The weight is carried by nodal values as the profile is, so that no pressure is projected and none interpolated.
     """
@@ -224,13 +224,13 @@ def middle_pressure(evaluation: Evaluation) -> FloatArray:
 
 
 def strain_energy(evaluation: Evaluation) -> float:
-    """Whole elastic energy of the layer, E a^2."""
+    """Return the whole elastic energy of the layer, E a^2."""
     energy, load = evaluation.states.energy, evaluation.load
     return float(energy[0, 0] + 2.0 * load * energy[0, 1] + load**2 * energy[1, 1])
 
 
 def quantities(evaluation: Evaluation, order: IntArray | None = None) -> dict[str, Quantity]:
-    """Every scalar and edge quantity of one mesh in SI units, by the names of `Result`.
+    """Return every scalar and edge quantity of one mesh in SI units, by the names of `Result`.
 
     Patches are listed by `patch_order`, or in the order given: meshes compared with one another need the same one, even
     when an edge near the end of the period falls on either side of it.
@@ -262,7 +262,7 @@ def quantities(evaluation: Evaluation, order: IntArray | None = None) -> dict[st
 
 
 def interface_fields(evaluation: Evaluation) -> Interface:
-    """Fields along the face of one mesh, SI units."""
+    """Return the fields along the face of one mesh, SI units."""
     states, problem = evaluation.states, evaluation.states.problem
     nodes = face_nodes(states.spaces)
     x = states.mesh.seam + nodes.x
@@ -288,7 +288,7 @@ def spread(values: Sequence[FloatArray], resolutions: Sequence[Resolution]) -> F
 
 
 def aligned_values(name: str, evaluations: Sequence[Evaluation]) -> list[FloatArray]:
-    """Values of one quantity on every mesh, edges taken to the period of the last."""
+    """Return the values of one quantity on every mesh, edges taken to the period of the last."""
     order = patch_order(evaluations[-1])
     values = [np.asarray(quantities(e, order)[name], dtype=float) for e in evaluations]
     if name == "edges" and values[-1].size:
@@ -308,7 +308,7 @@ def uncertainties(evaluations: Sequence[Evaluation]) -> dict[str, Quantity]:
 
 
 def _field_uncertainties(evaluations: Sequence[Evaluation]) -> dict[str, Quantity]:
-    """Uncertainty of displacement, gap and pressure at the face nodes of the last evaluation, SI units.
+    """Return the uncertainty of displacement, gap and pressure at the face nodes of the last evaluation, SI units.
 
     That of a node is the largest in the facets it belongs to: two meshes may agree at a point by chance.
     """
@@ -331,7 +331,7 @@ def _field_uncertainties(evaluations: Sequence[Evaluation]) -> dict[str, Quantit
 
 
 def _largest_beside(values: FloatArray, order: int) -> FloatArray:
-    """Largest of (n_facets * order + 1,) nodal values in the facets a node belongs to."""
+    """Return the largest of (n_facets * order + 1,) nodal values in the facets a node belongs to."""
     inner = np.lib.stride_tricks.sliding_window_view(values, order + 1)[::order].max(axis=1)
     result = np.repeat(inner, order)
     result[order::order] = np.maximum(inner[1:], inner[:-1])

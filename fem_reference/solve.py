@@ -173,7 +173,7 @@ def control_of(problem: Problem, control: ControlKind, value: float) -> Control:
 def prescribed(
     problem: Problem, control: Control, edges: ArrayLike | str, ladder: Sequence[Resolution]
 ) -> list[tuple[Resolution, LayerMesh]]:
-    """Meshes for prescribed edges (m) or complete contact, one for each resolution.
+    """Return meshes for prescribed edges (m) or complete contact, one for each resolution.
 
     Raises
     ------
@@ -201,7 +201,7 @@ def closed(
     start_scale: float = 1.0,
     start: ArrayLike | None = None,
 ) -> list[Closure]:
-    """Closures on a coarse mesh and then each resolution, from edges given in m or from the crests of the profile.
+    """Return closures on a coarse mesh and on each resolution, from edges given in m or from the crests.
 
     Raises
     ------
@@ -220,7 +220,7 @@ def closed(
 
 
 def pairs_of(argument: str, edges: ArrayLike, problem: Problem) -> FloatArray:
-    """Edges (n_patches, 2) in periods of those given in m; raises `InvalidProblemError` naming the argument."""
+    """Return edges (n_patches, 2) given in m in periods; raise `InvalidProblemError` naming the argument."""
     try:
         pairs = np.asarray(edges, dtype=float) / problem.period
     except (TypeError, ValueError):

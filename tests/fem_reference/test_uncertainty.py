@@ -34,8 +34,10 @@ def test_an_order_below_a_half_has_prescribed_exponents():
 
 def test_scatter_counts_as_its_standard_deviation():
     power = 1 + np.array(FOUR) ** 2
-    scattered = power + np.array([0.0, 2e-3, -2e-3, 2e-3])
-    assert uncertainty(scattered, FOUR, 4) > uncertainty(power, FOUR, 4) + 2e-3
+    scattered = 1.0 + np.array([2e-3, -2e-3, 2e-3, -2e-3])
+    assert uncertainty(scattered, FOUR, 4) > 4e-3
+    assert uncertainty(1e-6 * scattered, FOUR, 4) == pytest.approx(1e-6 * uncertainty(scattered, FOUR, 4))
+    assert uncertainty(power + 1e-6 * scattered, FOUR, 4) == pytest.approx(uncertainty(power, FOUR, 4), rel=0.05)
 
 
 def test_two_meshes_have_three_times_their_difference():
@@ -50,4 +52,4 @@ def test_values_of_an_array_are_judged_one_by_one():
     columns = np.array([[1 + h**2, 1 + h**9, 1.0] for h in FOUR]).reshape(4, 3, 1)
     together = uncertainty(columns, FOUR, 4)
     alone = [uncertainty(columns[:, k, 0], FOUR, 4) for k in range(3)]
-    np.testing.assert_array_equal(together[:, 0], alone)
+    np.testing.assert_allclose(together[:, 0], alone, rtol=1e-9)
