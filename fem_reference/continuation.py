@@ -268,3 +268,8 @@ def gap_minima(evaluation: Evaluation) -> list[tuple[float, float]]:
                 near = near[lowest - 1 : lowest + 2]
             minima.append((float(near[1]), float(gap_at(near)[1])))
     return minima
+
+
+def gap_near(evaluation: Evaluation, position: float) -> float:
+    """Return the least gap, rms heights, at the minimum nearest to a position (periods)."""
+    return min((abs((x - position + 0.5) % 1.0 - 0.5), gap) for x, gap in gap_minima(evaluation))[1]

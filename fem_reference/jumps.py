@@ -25,7 +25,7 @@ from numpy.polynomial import Polynomial
 
 from fem_reference.closure import ControlKind, Evaluation
 from fem_reference.contact import KeptFactors
-from fem_reference.continuation import Branch, Point, Solution, gap_minima
+from fem_reference.continuation import Branch, Point, Solution, gap_near
 from fem_reference.mesh import Resolution, layer_mesh
 from fem_reference.path import LOADS, Jump, PathError
 from fem_reference.problem import FloatArray, Problem
@@ -79,7 +79,7 @@ def _numbers(branch: Branch, jump: Jump) -> dict[str, float]:
         places, states = _about(branch, jump.before) if touch else _across(branch, jump.before)
         line = Polynomial.fit(
             places,
-            [_gap_near(state.evaluation, jump.changes[0].position) for state in states]
+            [gap_near(state.evaluation, jump.changes[0].position) for state in states]
             if touch
             else [state.value for state in states],
             len(places) - 1,
@@ -150,8 +150,3 @@ def potential(kind: ControlKind, evaluation: Evaluation) -> float:
         return numbers["strain_energy"] + numbers["adhesion_energy"]
     work = numbers["load"] * numbers["penetration"] if kind == "mean_pressure" else 0.0
     return numbers["total_energy"] - work
-
-
-def _gap_near(evaluation: Evaluation, position: float) -> float:
-    """Return the least gap, rms heights, among the minimum nearest to a position (periods)."""
-    return min((abs((x - position + 0.5) % 1.0 - 0.5), gap) for x, gap in gap_minima(evaluation))[1]

@@ -43,42 +43,35 @@ def uncertainty(values: Sequence[FloatArray] | FloatArray, sizes: Sequence[float
     >>> round(float(uncertainty([1 + 4.0**-2, 1 + 6.0**-2, 1 + 8.0**-2], [1 / 4, 1 / 6, 1 / 8], 4)) * 64, 2)
     1.25
     """
-    return fitted(values, sizes, order)[0]
-
-
-def fitted(
-    values: Sequence[FloatArray] | FloatArray, sizes: Sequence[float], order: float
-) -> tuple[FloatArray, FloatArray]:
-    """Return the uncertainty as `uncertainty` does, and the observed order, nan where there is none."""
     every = np.asarray(values, dtype=float)
     shape, q, h = every.shape[1:], every.reshape(len(every), -1), np.asarray(sizes) / sizes[-1]
     rounding = ROUNDING * np.abs(q[-1])
     if len(q) == 2:
-        return (3.0 * np.abs(q[1] - q[0]) + rounding).reshape(shape), np.full(shape, np.nan)
+        return np.asarray((3.0 * np.abs(q[1] - q[0]) + rounding).reshape(shape))
     weights = (np.full(len(h), 1.0 / len(h)), 1.0 / h / np.sum(1.0 / h))
     tried = np.arange(LEAST - STEP, order + SLACK + 1.5 * STEP, STEP)
-    numbers, observed = np.full((3, q.shape[1]), np.inf), np.full(q.shape[1], np.nan)
-    slow = np.zeros(q.shape[1], dtype=bool)
+    numbers = np.full((3, q.shape[1]), np.inf)  # sigma, error of the fit, and |q_n - fit_n|
+    in_range, slow = np.zeros((2, q.shape[1]), dtype=bool)
     for weight in weights:
         fits = np.array([_fit(q, h, [p], weight, max(len(h) - 3, 1)) for p in tried])  # (p, number, value)
         best = np.argmin(fits[:, 0], axis=0)
         fit = np.take_along_axis(fits, best[None, None], axis=0)[0]
         fit[0] *= len(h) > 3
         better = (best > 0) & (best < len(tried) - 1) & (fit[0] < numbers[0])
-        numbers[:, better], observed[better] = fit[:, better], tried[best[better]]
+        numbers[:, better] = fit[:, better]
+        in_range |= better
         slow |= best == 0
-    without, sure = np.isnan(observed), ~np.isnan(observed)
     for exponents in ([0.5 * order], [order], [0.5 * order, order])[: 3 if len(h) > 3 else 2]:
         for weight in weights:
             fit = np.array(_fit(q, h, exponents, weight, len(h) - 1 - len(exponents)))
-            better = without & (fit[0] < numbers[0]) & (slow if len(exponents) == 2 else True)
+            better = ~in_range & (fit[0] < numbers[0]) & (slow if len(exponents) == 2 else True)
             numbers[:, better] = fit[:, better]
     sigma, error, off = numbers
     span = np.ptp(q, axis=0) / (len(h) - 1)
     scattered = sigma >= span
-    factor = np.where(sure & ~scattered, 1.25, 3.0)
+    factor = np.where(in_range & ~scattered, 1.25, 3.0)
     wide = 3.0 * sigma / np.where(span > 0.0, span, np.inf) * (error + sigma + off)
-    return (np.where(scattered, wide, factor * error + sigma + off) + rounding).reshape(shape), observed.reshape(shape)
+    return np.asarray((np.where(scattered, wide, factor * error + sigma + off) + rounding).reshape(shape))
 
 
 def _fit(

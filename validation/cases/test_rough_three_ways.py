@@ -15,7 +15,7 @@ import pytest
 
 from fem_reference import Resolution, solve
 from validation.plugin.rows import Code, Quantity
-from validation.routes.fem_scenes import descend_fem, fem_arguments, uncertain
+from validation.routes.fem_scenes import BECAUSE, TWICE, descend_fem, fem_arguments, uncertain
 from validation.routes.persson_scenes import persson_contact
 from validation.routes.scenes import posed, solved, values
 
@@ -84,8 +84,8 @@ def test_rough_profile(rows, harmonics, elements):
             state, (by_elements, u_fem) = ensemble[SEED][k], number(fem[k], name)
             own = max(getattr(state.error_estimate, name, None) or 0.0, TOLERANCE * abs(every[SEED, k]))
             rows.compare(f"{words} at {load:g} E*", every[SEED, k], by_elements, of=Code.BEM, by=Code.FEM,
-                         quantity=quantity, unit=unit, uncertainty=(own, u_fem),
-                         source=f"P2/P1, {fem[k].unknowns} unknowns, from the highest crest")
+                         quantity=quantity, unit=unit, uncertainty=(own, u_fem), required=TWICE * np.hypot(own, u_fem),
+                         because=BECAUSE, source=f"P2/P1, {fem[k].unknowns} unknowns, from the highest crest")
             u_theory = max(spread[k], TOLERANCE * abs(expected[k]))
             if load in bands:
                 ratio, standard = bands[load]
