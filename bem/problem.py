@@ -123,7 +123,7 @@ def increments_of(scene: Scene, problem: Problem) -> Increments:
     tolerance = scene.accuracy.tolerance
     coarse = max(min(COARSE.tolerance, 0.1 * _critical_intensity(problem)), FINEST)
     fine = max(min(1e-8, 1e-2 * tolerance, coarse), FINEST)
-    exactly = problem.law is None or problem.surface.repeats  # among equal parts a small error decides which one moves
+    exactly = problem.law is None or problem.surface.has_equal_parts  # there a small error decides which one moves
     way = fine if exactly else max(min(COARSEST_WAY, 1e-2 * tolerance, coarse), fine)
     few = problem.law is not None and tolerance >= FEW_DIGITS
     sharp = tolerance if problem.law is None else min(tolerance, 1e-6)  # a gap that is closed decides the branch

@@ -216,10 +216,20 @@ class Profile:
         """Positions in [0, period), ascending, and heights of all local maxima, (n_crests,) each."""
         return self._extrema(1.0)
 
-    @property
-    def repeats(self) -> bool:
-        """True if the period holds two or more equal parts, to rounding: its orders have a common divisor."""
-        return int(np.gcd.reduce(self.orders[np.abs(self.amplitudes) > EQUAL_HEIGHTS * self.rms_height])) > 1
+    @cached_property
+    def has_equal_parts(self) -> bool:
+        """True if the period repeats, or is its own mirror image, to rounding: patches then have equal partners."""
+        felt = np.abs(self.amplitudes) > EQUAL_HEIGHTS * self.rms_height
+        orders, phases = self.orders[felt], self.phases[felt]
+        if np.gcd.reduce(orders) > 1:
+            return True
+        least = EQUAL_HEIGHTS * self.rms_height / np.abs(self.amplitudes[felt])
+        centres = (np.pi * np.arange(2 * orders[0]) - phases[0]) / orders[0]  # of the mirror, times q0
+        for order, phase, share in zip(orders, phases, least, strict=True):
+            centres = centres[np.abs(np.sin(order * centres + phase)) <= share + 16 * order * np.finfo(float).eps]
+            if centres.size == 0:
+                return False
+        return True
 
     @property
     def highest_crests(self) -> FloatArray:

@@ -245,14 +245,17 @@ def _state_mistakes(key: str, state: State, period: float) -> Iterator[Mistake]:
 
 
 def _held_mistakes(key: str, state: State, loading: Mapping[str, Any]) -> Iterator[Mistake]:
-    """Yield a mistake of a state at a target: the quantity asked for has the value asked for, within its error."""
+    """Yield a mistake of a state at a target: the quantity asked for has the value asked for, within its error.
+
+    Distances round with the crest, penetration + separation: a separation of 1e-300 m is 0.
+    """
     if state.index is None or not state.found:
         return
     quantity, asked = asked_for(loading, state.index)
     value, error = getattr(state, quantity), getattr(state.error_estimate, quantity) or 0.0
-    held = value is not None and not abs(value - asked) > error + SUM_ROUNDING * abs(
-        asked
-    )  # NaN: any pressure would do
+    crest = abs(state.penetration) + abs(state.separation) if quantity in ("separation", "penetration") else 0.0
+    allowed = error + SUM_ROUNDING * (abs(asked) + crest)
+    held = value is not None and not abs(value - asked) > allowed  # NaN: any pressure would do
     yield from _unless(
         held, f"{key}.{quantity}", value, f"{asked:.9g}, target {state.index}, within the estimated error"
     )

@@ -102,3 +102,12 @@ def test_complete_contact_that_strong_adhesion_holds_opens_at_an_open_load():
         ("opening", True),
         ("pull_off", False),
     ]
+
+
+def test_a_separation_below_rounding_is_a_separation_of_zero():
+    """Separation and penetration add up to the crest, of which 1e-300 m is nothing: an answer, not a refusal."""
+    wave = {"kind": "harmonics", "period": 0.5, "orders": [1, 3], "amplitudes": [-1.4e-3, 1.2e-3], "phases": [-3.1, -3]}
+    loading = {"control": "separation", "targets": [1e-300]}
+    result = solve(rough_scene([], profile=wave, loading=loading, adhesion=None))
+    assert result.status == "converged"
+    assert result.targets[0].separation == 0

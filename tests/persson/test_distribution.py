@@ -73,11 +73,6 @@ def test_a_magnification_before_any_loss_has_a_gaussian(spectra, solid, modulus)
     assert state.contact_fraction_at(q) == pytest.approx(1.0, abs=1e-12)
 
 
-def test_a_magnification_that_resolves_nothing_is_refused(adhesive):
-    with pytest.raises(ValueError, match=r"wavenumber: 1\.0 resolves no roughness"):
-        adhesive("paper", 0.02).pressure_distribution(0.0, 1.0)
-
-
 @pytest.mark.parametrize("name", NAMES)
 def test_integral_equation_gives_the_distribution_of_the_finite_volumes(adhesive, modulus, name):
     states = [adhesive(name, 0.02, route=route) for route in ("finite_volumes", "volterra")]

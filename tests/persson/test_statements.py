@@ -1,4 +1,7 @@
-"""What the theory says of rough contacts in general: linear area, power laws, and contact at short wavelengths."""
+"""Statements of the theory on rough contacts in general: linear area and power laws.
+
+Contact at short wavelengths: validation/cases/test_theory.py.
+"""
 
 import numpy as np
 import pytest
@@ -33,19 +36,6 @@ def test_spectra_are_power_laws_where_adhesion_is_negligible(solid, modulus, hur
     )
     assert displacement == pytest.approx(-(2 + hurst), abs=0.01)  # measured 0.005 at most
     assert pressure == pytest.approx(-hurst, abs=0.01)
-
-
-@pytest.mark.parametrize(("hurst", "levels_off"), [(0.3, False), (0.4, False), (0.6, True), (0.7, True), (0.8, True)])
-def test_contact_at_short_wavelengths_is_complete_for_hurst_above_one_half(solid, modulus, hurst, levels_off):
-    # slope of ln A over ln q in the last but one half decade: none, against -(1 - H) without adhesion
-    spectrum = ContinuousSpectrum.self_affine(Q0, 1e5 * Q0, hurst, 5e-6)
-    state = solve(spectrum, 0.02 * modulus, work_of_adhesion=0.03, with_separation=False, resolution=0.5, **solid)
-    before, after = (state.contact_fraction_at(order * Q0) for order in (10**4.0, 10**4.5))
-    slope = np.log(after / before) / np.log(10**0.5)
-    if levels_off:
-        assert -0.02 < slope < 1e-12
-    else:
-        assert slope < -0.8 * (1 - hurst)
 
 
 @pytest.mark.parametrize("load", [0.005, 0.02])

@@ -1,10 +1,25 @@
-"""Random slips: each changes one place into code that can be read; a sample is made by its seed; a report by module."""
+"""Random slips: each changes one place, and the code can be read; tests that execute it meet it; a table by package."""
 
 import ast
-import json
 import random
+import subprocess
+import sys
 
-from validation.studies.mutants import ROOT, all_mutants, mutants_of, report, suite_of
+from validation.studies.mutants import COLUMNS, ROOT, all_mutants, mutants_of, read, table
+
+CODE = """def larger(a: float, b: float) -> float:
+    if a > b:
+        return a
+    return b + 0
+
+
+def unused(a: float) -> float:
+    return -a
+"""
+TESTS = """from bem.numbers import larger
+def test_one(): assert larger(2.0, 1.0) == 2.0
+def test_other(): assert larger(1.0, 2.0) == 2.0
+"""
 
 
 def test_every_mutant_of_a_sample_is_code_and_differs_in_one_place():
@@ -13,6 +28,7 @@ def test_every_mutant_of_a_sample_is_code_and_differs_in_one_place():
         assert text[mutant.start : mutant.stop].decode() == mutant.before != mutant.after
         changed = text[: mutant.start] + mutant.after.encode() + text[mutant.stop :]
         assert ast.dump(ast.parse(changed)) != ast.dump(ast.parse(text)), mutant.name
+        assert int(mutant.place.split(":")[1]) in mutant.lines
 
 
 def test_operators_comparisons_conditions_and_numbers_are_changed():
@@ -21,20 +37,40 @@ def test_operators_comparisons_conditions_and_numbers_are_changed():
     assert {("+", "-"), ("*", "/"), ("<", ">="), ("and", "or"), ("-", ""), ("0", "1")} <= changes
 
 
-def test_suite_of_a_file_is_that_of_its_folder():
-    assert suite_of("bem/path/fold.py") == ["tests/bem/path"]
-    assert suite_of("validation/references/paper_method/cells.py") == ["tests/validation"]
-    assert suite_of("bem/solver.py")[0] == "tests/bem" and "--ignore=tests/bem/path" in suite_of("bem/solver.py")
+def test_a_sample_is_killed_survives_and_is_continued(tmp_path):
+    sources = tmp_path / "out/sources"
+    for file, text in {
+        "bem/__init__.py": "",
+        "bem/numbers.py": CODE,
+        "tests/bem/test_numbers.py": TESTS,
+        "validation/cases/test_none.py": "",
+        "validation/plugin/hooks.py": "def pytest_addoption(parser): parser.addoption('--level')",
+        "pyproject.toml": "[project]\nversion = '1'\n[tool.pytest.ini_options]\naddopts = '--import-mode=importlib'\n",
+        "CITATION.cff": "",
+    }.items():
+        (sources / file).parent.mkdir(parents=True, exist_ok=True)
+        (sources / file).write_text(text)
+    for file in ("studies/__init__.py", "studies/executed_lines.py", "plugin/pytest.ini", "__init__.py"):
+        (sources / "validation" / file).parent.mkdir(exist_ok=True)
+        (sources / "validation" / file).write_bytes((ROOT / "validation" / file).read_bytes())
+    (sources / "fem_reference").mkdir(), (sources / "persson").mkdir()
+    count = len(all_mutants(sources))
+    command = [sys.executable, "-m", "validation.studies.mutants", "--out", str(tmp_path / "out")]
+
+    def run(number: int) -> str:
+        words = [*command, "--count", str(number)]
+        return subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+
+    run(count)
+    found = {line["change"]: line["tests"] for line in read(tmp_path / "out/mutants.csv").values()}
+    assert found == {"> -> <=": "killed", "+ -> -": "survived", "0 -> 1": "killed", "- -> ": "unseen"}
+    assert f"{count} of {count} drawn" in run(count)
+    assert len(read(tmp_path / "out/mutants.csv")) == count
 
 
-def test_equivalent_mutants_are_counted_apart(tmp_path):
-    line = {"module": "bem", "tests": "killed", "quick": "killed"}
-    lines = [line | {"name": str(k)} for k in range(9)] + [
-        line | {"name": "9", "tests": "survived", "quick": "survived"}
-    ]
-    assert report(tmp_path, lines) == 0  # nine of ten
-    assert report(tmp_path, [line | {"tests": "survived"} for line in lines]) == 1
-    (tmp_path / "equivalent.txt").write_text("9\n")
-    assert report(tmp_path, lines) == 0
-    rows = json.loads((tmp_path / "report.json").read_text())["rows"]
-    assert [row["value"] for row in rows] == [1.0, 1.0]
+def test_equivalent_mutants_are_counted_apart():
+    line = dict.fromkeys(COLUMNS, "") | {"place": "bem/a.py:1:1", "tests": "killed", "quick": "timeout"}
+    lines = [line] * 9 + [line | {"tests": "survived", "quick": "unseen", "looked at": ""}]
+    assert table(lines).splitlines()[-1] == "| all | 10 | 0 | 9 of 10: 90% ± 19% | 9 of 10: 90% ± 19% |"
+    lines[-1] |= {"looked at": "equivalent: adds zero"}
+    assert table(lines).splitlines()[-1] == "| all | 10 | 1 | 9 of 9: 100% ± 0% | 9 of 9: 100% ± 0% |"

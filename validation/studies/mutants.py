@@ -1,6 +1,6 @@
 """Test of the tests: random slips are put into copies of the code, and the tests and the quick level run on each.
 
-    python -m validation.studies.mutants --out DIR [--count 300] [--jobs N] [--only TEXT]
+    python -m validation.studies.mutants --out DIR [--count 300] [--budget 60] [--jobs N] [--only TEXT]
 
 A mutant differs from the code in one place: + and -, * and / are exchanged, a comparison or a condition is turned
 around, `and` and `or` are exchanged, a minus or a `not` is lost, a number is changed by one or by half.  Places are
@@ -8,39 +8,55 @@ drawn at random from the packages bem, fem_reference, persson and the judging co
 version of the package, so that no test is made for a sample.  Messages, annotations and decorators are left alone.
 Kernels are compiled and keep their text.
 
-Each mutant is run twice: with the tests of its folder (bem/path/fold.py: tests/bem/path), and with the quick level.
-It is killed where a test fails or takes ten times as long as without a mutant.  A survivor is a hole in the tests, or
-computes the same numbers by another way; names of the latter go, when looked at, into DIR/equivalent.txt, a line each,
-and are counted apart by the next call.  DIR/mutants.jsonl holds every answer: a call continues where another ended.
+DIR/sources is the code as it is when DIR is new.  Its tests and the quick level run once without a mutant, to see which
+test executes which line (executed_lines.py).  A mutant then meets the tests of its package that execute its statement,
+and in the same manner the cases of the quick level: the quickest, up to a budget of CPU seconds, until one fails.  It
+is `killed` by a failure, `timeout` if a test takes ten times as long as the slowest of them without a mutant, `unseen`
+if none executes the statement, else `survived`.
+
+DIR/mutants.csv receives every answer at once, so that a call continues where another ended.  Its last column is
+written by hand after a look at a survivor: "equivalent: REASON", if the mutant computes the same numbers, or what has
+been done about it.  The answers of a version are kept in mutants.csv beside this file, their table in
+validation/README.md.
 """
 
 import argparse
 import ast
-import json
+import csv
+import importlib
 import os
 import random
+import resource
+import runpy
 import shutil
-import subprocess
+import signal
 import sys
 import time
-from collections.abc import Iterator
+import tomllib
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass
-from importlib.metadata import version
+from contextlib import suppress
+from dataclasses import dataclass
+from json import loads
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from validation.plugin.rows import Code, Quantity, Rows
-from validation.plugin.study_report import Part, write_study
-
 ROOT = Path(__file__).parents[2]
 JUDGED = ("bem", "fem_reference", "persson", "validation/plugin", "validation/routes", "validation/references")
 COPIED = ("bem", "fem_reference", "persson", "validation", "tests")
-QUICK = ["-c", "validation/plugin/pytest.ini", "--rootdir", "validation/cases", "-p", "validation.plugin.hooks"]
-QUICK += ["--level", "quick", "--report", "quick-report", "validation/cases"]
-KILLED_BY_TESTS, KILLED_BY_QUICK = 0.85, 0.6  # least shares of the mutants that are not equivalent
-PATIENCE = 10.0  # a mutant takes at most this many times as long as its folder's tests without a mutant
+PRELOADED = "numpy scipy.optimize scipy.sparse.linalg scipy.interpolate scipy.integrate pydantic pytest skfem coverage"
+QUICK = ["-c", "validation/plugin/pytest.ini", "--rootdir", ".", "-p", "validation.plugin.hooks", "--level", "quick"]
+CASES = "validation/cases"
+COLUMNS = ("place", "change", "tests", "quick", "looked at")
+PATIENCE = 10.0
+MEMORY = 4 << 30  # bytes that a process may address
+INI = """[run]
+context = ${PYTEST_CURRENT_TEST}
+parallel = true
+patch = _exit
+disable_warnings = no-data-collected, module-not-imported, module-not-measured, already-imported
+"""
 EXCHANGED = {ast.Add: (b"+", b"-"), ast.Sub: (b"-", b"+"), ast.Mult: (b"*", b"/"), ast.Div: (b"/", b"*")}
 TURNED = {
     ast.Lt: (b"<", b">="),
@@ -57,21 +73,17 @@ class Mutant:
     """Change of the bytes from `start` to `stop` of a file into the text `after`."""
 
     file: str
-    line: int
+    lines: range  # of the statement, without its body
+    place: str
     start: int
     stop: int
     before: str
     after: str
 
     @property
-    def name(self) -> str:
-        """Place and change, the name in mutants.jsonl."""
-        return f"{self.file}:{self.line}:{self.start} {self.before} -> {self.after}"
-
-    @property
-    def module(self) -> str:
-        """Folder, of which the report has a line."""
-        return str(Path(self.file).parent)
+    def name(self) -> tuple[str, str]:
+        """Place and change, the name in mutants.csv."""
+        return self.place, f"{self.before} -> {self.after}"
 
     def put_into(self, root: Path) -> None:
         """Change the file below a root."""
@@ -80,10 +92,10 @@ class Mutant:
         path.write_bytes(text[: self.start] + self.after.encode() + text[self.stop :])
 
 
-def mutants_of(file: str) -> Iterator[Mutant]:
-    """Yield all mutants of a source file below the root."""
-    text = (ROOT / file).read_bytes()
-    begins = [0]
+def mutants_of(file: str, root: Path = ROOT) -> Iterator[Mutant]:
+    """Yield all mutants of a source file below a root."""
+    text = (root / file).read_bytes()
+    begins, statement = [0], range(0)
     for line in text.splitlines(keepends=True):
         begins.append(begins[-1] + len(line))
 
@@ -94,7 +106,8 @@ def mutants_of(file: str) -> Iterator[Mutant]:
         return begins[(node.end_lineno or node.lineno) - 1] + (node.end_col_offset or 0)
 
     def changed(node: ast.expr, start: int, stop: int, after: bytes) -> Mutant:
-        return Mutant(file, node.lineno, start, stop, text[start:stop].decode(), after.decode())
+        place = f"{file}:{node.lineno}:{start - begins[node.lineno - 1]}"
+        return Mutant(file, statement, place, start, stop, text[start:stop].decode(), after.decode())
 
     def between(left: ast.expr, right: ast.expr, before: bytes, after: bytes) -> Iterator[Mutant]:
         start = text.find(before, last(left), first(right))
@@ -102,6 +115,12 @@ def mutants_of(file: str) -> Iterator[Mutant]:
             yield changed(left, start, start + len(before), after)
 
     def walk(node: ast.AST) -> Iterator[Mutant]:
+        nonlocal statement
+        if isinstance(node, ast.stmt):
+            body = getattr(node, "body", None)
+            statement = range(node.lineno, max(node.lineno + 1, body[0].lineno) if body else (node.end_lineno or 0) + 1)
+        elif isinstance(node, ast.match_case):
+            statement = range(node.pattern.lineno, node.body[0].lineno)
         match node:
             case ast.Raise() | ast.JoinedStr() | ast.Assert():
                 return
@@ -130,125 +149,216 @@ def mutants_of(file: str) -> Iterator[Mutant]:
     yield from walk(ast.parse(text))
 
 
-def all_mutants() -> list[Mutant]:
+def all_mutants(root: Path = ROOT) -> list[Mutant]:
     """Return every mutant of every judged file."""
-    files = [path for folder in JUDGED for path in sorted((ROOT / folder).rglob("*.py"))]
-    return [mutant for path in files for mutant in mutants_of(path.relative_to(ROOT).as_posix())]
+    files = [path for folder in JUDGED for path in sorted((root / folder).rglob("*.py"))]
+    return [mutant for path in files for mutant in mutants_of(path.relative_to(root).as_posix(), root)]
 
 
-def suite_of(file: str) -> list[str]:
-    """Return the tests that a file's folder has, as arguments of pytest: the nearest folder of that name in tests."""
-    folder = Path("tests") / Path(file).parent
-    while not (ROOT / folder).is_dir():
-        folder = folder.parent
-    inner = [path for path in (ROOT / folder).iterdir() if path.is_dir() and any(path.glob("test_*.py"))]
-    return [folder.as_posix(), *(f"--ignore={path.relative_to(ROOT).as_posix()}" for path in inner)]
+def pytest_on(tree: Path, words: Sequence[str], limit: float | None = None, **environment: str) -> tuple[int, str]:
+    """Run pytest in a tree, in a fork of this process; return its status (negative: of a signal) and its output."""
+    output, (here, there) = bytearray(), os.pipe()
+    process = os.fork()
+    if process == 0:
+        status: Any = 1
+        try:
+            os.setsid()
+            resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+            for number, source in enumerate((os.open(os.devnull, os.O_RDONLY), there, there)):
+                os.dup2(source, number)
+            os.chdir(tree)
+            os.environ.pop("PYTEST_CURRENT_TEST", None)
+            os.environ |= {"PYTHONPATH": str(tree), "PYTEST_ADDOPTS": "", "CI": "1"} | environment
+            for name in [name for name in sys.modules if name.partition(".")[0] in COPIED]:
+                del sys.modules[name]
+            sys.path[:] = [str(tree), *(path for path in sys.path if path and Path(path).resolve() != ROOT)]
+            sys.dont_write_bytecode = "PYTHONDONTWRITEBYTECODE" in environment
+            sys.argv = ["pytest", "-n", "0", "-p", "no:cacheprovider", *words]
+            runpy.run_module("pytest", run_name="__main__", alter_sys=True)
+        except SystemExit as end:
+            status = end.code
+        finally:
+            sys.stdout.flush(), sys.stderr.flush()
+            os._exit(int(status))
+    begun = time.monotonic()
+    os.close(there)
+    os.set_blocking(here, False)
+    ended, code = 0, 0
+    while True:
+        with suppress(BlockingIOError):
+            while part := os.read(here, 1 << 16):
+                output += part
+        if ended:
+            os.close(here)
+            return os.waitstatus_to_exitcode(code), output.decode("utf-8", errors="replace")
+        if limit is not None and time.monotonic() - begun > limit:
+            os.killpg(process, signal.SIGKILL)
+        time.sleep(0.02)
+        ended, code = os.waitpid(process, os.WNOHANG)
 
 
-def passes(tree: Path, words: list[str], limit: float | None) -> bool:
-    """Return whether pytest passes in a tree within a limit in s; it stops at the first failure."""
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *words]
-    environment = os.environ | {"PYTHONPATH": str(tree), "PYTEST_ADDOPTS": "", "OMP_NUM_THREADS": "1"}
-    try:
-        return subprocess.run(command, cwd=tree, env=environment, capture_output=True, timeout=limit).returncode == 0
-    except subprocess.TimeoutExpired:
-        return False
+def copied(source: Path, target: Path, without: str = "") -> None:
+    """Copy the packages, the tests and the documents."""
+    for package in COPIED:
+        shutil.copytree(source / package, target / package, ignore=shutil.ignore_patterns(without))
+    for path in (*source.glob("*.md"), source / "pyproject.toml", source / "CITATION.cff"):
+        shutil.copy(path, target)
 
 
-def judged(mutant: Mutant | None, words: list[str], scratch: str, limit: float | None) -> tuple[bool, float]:
-    """Run pytest on a copy of the code with a mutant, or without; return whether it passes, and the seconds."""
-    with TemporaryDirectory(dir=scratch) as name:
-        tree, begun = Path(name), time.monotonic()
-        for package in COPIED:
-            shutil.copytree(ROOT / package, tree / package)
-        shutil.copy(ROOT / "pyproject.toml", tree)
-        if mutant is not None:
+class Executed:
+    """Which tests and quick cases execute which lines, measured once without a mutant."""
+
+    def __init__(self, folder: Path) -> None:
+        from coverage import CoverageData
+
+        self.folder, self.seconds = folder, dict[str, float]()
+        suites = [path for path in sorted((folder / "sources/tests").rglob("*")) if any(path.glob("test_*.py"))]
+        for number, suite in enumerate([folder / "sources" / CASES, *suites]):
+            self._measure(suite.relative_to(folder / "sources").as_posix(), f"[suite {number + 1}/{len(suites) + 1}]")
+        self.data = CoverageData(str(folder / "lines"))
+        self.data.read()
+
+    def _measure(self, suite: str, progress: str) -> None:
+        """Run the tests right in a folder, unless they have been."""
+        kept = self.folder / f"seconds-{suite.replace('/', '-')}.json"
+        if not kept.exists():
+            from coverage import Coverage
+
+            begun = time.monotonic()
+            for part in self.folder.glob("part*"):
+                part.unlink()
+            tree = self.folder / "sources"
+            ini = INI + f"data_file = {self.folder / 'part'}\nsource =\n" + "".join(f"    {tree / j}\n" for j in JUDGED)
+            (self.folder / "lines.ini").write_text(ini, "utf-8")
+            judged = [j.replace("/", ".") for j in JUDGED if suite.startswith(f"tests/{j.partition('/')[0]}")]
+            paths = sorted((tree / suite).glob("test_*.py"))
+            texts = {path.relative_to(tree).as_posix(): path.read_text("utf-8") for path in paths}
+            files = [path for path, text in texts.items() if any(name in text for name in judged)]
+            words = [*QUICK, suite] if suite == CASES else ["--timeout", "60", *files]
+            if not files and suite != CASES:
+                return
+            _, output = pytest_on(tree, ["-p", "validation.studies.executed_lines", *words], FOLDER=str(self.folder))
+            seconds, last = time.monotonic() - begun, output.strip().splitlines()[-1]
+            print(f"{progress} {suite}: {last}, {seconds:.0f} s", flush=True)
+            lines = Coverage(data_file=str(self.folder / "lines"), config_file=False)
+            lines.load()
+            lines.combine([str(path) for path in self.folder.glob("part.*") if path.suffix != ".json"])
+            lines.save()
+            (self.folder / "part.json").rename(kept)
+        self.seconds |= loads(kept.read_text("utf-8"))
+
+    def tests(self, mutant: Mutant, folder: str, budget: float) -> list[str]:
+        """Return the tests below a folder that execute a statement: the quickest, up to a budget in s, file by file.
+
+        Those of the folder of the mutant come first.  A statement that is executed on import alone concerns all tests
+        that execute its file.
+        """
+        lines = self.data.contexts_by_lineno(str(self.folder / "sources" / mutant.file))
+        contexts = {name.rpartition(" (")[0] or name for line in mutant.lines for name in lines.get(line, ())}
+        if "" in contexts:
+            contexts |= {name.rpartition(" (")[0] or name for names in lines.values() for name in names}
+        files, total, near = dict[str, list[str]](), 0.0, f"tests/{Path(mutant.file).parent}/"
+        for test in sorted(self.seconds, key=lambda test: (not test.startswith(near), self.seconds[test])):
+            file, concerned = test.partition("::")[0], test.startswith(folder)
+            if concerned and {test, file} & contexts and (total + self.seconds[test] <= budget or not files):
+                files.setdefault(file, []).append(test)
+                total += self.seconds[test]
+        order = sorted(files, key=lambda file: (not file.startswith(near), self.duration(files[file])))
+        return [test for file in order for test in files[file]]
+
+    def duration(self, tests: Iterable[str]) -> float:
+        """Return the CPU seconds of tests."""
+        return sum(map(self.seconds.__getitem__, tests))
+
+
+def answer(mutant: Mutant, executed: Executed, budget: float) -> dict[str, str]:
+    """Run the tests and the quick cases that execute a mutant; return its line of mutants.csv."""
+    line = dict(zip(COLUMNS, mutant.name, strict=False))
+    suites = {"tests": f"tests/{mutant.file.partition('/')[0]}/", "quick": CASES}
+    for key, suite in suites.items():
+        tests = executed.tests(mutant, suite, budget)
+        if not tests:
+            line[key] = "unseen"
+            continue
+        with TemporaryDirectory() as name:
+            tree = Path(name)
+            copied(executed.folder / "sources", tree)
             mutant.put_into(tree)
-        return passes(tree, words, limit), time.monotonic() - begun
+            (tree / "chosen.txt").write_text("\n".join(tests), "utf-8")
+            limit = PATIENCE * (1 + max(executed.duration([test]) for test in tests))
+            words = [*(QUICK if key == "quick" else ()), "-x", "--timeout", f"{limit:.0f}", "@chosen.txt"]
+            longest = PATIENCE * (60 + executed.duration(tests))
+            status, output = pytest_on(tree, words, longest, PYTHONDONTWRITEBYTECODE="1")
+        if status == 4 and "not found: " in output:  # parameters, which name the tests, have changed
+            status = 0
+        late = status == -signal.SIGKILL or "Timeout (>" in output
+        line[key] = "survived" if status == 0 else "timeout" if late else "killed"
+    return line | {"looked at": ""}
+
+
+def read(file: Path) -> dict[tuple[str, str], dict[str, str]]:
+    """Return the lines of a mutants.csv by place and change."""
+    if not file.exists():
+        return {}
+    with file.open(encoding="utf-8", newline="") as text:
+        return {(line["place"], line["change"]): line for line in csv.DictReader(text)}
+
+
+def table(lines: Iterable[dict[str, str]]) -> str:
+    """Return the table of a mutants.csv by package, and the shares with two standard errors."""
+    lines = list(lines)
+    text = [
+        "| package | mutants | equivalent | killed by tests | by the quick level |",
+        "| --- | --- | --- | --- | --- |",
+    ]
+    for package in (*sorted({line["place"].partition("/")[0] for line in lines}), ""):
+        own = [line for line in lines if line["place"].startswith(package)]
+        other = [line for line in own if not line["looked at"].startswith("equivalent")]
+        shares = []
+        for key in ("tests", "quick"):
+            killed, count = sum(line[key] in ("killed", "timeout") for line in other), max(1, len(other))
+            error = 2 * (killed * (count - killed) / count**3) ** 0.5
+            shares.append(f"{killed} of {len(other)}: {killed / count:.0%} ± {error:.0%}")
+        text.append(f"| {package or 'all'} | {len(own)} | {len(own) - len(other)} | {shares[0]} | {shares[1]} |")
+    return "\n".join(text)
 
 
 def main() -> int:
-    """Run the mutants that have no answer yet, and write the report."""
+    """Run the mutants that have no answer yet, and print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--count", type=int, default=300)
-    parser.add_argument("--only", default="", help="mutants of the sample whose file contains this text")
+    parser.add_argument("--budget", type=float, default=60.0, help="CPU seconds of tests, and of cases, for a mutant")
+    parser.add_argument("--only", default="", help="mutants of the sample whose place contains this text")
     parser.add_argument("--jobs", type=int, default=1)
     options = parser.parse_args()
-    options.out.mkdir(parents=True, exist_ok=True)
-    path, seed = options.out / "mutants.jsonl", version("linecontact")
-    known = (
-        {line["name"]: line for line in map(json.loads, path.read_text("utf-8").splitlines())} if path.exists() else {}
-    )
-    chosen = [
-        mutant for mutant in random.Random(seed).sample(all_mutants(), options.count) if options.only in mutant.file
-    ]
-    left = [mutant for mutant in chosen if mutant.name not in known]
-    with TemporaryDirectory() as scratch, ThreadPoolExecutor(options.jobs) as pool:
-        suites = (
-            {" ".join(words): words for words in (*(suite_of(mutant.file) for mutant in left), QUICK)} if left else {}
-        )
-        controls = dict(
-            zip(suites, pool.map(lambda words: judged(None, words, scratch, None), suites.values()), strict=True)
-        )
-        for suite, (passed, seconds) in controls.items():
-            print(f"{suite}: {'passes' if passed else 'FAILS'} without a mutant, {seconds:.0f} s", file=sys.stderr)
-            if not passed:
-                return 1
-
-        def answer(mutant: Mutant) -> dict[str, Any]:
-            line: dict[str, Any] = {"name": mutant.name, **asdict(mutant)}
-            for key, words in (("tests", suite_of(mutant.file)), ("quick", QUICK)):
-                passed, line[f"{key}_seconds"] = judged(mutant, words, scratch, PATIENCE * controls[" ".join(words)][1])
-                line[key] = "survived" if passed else "killed"
-            return line
-
-        for count, line in enumerate(pool.map(answer, left), 1):
-            known[line["name"]] = line
-            with path.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(line) + "\n")
-            print(
-                f"[{count}/{len(left)}] {line['name']}: {line['tests']}, quick level {line['quick']}", file=sys.stderr
-            )
-    return report(options.out, [known[mutant.name] | {"module": mutant.module} for mutant in chosen])
-
-
-def report(folder: Path, lines: list[dict[str, Any]]) -> int:
-    """Write the report of all answers; return 1 if fewer mutants were killed than asked, else 0."""
-    looked_at = folder / "equivalent.txt"
-    equivalent = set(looked_at.read_text("utf-8").splitlines()) if looked_at.exists() else set()
-    rows, counted = Rows(), [line for line in lines if line["name"] not in equivalent]
-    for key, least, name in (
-        ("tests", KILLED_BY_TESTS, "tests of the folder"),
-        ("quick", KILLED_BY_QUICK, "quick level"),
-    ):
-        share = sum(line[key] == "killed" for line in counted) / max(1, len(counted))
-        rows.compare(
-            f"share killed by the {name}",
-            share,
-            1.0,
-            of=Code.BEM,
-            by=Code.IDENTITY,
-            quantity=Quantity.COUNT,
-            kind="construction",
-            required=1 - least,
-            because=f"{least:.0%} of the mutants that are not equivalent",
-        )
-    modules = sorted({line["module"] for line in lines})
-    table = []
-    for module in modules:
-        own = [line for line in lines if line["module"] == module]
-        other = [line for line in own if line["name"] not in equivalent]
-        killed = [sum(line[key] == "killed" for line in other) for key in ("tests", "quick")]
-        table.append([module, len(own), *killed, len(other) - killed[0], len(own) - len(other)])
-    columns = ["module", "mutants", "killed by tests", "killed by quick level", "survived the tests", "equivalent"]
-    rows.table("Mutants by module", columns, table)
-    survivors = [[line["name"]] for line in counted if line["tests"] == "survived"]
-    rows.table("Survivors of the tests", ["place and change"], survivors)
-    part = Part("mutants", "Would the tests and the quick level notice a slip in the code?", rows)
-    content = write_study(folder, "python -m validation.studies.mutants", [part], level="mutants")
-    print(f"{len(lines)} mutants; report: {folder / 'report.html'}")
-    return 1 if content["failed"] else 0
+    folder = options.out.resolve()
+    if not (folder / "sources").exists():
+        (folder / "sources").mkdir(parents=True)
+        copied(ROOT, folder / "sources", without="__pycache__")
+    os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    for name in PRELOADED.split():  # once for all mutants, which start as forks
+        importlib.import_module(name)
+    executed = Executed(folder)
+    version = tomllib.loads((folder / "sources/pyproject.toml").read_text("utf-8"))["project"]["version"]
+    everything = all_mutants(folder / "sources")
+    chosen = [m for m in random.Random(version).sample(everything, options.count) if options.only in m.place]
+    answers = read(folder / "mutants.csv")
+    left = [mutant for mutant in chosen if mutant.name not in answers]
+    begun = time.monotonic()
+    with ThreadPoolExecutor(options.jobs) as pool, (folder / "mutants.csv").open("a", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, COLUMNS)
+        if not answers:
+            writer.writeheader()
+        for count, line in enumerate(pool.map(lambda mutant: answer(mutant, executed, options.budget), left), 1):
+            writer.writerow(line)
+            file.flush()
+            minutes = (time.monotonic() - begun) / 60 * (len(left) - count) / count
+            print(f"[{count}/{len(left)}, about {minutes:.0f} min left] {line}", flush=True)
+    answers = read(folder / "mutants.csv")
+    print(f"version {version}, {len(answers)} of {options.count} drawn from {len(everything)}")
+    print(table(answers.values()))
+    return 0
 
 
 if __name__ == "__main__":

@@ -149,6 +149,16 @@ def test_cut_of_a_scan_drops_the_short_waves():
     np.testing.assert_allclose(found.amplitudes, np.eye(10)[0], atol=1e-14)
 
 
+def test_equal_parts_are_those_of_a_grating_and_of_a_mirror_image():
+    orders, centre = np.arange(2, 400), 1.234
+    rough = np.random.default_rng(3).uniform(-np.pi, np.pi, orders.size)
+    turned = -centre * orders + np.pi * (orders % 3 == 0)
+    nearly = turned + 1e-9 * (orders == 7)
+    equal = [Profile(2 * np.pi, orders, orders**-1.2, phases).has_equal_parts for phases in (rough, turned, nearly)]
+    assert equal == [False, True, False]
+    assert Profile(2 * np.pi, 2 * orders, orders**-1.2, rough).has_equal_parts
+
+
 def test_flat_profile_knows_it():
     flat = Profile.from_harmonics(1.0, [1, 2], [0.0, 0.0])
     assert flat.is_flat

@@ -3,6 +3,7 @@
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 from rough_surfaces import rough_scene
 
@@ -90,6 +91,22 @@ def test_contact_closes_and_opens():
     fractions = [[state.contact_fraction for state in result.targets] for result in results]
     assert fractions[1] == pytest.approx(fractions[0], rel=SAME)
     assert fractions[1][1] == 1.0
+
+
+def test_patches_of_a_mirrored_trace_jump_together():
+    """Two equal pairs of edges fold at one load: evaluations that break the mirror image find no way past it."""
+    orders = np.arange(1, 101)
+    amplitudes = (orders**2.0 + 100.0) ** -0.65 * np.random.default_rng(1).standard_normal(100)
+    amplitudes *= 0.05 / np.sqrt(np.sum((2 * np.pi / 2.4e-3 * orders * amplitudes) ** 2) / 2)
+    profile = {"kind": "harmonics", "period": 2.4e-3, "orders": orders, "amplitudes": amplitudes, "phases": 0 * orders}
+    loading = {"control": "mean_pressure", "targets": [4e5]}
+    solid, accuracy = {"youngs_modulus": 5e6, "poisson_ratio": 0.49}, {"tolerance": 1e-3}
+    result = solve(
+        profile=profile, solid=solid, adhesion={"work_of_adhesion": 0.05}, loading=loading, accuracy=accuracy
+    )
+    assert (result.status, result.targets[0].status) == ("converged", "complete_contact")
+    pairs = [event.mean_pressure for event in result.events if event.mean_pressure > 1.5e5]
+    assert pairs[::2] == pairs[1::2]
 
 
 def test_an_interrupted_path_goes_on_as_if_it_had_not_been():
