@@ -33,8 +33,8 @@ PERIOD, E, HEIGHT, WORK = 0.01, 1e6, 50e-6, 0.02
 CELLS, TIPS = {2: (10, 12, 16), 4: (8, 10, 12)}, {2: (10, 15), 4: (14, 21)}
 KNOWN = {"closed form": 1e-11, "boundary elements": 1e-10}  # of the scale: uncertainty of the truth
 CLEAR = 10.0  # U below so many uncertainties of the truth is not judged
-FEW = 0.05  # so far some 60 values may be off
 COVERAGE, MEDIAN = (0.95, 0.02), (0.4, 0.2)  # what is asked, and how far it may be off on either side
+FEW = 0.05, 0.3  # so far share and median of some 60 values may be off: two standard errors more
 
 
 def judged(fem, truths, known):
@@ -157,18 +157,19 @@ def histogram(shares):
 
 
 @pytest.mark.parametrize("draws", [pytest.param({2: 2, 4: 1}, id="few", marks=pytest.mark.standard),
-                                   pytest.param({2: 20, 4: 8}, id="many",
+                                   pytest.param({2: 18, 4: 6}, id="many",
                                                 marks=[pytest.mark.full, pytest.mark.timeout(3600)])])
 def test_calibration(rows, draws):
     """Does U of the finite elements hold 95 % of true errors, and is it no wider than it must be?"""
     values = [value for order, count in draws.items() for value in drawn(SEED, order, count)]
     shares = np.array([share for *_, share in values])
     every = rows.between(Code.FEM, Code.EXACT, f"{shares.size} values: closed forms, boundary elements at 1e-10")
-    asked, within = COVERAGE if sum(draws.values()) > 3 else (COVERAGE[0], FEW)
+    (asked, within), (middle, aside) = COVERAGE, MEDIAN
+    if sum(draws.values()) <= 3:
+        within, aside = FEW
     every.compare("share of true errors within U", float(np.mean(shares <= 1)), asked, quantity=Quantity.COUNT,
                   uncertainty=2 * np.sqrt(asked * (1 - asked) / len(shares)), required=within,
                   because=f"U claims 95 %, which so many values tell to {within:.0%}")
-    middle, aside = MEDIAN
     every.compare("median of true error over U", float(np.median(shares)), middle, quantity=Quantity.COUNT,
                   uncertainty=0.0, required=aside, because="below 0.2 U is wasteful, above 0.6 it holds by luck")
     x, height = histogram(shares)
