@@ -26,11 +26,11 @@ from bem.scene.state import CLOSED, ErrorEstimate, FinalStatus, GapNumbers, GapQ
 if TYPE_CHECKING:
     from bem.nonadhesive.gap_series import GapEvaluation
 
-ROUNDING = 1e-13  # derived: floor of error estimates, dimensionless and of the number itself
+ERROR_FLOOR = 1e-13  # derived: floor of error estimates, dimensionless and of the number itself
 RELEASE_ROUNDING = 1.5e-12  # of an energy released, over the potential before: a difference; measured 4.7e-13
 STIFFNESS_ROUNDING = 2e-11  # of a stiffness, relative: it is solved for, edges hardly resisting; measured 1.3e-11
 EXACT = ErrorEstimate(mean_pressure=0.0, contact_fraction=0.0, elastic_energy=0.0, total_energy=0.0)
-RESIDUAL = 1e-8  # derived: residual that the certificate asks for, ten times that of targets
+CLOSURE = 1e-8  # derived: residual that the certificate asks for, ten times that of targets
 
 
 def equilibrium_state(
@@ -132,8 +132,8 @@ def _judged(
         adhesion,
         compliance_ratio=problem.compliance_ratio,
         demands=certificate.Demands(
-            closure=RESIDUAL,
-            intensity=max(3 * RESIDUAL, tolerance),
+            closure=CLOSURE,
+            intensity=max(3 * CLOSURE, tolerance),
             interpenetration=max(1e-10, 1e-3 * tolerance),
             intensity_rounding=rounding,
         ),
@@ -154,10 +154,10 @@ def _error_estimate(problem: Problem, assessment: Assessment, separation: float 
     if problem.mean_compliance is not None:
         share = problem.mean_compliance * stress / height  # of the mean compression in the displacement of the plate
         moved = correction.penetration + share * correction.load
-        total = (_margin(moved) + share * ROUNDING) * height
+        total = (_margin(moved) + share * ERROR_FLOOR) * height
     apart = penetration
     if separation is not None:
-        apart = SAFETY * abs(correction.penetration) * height + ROUNDING * separation
+        apart = SAFETY * abs(correction.penetration) * height + ERROR_FLOOR * separation
     return ErrorEstimate(
         mean_pressure=_margin(correction.load) * stress,
         contact_fraction=_margin(correction.contact_length) / (2 * np.pi),
@@ -173,7 +173,7 @@ def _error_estimate(problem: Problem, assessment: Assessment, separation: float 
 
 
 def _margin(correction: float, value: float = 0.0) -> float:
-    return SAFETY * abs(correction) + ROUNDING * max(1.0, abs(value))
+    return SAFETY * abs(correction) + ERROR_FLOOR * max(1.0, abs(value))
 
 
 def separated_state(problem: Problem, penetration: float) -> State:
@@ -284,11 +284,13 @@ def tension_of(problem: Problem, tension: PathTension | None) -> LargestTension 
 
 
 def not_below_rounding(state: State) -> State:
-    """Return a state with errors of at least `ROUNDING` of their numbers; sums round as their terms do."""
+    """Return a state with errors of at least `ERROR_FLOOR` of their numbers; sums round as their terms do."""
     errors = {name: error for name, error in vars(state.error_estimate).items() if error is not None}
     sizes = {name: abs(getattr(state, name) or 0.0) for name in errors}
     sizes["total_energy"] = abs(state.elastic_energy) + abs(state.adhesion_energy)
-    known = {name: max(error, ROUNDING * sizes[name]) for name, error in errors.items() if math.isfinite(sizes[name])}
+    known = {
+        name: max(error, ERROR_FLOOR * sizes[name]) for name, error in errors.items() if math.isfinite(sizes[name])
+    }
     return replace(state, error_estimate=replace(state.error_estimate, **known))
 
 

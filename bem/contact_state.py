@@ -40,13 +40,13 @@ class ContactState:
     edges : (L, 2) array
         Contact patches [a_i, b_i] in m, in order, disjoint, less than the period in all.
     penetration : float
-        Delta in m.
+        Distance in m by which the mean planes have come closer than at first touch.
     layer : Layer, optional
-        Half-space without it.
+        A half-space without it.
     adhesion : Adhesion, optional
         Adds its energy to `energy`, `gradient` and `hessian`.
     tolerance : float
-        Of the coupling between patches.
+        Relative accuracy with which patches act on each other.
 
     Raises
     ------

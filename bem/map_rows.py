@@ -11,7 +11,7 @@ are alike, and the scatter is of rows, not the error of a two-dimensional contac
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -34,8 +34,8 @@ ROW_FOLDERS = "row-[0-9]*"  # of `folder_of_row`
 QUANTILES = (0.16, 0.5, 0.84)  # format: of the answers of all rows
 SKIPPED = ("branch", "status", "target", "certified")  # columns of the answer that are no quantities
 
-Tables = Mapping[str, Any]
-Shared = tuple[Tables, Path, Path | None]  # tables, folder of file names, folder of results
+Content = Mapping[str, Any]
+OfRows = tuple[Content, Path, Path | None]  # tables, folder of file names, folder of results
 Outcome = tuple[Result | None, str]  # of a row: the result, and the reason where there is no answer
 
 
@@ -47,13 +47,16 @@ class RowResults:
     failures: dict[int, str]
 
     def to_table(self) -> dict[str, NDArray[Any]]:
-        """Return median and scatter of each quantity at each target, one array a column, as pandas takes them."""
+        """Return median and scatter of each quantity at each target, one array a column, as pandas takes them.
+
+        Columns: target (m or Pa), branch, quantity, unit, rows (their number), median, and scatter, half of the
+        distance between the quantiles of 16 % and 84 %.
+        """
         columns: dict[str, list[Any]] = {
             name: [] for name in ("target", "branch", "quantity", "unit", "rows", "median", "scatter")
         }
         for (target, branch, name), values in self._answers().items():
-            low, median, high = np.quantile(values, QUANTILES)
-            entry = (target, branch, name, UNITS.get(name, ""), len(values), median, (high - low) / 2)
+            entry = (target, branch, name, UNITS.get(name, ""), len(values), *median_and_scatter(values))
             for column, value in zip(columns.values(), entry, strict=True):
                 column.append(value)
         return {name: np.array(values) for name, values in columns.items()}
@@ -72,7 +75,13 @@ class RowResults:
         return {key: values for key, values in answers.items() if values}
 
 
-def rows_of(tables: Tables, base: Path) -> tuple[range, Scene]:
+def median_and_scatter(values: Sequence[float]) -> tuple[float, float]:
+    """Return the median of some numbers, and half of the distance between their 16 % and 84 % quantiles."""
+    low, median, high = np.quantile(values, QUANTILES).tolist()
+    return median, (high - low) / 2
+
+
+def rows_of(tables: Content, base: Path) -> tuple[range, Scene]:
     """Return the rows that a scene with row = "all" asks for, and the scene of the first row that can be solved.
 
     Raises
@@ -95,10 +104,10 @@ def rows_of(tables: Tables, base: Path) -> tuple[range, Scene]:
     raise first
 
 
-def _count(tables: Tables, base: Path, error: SceneError) -> int:
+def _count(tables: Content, base: Path, error: SceneError) -> int:
     """Return the number of rows of the map of a scene whose row cannot be solved; raise the error if none is read."""
     from bem.scans.read_scan import read_scan
-    from bem.scans.scan_refusal import ScanFileError
+    from bem.scans.scan_file_error import ScanFileError
 
     try:
         raw = read_scan(base / tables["profile"]["file"], tables_of_row(tables, 0)["profile"])
@@ -107,13 +116,13 @@ def _count(tables: Tables, base: Path, error: SceneError) -> int:
     return int(raw.facts["rows"])
 
 
-def tables_of_row(tables: Tables, row: int) -> dict[str, Any]:
+def tables_of_row(tables: Content, row: int) -> dict[str, Any]:
     """Return the tables of the scene of a row."""
     profile = {key: value for key, value in tables["profile"].items() if key != "every"}
     return {**tables, "profile": profile | {"row": row}}
 
 
-def asks_for_rows(tables: Tables) -> bool:
+def asks_for_rows(tables: Content) -> bool:
     """Return whether a scene asks for all rows of a map."""
     profile = tables.get("profile")
     return isinstance(profile, Mapping) and profile.get("row") == ALL_ROWS
@@ -125,7 +134,7 @@ def folder_of_row(folder: Path, row: int) -> Path:
 
 
 def solve_rows(
-    scene: Path | str | Tables,
+    scene: Path | str | Content,
     jobs: int = 1,
     folder: Path | None = None,
     progress: Callable[[int, str], None] | None = None,
@@ -141,19 +150,19 @@ def solve_rows(
     folder : Path, optional
         Every row is written into a folder of it when it is solved, and rows that the folder holds are not solved again.
     progress : callable, optional
-        Called with each row and its status.
+        Called with each row, and "answered" or the reason why it is not.
 
     Raises
     ------
     SceneError
-        A scene of other rows, or no row that can be solved.
+        A scene without profile.row = "all", or no row that can be solved.
     """
     tables, base = (scene, Path()) if isinstance(scene, Mapping) else (read_tables(scene), Path(scene).parent)
     if not asks_for_rows(tables):
         parse_scene(tables, base)
         raise TypeError('solve_rows: the scene is of one profile; bem.solve solves it, profile.row = "all" has rows')
     rows, _ = rows_of(tables, base)
-    shared: Shared = tables, base, folder
+    shared: OfRows = tables, base, folder
     results, failures = {}, {}
     with at_work(min(jobs, len(rows)), shared) as each:
         for row, (result, reason) in zip(rows, each(solved_row, rows), strict=True):
@@ -164,11 +173,11 @@ def solve_rows(
             else:
                 results[row] = result
             if progress is not None:
-                progress(row, reason or results[row].status.replace("_", " "))
+                progress(row, reason or "answered")
     return RowResults(results, failures)
 
 
-def solved_row(shared: Shared, row: int) -> Outcome:
+def solved_row(shared: OfRows, row: int) -> Outcome:
     """Return the outcome of a row, stored or solved."""
     tables, base, folder = shared
     try:

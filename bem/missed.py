@@ -12,7 +12,7 @@ import numpy as np
 
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.scene.result_views import UNITS
-from bem.scene.state import NotFiniteError, State, Status
+from bem.scene.state import Ending, NotFiniteError, State
 
 
 class EnergyGainedError(ArithmeticError):
@@ -34,13 +34,13 @@ NUMERICAL_FAILURES = (
 )
 COARSER = "fewer profile.harmonics"
 UNCERTIFIED_REMEDIES = ("half the accuracy.max_increment", "a larger accuracy.tolerance", COARSER)
-LISTED = 3  # format: targets missed whose reasons stand in the failure of a result
+REASONS_LISTED = 3  # format: targets missed whose reasons stand in the failure of a result
 
 
 class MissedTargetError(Exception):
     """Error of a target that is not met: its status, the reason, and remedies in the order in which to try them."""
 
-    def __init__(self, status: Status, why: str, *remedies: str) -> None:
+    def __init__(self, status: Ending, why: str, *remedies: str) -> None:
         super().__init__(why)
         self.status, self.why, self.remedies = status, why, remedies
 
@@ -105,7 +105,7 @@ def sentence(error: MissedTargetError, name: str, control: str, target: float) -
     return f"{name}, {control} = {target:.9g} {UNITS[control]}: {error.why}; {advice(error.remedies)}"
 
 
-def verdict(states: Iterable[State]) -> tuple[Status, str | None]:
+def verdict(states: Iterable[State]) -> tuple[Ending, str | None]:
     """Return the status of a path that visited all its targets, and the reason unless `converged`.
 
     Targets alone decide.  A state between targets that is not certified is the subject of a warning (record.py).
@@ -113,9 +113,9 @@ def verdict(states: Iterable[State]) -> tuple[Status, str | None]:
     targets = [state for state in states if state.target]
     lost = [state for state in targets if not state.found]
     refused = [state for state in targets if state.found and not state.certificate.ok]
-    reasons = [reason for state in lost[:LISTED] for reason in state.certificate.reasons]
-    if len(lost) > LISTED:
-        reasons.append(f"{len(lost) - LISTED} more targets were not met either")
+    reasons = [reason for state in lost[:REASONS_LISTED] for reason in state.certificate.reasons]
+    if len(lost) > REASONS_LISTED:
+        reasons.append(f"{len(lost) - REASONS_LISTED} more targets were not met either")
     if refused:
         count = f"{len(refused)} of {len(targets) - len(lost)} states at targets are not certified"
         reasons.append(f"{count}, the first {uncertified(refused[0])}; {advice(UNCERTIFIED_REMEDIES)}")

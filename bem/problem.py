@@ -27,7 +27,6 @@ INCREMENTS_PER_LARGEST = 25  # the smallest increment, at which events are resol
 FINEST = 1e-14  # derived: tolerance of an evaluation
 FEW_DIGITS = 1e-4  # accuracy.tolerance of an adhesive path that stores few states
 STATES_APART = 20.0  # format: times the largest increment between them: a state takes as long as ten steps
-COARSEST_WAY = 1e-4  # tolerance of evaluations on the way to targets, at most
 COARSEST_EVENT = Increments.deepest / INCREMENTS_PER_LARGEST  # rms heights, or their equal in load: as by default
 
 
@@ -124,7 +123,7 @@ def increments_of(scene: Scene, problem: Problem) -> Increments:
     coarse = max(min(COARSE.tolerance, 0.1 * _critical_intensity(problem)), FINEST)
     fine = max(min(1e-8, 1e-2 * tolerance, coarse), FINEST)
     exactly = problem.law is None or problem.surface.has_equal_parts  # there a small error decides which one moves
-    way = fine if exactly else max(min(COARSEST_WAY, 1e-2 * tolerance, coarse), fine)
+    way = fine if exactly else max(min(1e-2 * tolerance, coarse), fine)
     few = problem.law is not None and tolerance >= FEW_DIGITS
     sharp = tolerance if problem.law is None else min(tolerance, 1e-6)  # a gap that is closed decides the branch
     allowed = 0.5 * max(1e-10, 1e-3 * sharp)  # half of what the certificate allows

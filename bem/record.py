@@ -40,7 +40,7 @@ from bem.scene.result import Caution, Entry, Event, JumpEnd, LargestTension, Res
 from bem.scene.result_invariants import check_result
 from bem.scene.scene import Scene
 from bem.scene.scene_tables import OUTPUTS
-from bem.scene.state import Branch, State, Status
+from bem.scene.state import Branch, Ending, State, Status
 from bem.scene.stored_arrays import split
 
 if TYPE_CHECKING:
@@ -132,7 +132,7 @@ class Record:
         """Number of events of all entries."""
         return self.entries[-1].state.events if self.entries else 0
 
-    def result(self, status: Status, failure: str | None = None) -> Result:
+    def result(self, status: Ending, failure: str | None = None) -> Result:
         """Return the result of all entries; InvariantError, a fault of this program, where its parts do not match."""
         return check_result(replace(self.begun.with_entries(self.entries), status=status, failure=failure))
 
@@ -292,16 +292,16 @@ class Recorder:
         wanted = [name for name in OUTPUTS if index is not None and self.scene.wants(name, index)]
         if not wanted:
             return {}
-        observables = import_module("bem.observables.observables")
+        stored = import_module("bem.stored_fields")
         state, k = point.state, self.record.stored
         fields: dict[str, NDArray[Any]]
         if point.status == "complete_contact":
             load = point.value if self.scene.loading.control == "mean_pressure" else self.complete.least_load
-            fields = observables.complete_contact_fields(wanted, self.problem, self.complete, load, k)
+            fields = stored.complete_contact_fields(wanted, self.problem, self.complete, load, k)
         else:
             pressure = PatchPressure(np.empty(0), np.empty(0), ()) if state is None else state.pressure()
             depth = self._penetration_of(point) if state is None else state.penetration
-            fields = observables.contact_fields(wanted, self.problem, pressure, depth, k)
+            fields = stored.contact_fields(wanted, self.problem, pressure, depth, k)
         return fields
 
     def _penetration_of(self, point: AnyPoint) -> float:

@@ -4,18 +4,27 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import shutil
 import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from bem.command_line.answer_table import QUANTITIES, quantity, readable
+from bem.command_line.answer_table import (
+    NO_NUMBER,
+    PULL_OFF,
+    QUANTITIES,
+    aligned,
+    pull_off,
+    quantity,
+    readable,
+)
 from bem.command_line.checkpoint import ANSWERS, OutputFolderError, remove_answers, usable
 from bem.command_line.folder_lock import locked
 from bem.command_line.perform import DONE, FAILED
 from bem.geometry.ranges import Mistake
-from bem.map_rows import ROW_FOLDERS, RowResults, rows_of, solve_rows
+from bem.map_rows import ROW_FOLDERS, RowResults, median_and_scatter, rows_of, solve_rows
 from bem.scene.atomic_file import write_atomically
 from bem.scene.journal import JOURNAL_FILE
 from bem.scene.memory_estimate import refuse_beyond_memory
@@ -24,28 +33,35 @@ from bem.scene.result_views import UNITS
 from bem.scene.scene_error import SceneError
 
 TABLE = ANSWERS[0]
-DIGITS = 3  # format: of a median and its scatter
+MEDIANS = {"width_median": "width: median", "open_gap_p50": "open gap: median"}  # of one column in three
+TABLE_DIGITS = 3  # format: of a median and its scatter
 
 
 def run_rows(tables: Mapping[str, Any], options: argparse.Namespace) -> int:
     """Solve the rows of a map into a folder; a row without an answer is named, and the exit code is 1."""
-    rows, first = rows_of(tables, options.scene.parent)
+    _, first = rows_of(tables, options.scene.parent)
     refuse_beyond_memory(first)
     if options.plot:
         raise SceneError([Mistake("--plot", "with all rows of a map", "a scene of one row, as in profile.row = 0")])
     usable(options.out)
     with locked(options.out) as new:
-        _prepare(options, new)
-        count = 0
+        return run_alone(tables, options, new)
 
-        def told(row: int, status: str) -> None:
-            nonlocal count
-            count += 1
-            if not options.quiet:
-                print(f"row {row}: {status} ({count} of {len(rows)})", file=sys.stderr, flush=True)
 
-        outcome = solve_rows(options.scene, options.jobs, options.out, told)
-        write_atomically(options.out / TABLE, csv_text(outcome))
+def run_alone(tables: Mapping[str, Any], options: argparse.Namespace, new: bool) -> int:
+    """Solve the rows of a map into a locked folder; `new` says whether the folder was made for this run."""
+    _prepare(options, new)
+    rows, first = rows_of(tables, options.scene.parent)
+    count = 0
+
+    def told(row: int, status: str) -> None:
+        nonlocal count
+        count += 1
+        if not options.quiet:
+            print(f"row {row}: {status} ({count} of {len(rows)})", file=sys.stderr, flush=True)
+
+    outcome = solve_rows(options.scene, options.jobs, options.out, told)
+    write_atomically(options.out / TABLE, csv_text(outcome))
     failures = {str(row): reason for row, reason in outcome.failures.items()}
     if options.json:
         facts = {"rows": len(rows), "answered": len(outcome.results), "failures": failures, "out": str(options.out)}
@@ -73,22 +89,42 @@ def _prepare(options: argparse.Namespace, new: bool) -> None:
     remove_answers(folder)
 
 
+def entries_of(outcome: RowResults) -> list[tuple[float, str, str, str, int, float, float]]:
+    """Return target, branch, quantity, unit, rows, median and scatter of each answer, the pull-off at last.
+
+    The pull-off belongs to the path and has no target (NaN); rows whose path does not know it are left out.
+    """
+    entries = list(zip(*(values.tolist() for values in outcome.to_table().values()), strict=True))
+    tensions = [-tension.mean_pressure for tension in map(pull_off, outcome.results.values()) if tension is not None]
+    if tensions:
+        entries.append((math.nan, "unloading", PULL_OFF, "Pa", len(tensions), *median_and_scatter(tensions)))
+    return entries
+
+
 def csv_text(outcome: RowResults) -> str:
     """Return median and scatter of each quantity at each target as comma-separated values in SI units."""
-    columns = outcome.to_table()
-    lines = [",".join(columns)]
-    for entry in zip(*(values.tolist() for values in columns.values()), strict=True):
+    lines = [",".join(outcome.to_table())]
+    for entry in entries_of(outcome):
         lines.append(",".join(value if isinstance(value, str) else f"{value:.17g}" for value in entry))
     return "\n".join(lines) + "\n"
 
 
 def table_lines(outcome: RowResults, control: str) -> list[str]:
-    """Return the answer for a terminal: a line for each quantity at each target."""
-    columns = outcome.to_table()
-    lines = []
-    for target, branch, name, unit, rows, median, scatter in zip(*columns.values(), strict=True):
-        if name in QUANTITIES and name != control:
-            held = f"{control.replace('_', ' ')} {quantity(float(target), UNITS[control])}, {branch}"
-            numbers = " ± ".join(readable(float(value), str(unit), DIGITS) for value in (median, scatter))
-            lines.append(f"{held}: {name.replace('_', ' ')} {numbers} (median and scatter of {rows} rows)")
-    return lines
+    """Return the answer for a terminal: a line for each quantity, a column for each target, and the pull-off."""
+    cells: dict[str, dict[str, str]] = {}
+    last = ""
+    for target, branch, name, unit, rows, median, scatter in entries_of(outcome):
+        words = " ± ".join(readable(value, unit, TABLE_DIGITS) for value in (median, scatter))
+        words += f" ({rows} rows)" if rows < len(outcome.results) else ""
+        if name == PULL_OFF:
+            last = f"Pull-off: {words}"
+        elif name in QUANTITIES and name != control:
+            cells.setdefault(name, {})[f"{quantity(target, UNITS[control])}, {branch}"] = words
+    heads = list(dict.fromkeys(head for row in cells.values() for head in row))
+    names = [name for name in QUANTITIES if name in cells]
+    texts = [
+        [MEDIANS.get(name, QUANTITIES[name]), *(cells[name].get(head, NO_NUMBER) for head in heads)] for name in names
+    ]
+    table = [[f"{control.replace('_', ' ')} (held)", *heads], *texts] if heads else []
+    words = f"Median and scatter of {len(outcome.results)} rows: half of the distance of their 16 and 84 % quantiles."
+    return [*aligned(table), *filter(None, [last]), words]

@@ -161,14 +161,12 @@ def _run(options: argparse.Namespace) -> int:
 def run_alone(scene: Scene, options: argparse.Namespace, new: bool) -> int:
     """Solve a scene into a locked folder; `new` says whether the folder was made for this run."""
     cautions = cautions_of(scene, groups_of(scene))
-    if not options.quiet:
-        _warn(cautions)
+    _warn(cautions)
     stored = None if new else stored_result(scene, options.out, options.resume, options.overwrite)
     if options.overwrite and holds_result(options.out):
         remove_answers(options.out)
     result = stored if stored is not None and stored.status in FINAL_STATUSES else _solved(scene, stored, options)
-    if not options.quiet:
-        _warn(caution for caution in result.warnings if caution not in cautions)
+    _warn(caution for caution in result.warnings if caution not in cautions)
     if options.plot:
         _draw(result, options.out)
     facts = summary(result, str(options.out), len(scene.loading.targets))

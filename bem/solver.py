@@ -39,7 +39,7 @@ from bem.scene.memory_estimate import refuse_beyond_memory
 from bem.scene.progress import Progress
 from bem.scene.result import Result, asked_for
 from bem.scene.scene import Scene, Table, Tables, scene_of
-from bem.scene.state import Branch, State, Status
+from bem.scene.state import Branch, Ending, State
 
 if TYPE_CHECKING:
     from bem.record import AnyPoint
@@ -188,7 +188,7 @@ class _Run:
         self.record.entries = list(entries)
         self.stands = self.stands and not entries
 
-    def follow(self) -> tuple[Status, str | None]:
+    def follow(self) -> tuple[Ending, str | None]:
         """Visit the remaining targets; return the status of the result, and the reason unless `converged`."""
         try:
             for index in range(self.done, len(self.goals)):
@@ -344,9 +344,11 @@ class _Run:
             return
         state, effort = self.point.state, self.path.effort
         joined = self.point.status == "complete_contact"
+        held = joined and self.control == "mean_pressure"  # else the pressure of complete contact is not known
+        load = state.load if state is not None else self.point.value if held else 0.0
         self.progress(
             Progress(
-                mean_pressure=0.0 if state is None else self.problem.mean_pressure(state.load),
+                mean_pressure=self.problem.mean_pressure(load),
                 contact_fraction=float(joined) if state is None else state.patches.contact_fraction,
                 n_patches=0 if state is None else state.patches.count,
                 increments_accepted=effort.accepted,

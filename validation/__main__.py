@@ -79,6 +79,8 @@ def read_report(folder: Path) -> dict[str, Any]:
         if rows:
             hint = f"holds a map that was solved row by row; linecontact report {rows[0]} writes the page of one row, "
             raise ReportError(f"{folder}: {hint}answer.csv there has median and scatter over all rows") from error
+        if not folder.is_dir():
+            raise ReportError(f"{folder}: is no folder; a folder of a run or of a verification is needed") from error
         raise ReportError(f"{path}: no report there, and no result of a run") from error
     except OSError as error:
         raise ReportError(f"{path}: {error.strerror}") from error
@@ -171,16 +173,21 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
     challenge.add_commands(commands, perform)
 
     study = commands.add_parser(
-        "study", help="study scene SCENE: its cost of accuracy, and what its question leaves open"
+        "study",
+        help="study scene SCENE: how far each choice of a scene moves each answer",
+        description="Solve a scene again with other cuts, detrending, windows, rows, noise, seeds and tolerances, and "
+        "write study.html: how far each choice moves each answer, the +- of the input that follows, and the CPU "
+        "seconds of fewer and more digits.  In the folder of a run, the page of the run takes the +- over.  It takes "
+        "some ten times as long as the scene.",
     )
-    study.add_argument("name", type=_study_name, metavar="scene")
+    study.add_argument("name", type=_study_name, metavar="scene", help="the word scene")
     study.add_argument("scene", type=Path, metavar="SCENE", help="scene file (TOML)")
     study.add_argument("--seeds", type=_natural, metavar="N", help=f"realisations besides its own (default: {SEEDS})")
     study.add_argument("--budget", type=positive, metavar="SECONDS", help=f"CPU seconds (default: {BUDGET:g})")
     study.add_argument("--overwrite", action="store_true", help="replace the study of another scene")
-    study.add_argument("--quick", action="store_true", help="its short form")
+    study.add_argument("--quick", action="store_true", help="fewer settings: a first +- in a third of the time")
     study.add_argument("--jobs", type=positive, default=1, help="worker processes (default: 1)")
-    study.add_argument("--out", type=Path, required=True)
+    study.add_argument("--out", type=Path, required=True, help="folder of the study, perhaps that of the run")
     study.set_defaults(command=_study, perform=perform)
 
     gone = commands.add_parser("baseline")

@@ -36,9 +36,9 @@ class Adhesion:
     Parameters
     ----------
     work_of_adhesion : float
-        gamma in J/m^2, > 0.
+        Energy of separating a unit of area, J/m^2, > 0.
     slope_term : bool
-        Whether the adhesive energy is counted on the true length of the profile.
+        True: the energy counts on the true length of the profile; False: on its projection.
     """
 
     work_of_adhesion: Annotated[float, limits("adhesion.work_of_adhesion")]

@@ -26,17 +26,15 @@ import numpy as np
 from bem.audit.displacement import ComplianceRatio, DisplacementField, regular_part
 from bem.audit.gap_depths import gap_depths
 from bem.geometry.arrays import FloatArray, IntArray
-from bem.geometry.minima import BESIDE, refined
-from bem.geometry.patches import PatchPressure
+from bem.geometry.minima import OFFSETS, refined
+from bem.geometry.patches import CHARGE_ROUNDING, POSITION_ROUNDING, PatchPressure
 from bem.geometry.profile import Profile
 
 DISPLACEMENT_ROUNDING = 5e-14  # of u, rms heights or over the load, a sum of all patches; measured 2.6e-14
-CHARGE_ROUNDING = 1e-14  # of charges of order 1, per coefficient; measured
 SMALLEST_VARIATION = 2 * DISPLACEMENT_ROUNDING / 1e-8  # rms heights, of which rounding is half of what is demanded
 SMALLEST_CHARGE = 3 * CHARGE_ROUNDING / 1e-8  # per coefficient of a patch, of which rounding is a third of that
 RESOLVED = 1e-12  # derived: rms heights; last Chebyshev coefficients of the displacement in a gap, charges of order 1
-POSITION_ROUNDING = 4e-15  # of positions up to 2 pi; half a last digit of them is 4.4e-16
-ROUNDING = 10 * DISPLACEMENT_ROUNDING  # of a contact residual, times the largest charge where that exceeds 1
+MISFIT_ROUNDING = 10 * DISPLACEMENT_ROUNDING  # of a contact residual, times the largest charge where that exceeds 1
 AT_EDGE = "at an edge of patch"
 
 
@@ -206,7 +204,7 @@ def certify(
         eigenvalue, asymmetry = adhesion.min_eigenvalue, adhesion.hessian_asymmetry
     truncation = verdict.judge("truncation", _truncation(pressure), demands.truncation, "on patch")
     magnitude = max(1.0, float(np.max(np.abs(np.concatenate(pressure.charges)))))
-    allowed = np.maximum(max(demands.contact_residual, ROUNDING * magnitude), misfit.rounded / misfit.variation)
+    allowed = np.maximum(max(demands.contact_residual, MISFIT_ROUNDING * magnitude), misfit.rounded / misfit.variation)
     residual = verdict.judge("contact residual", misfit.largest / misfit.variation, allowed, "on patch")
     gaps = gap_depths(profile, displacement, penetration, behind, RESOLVED * magnitude)
     depth, highest, gap_integrals, unresolved = gaps
@@ -320,7 +318,7 @@ def _tension(pressure: PatchPressure) -> FloatArray:
         before, middle, after = q[:, :-2], q[:, 1:-1], q[:, 2:]
         sag = before + after - 2 * middle  # more than what a minimum between the points may lie lower
         row, k = np.nonzero((middle <= before) & (middle < after) & (middle < sag))
-        dips = refined(partial(_cosines, rows[row]), (k + 1 + BESIDE) * (np.pi / points))
+        dips = refined(partial(_cosines, rows[row]), (k + 1 + OFFSETS) * (np.pi / points))
         np.minimum.at(lowest, row, dips.value)
         tension[who] = -lowest / np.maximum(np.abs(rows[:, 0]), SMALLEST_CHARGE * rows.shape[1])
     return tension

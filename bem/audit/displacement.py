@@ -33,14 +33,14 @@ from bem.geometry.patches import PatchPressure
 
 ComplianceRatio = Callable[[FloatArray], FloatArray]
 
-ROUNDING = 1e-16  # derived: of the displacement, over its largest
-LONGEST_SERIES = 1 << 16  # limit: modes of a layer
+SERIES_ROUNDING = 1e-16  # derived: of the displacement, over its largest
+MOST_LAYER_MODES = 1 << 16  # limit: modes of a layer
 ORDERS = 64  # speed: of them at a time
 LARGEST_BLOCK = 1 << 14  # speed: pairs of points and patches at a time, or logarithms: they stay in the cache
 TINY = 1e-300  # derived: keeps the number of terms defined at an edge
 UNIT = (2 * np.pi) ** (2 / 3)  # derived: of length: three images make up for the period without a constant
 CLEAR = 3.0  # speed: half boxes, and a width of the patch, from the centre of a box to that of the nearest far patch
-TERMS = 4  # speed: of a power series at a time
+AT_ONCE = 4  # speed: of a power series at a time
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +123,7 @@ class DisplacementField:
         self.center = (pressure.left + pressure.right) / 2
         self.radius = (pressure.right - pressure.left) / 2
         self._size = np.array([charge.size for charge in pressure.charges])
-        self._terms = np.zeros((self.count, int(self._size.max(initial=1)) + TERMS))  # charges, filled up with zeros
+        self._terms = np.zeros((self.count, int(self._size.max(initial=1)) + AT_ONCE))  # charges, filled up with zeros
         self._terms[np.arange(self._terms.shape[1]) < self._size[:, None]] = np.concatenate(pressure.charges)
         # factors of zeta^n, n >= 1
         self._powers = np.ascontiguousarray((self._terms[:, 1:] / -np.arange(1, self._terms.shape[1])).T)
@@ -189,15 +189,15 @@ class DisplacementField:
         beyond = excess / self.radius[patch]
         zeta = np.copysign(1 / (1 + beyond + np.sqrt(beyond * (2 + beyond))), distance)
         decay = -np.log(np.abs(zeta))
-        wanted = np.minimum(np.log(10 / ROUNDING) / np.maximum(decay, TINY), self._size[patch] - 1.0)
-        rounds = np.ceil(wanted / TERMS).astype(np.int64)
+        wanted = np.minimum(np.log(10 / SERIES_ROUNDING) / np.maximum(decay, TINY), self._size[patch] - 1.0)
+        rounds = np.ceil(wanted / AT_ONCE).astype(np.int64)
         most = int(rounds.max(initial=0))
         order = np.argsort((most - rounds).astype(np.min_scalar_type(most)), kind="stable")
         reach = np.cumsum(np.bincount(rounds, minlength=1)[::-1])[::-1]  # pairs with that many rounds, or more
         who, factor, total = patch[order], zeta[order], np.zeros(zeta.size)
         for k in range(most, 0, -1):
             active = slice(0, int(reach[k]))
-            for terms in self._powers[TERMS * (k - 1) : TERMS * k][::-1]:
+            for terms in self._powers[AT_ONCE * (k - 1) : AT_ONCE * k][::-1]:
                 total[active] += terms.take(who[active])
                 total[active] *= factor[active]
         result = np.empty(zeta.size)
@@ -279,9 +279,9 @@ class DisplacementField:
     def _layer_modes(self, compliance_ratio: ComplianceRatio) -> ComplexArray:
         """2 (ratio_m - 1)/m sigma_m for m = 1.., up to where the ratio is 1 to rounding."""
         highest = 16
-        while abs(float(compliance_ratio(np.array([float(highest)]))[0]) - 1) > ROUNDING:
+        while abs(float(compliance_ratio(np.array([float(highest)]))[0]) - 1) > SERIES_ROUNDING:
             highest *= 2
-            if highest > LONGEST_SERIES:
+            if highest > MOST_LAYER_MODES:
                 raise ValueError(f"compliance_ratio: not 1 to rounding at order {highest // 2}")
         m = np.arange(1, highest + 1)
         modes = np.zeros(highest, dtype=np.complex128)
@@ -371,4 +371,4 @@ def _series(values: FloatArray) -> FloatArray:
 def _decaying(distance: FloatArray) -> IntArray:
     """Terms, to rounding, of Chebyshev series whose nearest singularity is so many half intervals from the middle."""
     rate = np.log(distance + np.sqrt(distance * distance - 1))
-    return np.asarray(np.ceil(-np.log(ROUNDING) / rate) + 1, dtype=np.int64)
+    return np.asarray(np.ceil(-np.log(SERIES_ROUNDING) / rate) + 1, dtype=np.int64)

@@ -17,7 +17,7 @@ the midpoint rule in the angle: nothing is taken from gap_series.py.  Checked ar
 
 The demands are those of `Demands` (certificate.py): `interpenetration` is that of a gap over its largest opening, and
 of tension in contact over the largest that a gap holds back.  Dimensionless (scaling.py).  Limits: pressures are known
-to `ROUNDING`, so that 1e-12 from complete contact nothing below some 1e-2 of the tension is seen.
+to `PRESSURE_ROUNDING`, so that 1e-12 from complete contact nothing below some 1e-2 of the tension is seen.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ from bem.audit.certificate import Demands, DimensionlessCertificate, Verdict
 from bem.audit.displacement import ComplianceRatio
 from bem.geometry.arrays import ComplexArray, FloatArray
 from bem.geometry.gaps import Gaps, sines
-from bem.geometry.minima import BESIDE, TO_ROUNDING, refined
+from bem.geometry.minima import OFFSETS, TO_ROUNDING, refined
 from bem.geometry.profile import POINTS_PER_WAVELENGTH, Profile
 
-ROUNDING = 5e-15  # of pressures, over the sum of the mean and the rms pressure of complete contact; measured 1e-15
-CLOSE = 0.03  # derived: distance at which cot(y/2)/2 - 1/y is a series; terms of y^9 are 1e-16 there, the first 1e-3
+PRESSURE_ROUNDING = 5e-15  # of pressures, over mean plus rms pressure of complete contact; measured 1e-15
+NEAR_IMAGE = 0.03  # derived: where cot(y/2)/2 - 1/y is a series; terms of y^9 are 1e-16 there, the first 1e-3
 HIGHEST = 1 << 16  # limit: modes of a layer
 
 Openings = tuple[FloatArray, ...]
@@ -75,7 +75,7 @@ def certify_gaps(
         raise ValueError("gaps: at least one, of positive width, in order on the circle, with contact between them")
     demands, field = Demands(), _Pressure(profile, gaps, opening, deficit, compliance_ratio)
     verdict, gap = Verdict(gaps.count), "in gap" * (gaps.count > 1)
-    noise = ROUNDING * field.scale
+    noise = PRESSURE_ROUNDING * field.scale
     noisy = noise * gaps.half_width / np.array([np.max(np.abs(g)) for g in opening])
     ends = np.array([_end_value(g) for g in opening])
     closure = verdict.judge("closure", ends, np.maximum(demands.closure, noisy), gap)
@@ -127,7 +127,7 @@ class _Pressure:
         x, q = self.table.grid
         before, after = np.roll(q, 1), np.roll(q, -1)
         deep = np.flatnonzero((q <= before) & (q < after) & (3 * q - before - after <= q.min()))
-        self.least_mean = -float(refined(self._wave, x[deep] + x[1] * BESIDE, refinements=TO_ROUNDING).value.min())
+        self.least_mean = -float(refined(self._wave, x[deep] + x[1] * OFFSETS, refinements=TO_ROUNDING).value.min())
         self.above_lowest = self.least_mean - deficit  # p_0 + q is this plus q
         self.scale = abs(self.least_mean) + float(np.sqrt(np.sum(self.amplitude**2) / 2))
         self.layer = np.empty(0, dtype=np.complex128) if ratio is None else self._layer_modes(ratio)
@@ -160,7 +160,7 @@ class _Pressure:
             before, middle, after = values[:-2], values[1:-1], values[2:]
             may_be_lower = (3 * middle <= before + after) | (middle == middle.min())
             low = np.flatnonzero((middle <= before) & (middle < after) & may_be_lower)
-            three = (low + 1.5 + BESIDE) * (np.pi / n)
+            three = (low + 1.5 + OFFSETS) * (np.pi / n)
             minima = refined(partial(self._behind, i), three, refinements=TO_ROUNDING)
             ends = self._behind(i, _midpoints(n)[[0, -1]])
             lowest = min(lowest, float(ends.min()), float(minima.value.min(initial=math.inf)))
@@ -238,7 +238,7 @@ def _cotangent(y: FloatArray, left_out: list[FloatArray]) -> FloatArray:
     square, near, lines = nearest * nearest, np.zeros(y.shape, dtype=bool), np.zeros(y.shape)
     with np.errstate(divide="ignore"):
         for image in left_out:
-            close = np.abs(image) < CLOSE
+            close = np.abs(image) < NEAR_IMAGE
             near |= close
             lines += np.where(close, 0.0, 1 / image)
         rest = -nearest / 12 * (1 + square / 60 * (1 + square / 42 * (1 + square / 40 * (1 + square * 5 / 198))))

@@ -14,7 +14,7 @@ import numpy as np
 
 from bem.audit.displacement import DisplacementField, GapPoints, half_steps, series_and_twice_the_mean
 from bem.geometry.arrays import FloatArray, IntArray
-from bem.geometry.minima import BESIDE, refined
+from bem.geometry.minima import OFFSETS, refined
 from bem.geometry.profile import POINTS_PER_WAVELENGTH, Profile
 
 MAX_GAP_SAMPLES = 8192  # limit: of u in a gap; more is a reason against the state
@@ -71,7 +71,7 @@ def gap_depths(
     depth = -gap_at(np.arange(field.count), lowest_at)
     owner, angle, step = (np.concatenate(parts) for parts in zip(*suspects, strict=True))
     three = np.tile(owner, 3)
-    minima = refined(lambda at: gap_at(three, at.ravel()).reshape(at.shape), angle + step * BESIDE)
+    minima = refined(lambda at: gap_at(three, at.ravel()).reshape(at.shape), angle + step * OFFSETS)
     np.maximum.at(depth, owner, -minima.value)
     return depth, highest, integrals, unresolved
 

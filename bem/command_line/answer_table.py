@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -21,7 +22,8 @@ from bem.scene.state import State
 
 PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 FEWEST_DIGITS, MOST_DIGITS = 2, 4  # format
-UNKNOWN = "–"
+NOTHING = 1e-12  # format: of the largest number of a line, below which a number is rounding and shown as 0
+NO_NUMBER = "–"
 INPUT = "input_uncertainty_"  # before the name of a quantity
 QUANTITIES = {  # name of a column of `to_table("targets")`: heading
     "mean_pressure": "mean pressure",
@@ -165,7 +167,7 @@ def share(relative: float) -> str:
     ('< 0.01 %', '8.3 %', '250 %', '0 %')
     """
     if not math.isfinite(relative):
-        return UNKNOWN
+        return NO_NUMBER
     if relative == 0:
         return "0 %"
     return "< 0.01 %" if relative < 1e-4 else f"{fixed(100 * relative, 2)} %"
@@ -188,27 +190,30 @@ def answer(result: Result, inputs: Inputs | None = None) -> list[tuple[str, list
             continue
         unit = units.get(name, (1.0, ""))
         pairs = list(zip(targets, known, strict=True))
-        lines.append((head, [_cell(target, name, outer, unit) for target, outer in pairs]))
+        largest = max((abs(target[name]) for target in targets if math.isfinite(target[name])), default=0.0)
+        lines.append((head, [_cell(target, name, outer, unit, largest) for target, outer in pairs]))
         uncertain = [_uncertainty(target, name, outer) for target, outer in pairs]
-        if any(text != UNKNOWN for text in uncertain):
+        if any(text != NO_NUMBER for text in uncertain):
             lines.append((f"± {head}", uncertain))
     return lines
 
 
 def _held(target: float, unit: Unit) -> str:
     """Return the target with all its digits, up to six: the value of the quantity under control."""
-    return UNKNOWN if math.isnan(target) else f"{target * unit[0]:.6g} {unit[1]}"
+    return NO_NUMBER if math.isnan(target) else f"{target * unit[0]:.6g} {unit[1]}"
 
 
-def _cell(row: Mapping[str, float], name: str, inputs: Mapping[str, float], unit: Unit) -> str:
-    """Return a number with the digits that the larger of its own uncertainties allows."""
+def _cell(row: Mapping[str, Any], name: str, inputs: Mapping[str, float], unit: Unit, largest: float) -> str:
+    """Return a number with the digits that the larger of its own uncertainties allows; 0 if the largest rounds it."""
     value, (factor, prefixed) = row[name], unit
     if math.isnan(value):
-        return UNKNOWN
+        return "apart" if name == "n_patches" and row["status"] == "unreachable" and row["target"] < 0 else NO_NUMBER
     if name == "n_patches":
         return "complete" if row["contact_fraction"] == 1 else f"{value:.0f}"
     if name in TRIPLES:
         return f"{', '.join(fixed(row[column] * factor, 3) for column in TRIPLES[name])} {prefixed}"
+    if abs(value) < NOTHING * largest:
+        return f"0 {prefixed}".strip()
     relative = max(filter(math.isfinite, _relative(row, name, inputs)), default=0.0)
     if name == "open_share" and value:  # its error is that of the contact fraction
         name = "contact_fraction"
@@ -225,7 +230,7 @@ def _relative(row: Mapping[str, float], name: str, inputs: Mapping[str, float]) 
 def _uncertainty(row: Mapping[str, float], name: str, inputs: Mapping[str, float]) -> str:
     """Return the uncertainties of a number in per cent, by their origin."""
     pairs = zip(_relative(row, name, inputs), ("numerical", "input"), strict=True)
-    return ", ".join(f"{share(value)} {origin}" for value, origin in pairs if math.isfinite(value)) or UNKNOWN
+    return ", ".join(f"{share(value)} {origin}" for value, origin in pairs if math.isfinite(value)) or NO_NUMBER
 
 
 def pull_off_words(result: Result, inputs: Inputs | None = None) -> str:
@@ -364,14 +369,14 @@ def _plain(value: float) -> str:
 def table_text(result: Result, inputs: Inputs | None = None) -> str:
     """Return the answer for a terminal: a line for each quantity, a column for each target."""
     lines = answer(result, inputs)
-    columns = [
-        _padded(column, k) for k, column in enumerate(zip(*((head, *texts) for head, texts in lines), strict=True))
-    ]
-    listed = ["  ".join(line).rstrip() for line in zip(*columns, strict=True)]
+    listed = aligned([(head, *texts) for head, texts in lines])
     return "\n".join([*listed, *filter(None, [pull_off_words(result, inputs), slope_words(result)])])
 
 
-def _padded(column: Sequence[str], place: int) -> list[str]:
-    """Return the texts padded to equal width, headings to the left."""
-    width = max(map(len, column))
-    return [f"{text:<{width}}" if place == 0 else f"{text:>{width}}" for text in column]
+def aligned(table: Sequence[Sequence[str]]) -> list[str]:
+    """Return the lines of a table, its columns of equal width: the first to the left, others to the right."""
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    return [
+        "  ".join([f"{line[0]:<{widths[0]}}", *(f"{text:>{k}}" for text, k in zip(line[1:], widths[1:], strict=True))])
+        for line in table
+    ]

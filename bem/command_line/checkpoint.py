@@ -23,7 +23,7 @@ from bem.scene.provenance import digest
 from bem.scene.result import Entry, Result
 from bem.scene.result_file import FIELDS_FILE, RESULT_FILE, read_result, write_result, write_states
 from bem.scene.scene import Scene
-from bem.scene.state import Status
+from bem.scene.state import Ending
 from bem.scene.stored_json import CorruptResultError
 
 ANSWERS = ("answer.csv", "report.html", "contact_fraction.png", "separation.png", "shape_[0-9]*.png")
@@ -78,7 +78,7 @@ class Kept(Protocol):
         """Entries in the order of the path."""
         ...
 
-    def result(self, status: Status) -> Result:
+    def result(self, status: Ending) -> Result:
         """Return the result of all entries."""
         ...
 

@@ -19,6 +19,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, Protocol, TextIO
 
+from bem.command_line.answer_table import readable
 from bem.scene.memory_estimate import MemoryEstimate
 from bem.scene.plausibility import MEANINGS
 from bem.scene.progress import Progress
@@ -27,6 +28,7 @@ from bem.scene.result import Caution, Effect, Result
 LINE_SECONDS = 5.0  # format: s between lines of progress
 TARGET_SECONDS = 0.5  # format: s, the same at targets
 BAR_SECONDS = 0.2  # format: s between redraws of the bar
+MINUTES = 3  # format: time left from which on it is told in minutes
 LEAST_DONE = 0.02  # format: of the way, before which the pace says little
 
 
@@ -63,10 +65,11 @@ def described(report: Progress) -> str:
     Examples
     --------
     >>> described(Progress(1250.0, 0.0123, 7, 42, 3, 310, 0, 5))
-    '1.250e+03 Pa, contact fraction 0.01230, 7 patches, 42 increments (3 rejected), 310 evaluations'
+    '1.250 kPa, contact fraction 0.01230, 7 patches, 42 increments (3 rejected), 310 evaluations'
     """
+    pressure = readable(report.mean_pressure, "Pa", 4)
     return (
-        f"{report.mean_pressure:.3e} Pa, contact fraction {report.contact_fraction:.5f}, {report.n_patches} patches, "
+        f"{pressure}, contact fraction {report.contact_fraction:.5f}, {report.n_patches} patches, "
         f"{report.increments_accepted} increments ({report.increments_rejected} rejected), "
         f"{report.evaluations} evaluations"
     )
@@ -93,7 +96,9 @@ class TimeLeft:
         _, before, begun = self.first
         if done - before < LEAST_DONE:
             return ""
-        return f", about {(now - begun) * (1 - done) / (done - before):.2g} s to go"
+        left = (now - begun) * (1 - done) / (done - before)
+        words = f"{left:.0f} s" if left < MINUTES * 60 else f"{left / 60:.0f} min"
+        return f", about {words} to go" if left >= 0.5 else ""
 
     def _done(self, report: Progress, start: float) -> float:
         """Return the share of the way that is done."""

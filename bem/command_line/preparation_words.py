@@ -5,12 +5,13 @@ The steps are those of `Scan.preparation` (bem/scans/prepared_scan.py); result.j
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from typing import Any
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING
 
 from bem.command_line.answer_table import quantity
 
-Step = Mapping[str, Any]
+if TYPE_CHECKING:
+    from bem.scans.prepared_scan import Step
 
 TRENDS = {"line": "least-squares line", "quadratic": "quadratic trend", "cubic": "cubic trend"}
 
@@ -117,8 +118,7 @@ def _filter(step: Step) -> str:
 
 def _cut(step: Step) -> str:
     kept = f"{step['slope_share_kept']:.1%} of the rms slope"
-    heights = ", ".join(f"{name} {_length(step[name])}" for name in ("Ra", "Rq", "Rz"))
-    return f"The first {step['harmonics']} of {step['of']} harmonics are kept, with {kept}: {heights}"
+    return f"The first {step['harmonics']} of {step['of']} harmonics are kept, with {kept}"
 
 
 SENTENCES: dict[str, Callable[[Step], str]] = {

@@ -29,7 +29,7 @@ from bem.elastic.logarithmic_potential import LogarithmicPotential
 from bem.elastic.skeleton import Skeleton
 from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray, IntArray
-from bem.geometry.patches import TWO_PI, Patches, PatchPressure
+from bem.geometry.patches import CHARGE_ROUNDING, POSITION_ROUNDING, TWO_PI, Patches, PatchPressure
 from bem.geometry.profile import Profile
 from bem.kernels import patches as patch_kernels
 
@@ -47,9 +47,7 @@ FEW_WAVES = 0.3  # speed: of the unknowns: more of a layer are added to the matr
 FAR_SHARE = 1e-5  # accuracy of the kernel between clusters over the tolerance
 FINEST_FAR = 1e-14  # derived: accuracy of the kernel between clusters, at least: rounding
 
-ROUNDING = 1e-14  # of heights, times a mean pressure above 1, and of charges of order 1 per node; measured up to 4e-15
 ROUNDINGS = 3.0  # of K: what is within them is no residual, as the certificate allows; measured 1.8 at one edge of 3000
-POSITION_ROUNDING = 2e-15  # absolute, of positions up to 2 pi; slope times it is what heights lack; measured 1.1e-15
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,9 +164,10 @@ class Evaluation:
         """
         starts = np.concatenate([[0], np.cumsum(self.resolution.modes)[:-1]])
         largest = np.maximum.reduceat(np.abs(self.skeleton), starts) * self.resolution.modes / np.pi
-        charge = self.resolution.nodes * (ROUNDING * np.maximum(largest, 1.0) + POSITION_ROUNDING * self.rms_slope)
+        at_node = CHARGE_ROUNDING * np.maximum(largest, 1.0) + POSITION_ROUNDING * self.rms_slope
+        charge = self.resolution.nodes * at_node
         displaced = max(1.0, abs(self.load) / (2 * np.pi))
-        from_heights = ROUNDING * displaced * penetration_rate * np.abs(self.stress_intensity_rate)
+        from_heights = CHARGE_ROUNDING * displaced * penetration_rate * np.abs(self.stress_intensity_rate)
         return np.asarray(np.tile(charge * np.sqrt(np.pi / self.patches.half_width), 2) + from_heights)
 
     def shifted(self, change: float) -> Evaluation:

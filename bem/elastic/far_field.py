@@ -24,7 +24,7 @@ from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import TWO_PI, Patches
 
 REACH = 0.1  # of the half gap at an end of a window, from that end: no edge goes there
-TERMS = 48  # of the Chebyshev series; K is off by 1e-6, by 1e-5 beside gaps of 1e-4 of a window
+FIELD_TERMS = 48  # of the Chebyshev series; K is off by 1e-6, by 1e-5 beside gaps of 1e-4 of a window
 CELLS = 256  # derived: of the grid of u; cubics leave 2e-8
 
 
@@ -73,10 +73,10 @@ class Arc:
         return from_beta - from_delta, (from_beta + from_delta) / 2
 
     def nodes(self) -> FloatArray:
-        """Return the positions at which the field is sampled, (TERMS,)."""
+        """Return the positions at which the field is sampled, (FIELD_TERMS,)."""
         low, high = self.limits
         ratio, half = (
-            np.exp((low + high) / 2 + (high - low) / 2 * chebyshev.basis_nodes(TERMS)),
+            np.exp((low + high) / 2 + (high - low) / 2 * chebyshev.basis_nodes(FIELD_TERMS)),
             (self.delta - self.beta) / 2,
         )
         return np.asarray(self.beta + 2 * np.arctan2(ratio * np.sin(half), 1 + ratio * np.cos(half)))
@@ -165,8 +165,8 @@ def far_fields(arcs: Sequence[Arc], first: Charges, second: Charges) -> list[Far
 
 @lru_cache(maxsize=1)
 def _table() -> tuple[FloatArray, FloatArray]:
-    """Return the matrices from a series to values on the grid and to derivatives per cell, (CELLS + 1, TERMS) each."""
-    t, identity = np.linspace(-1, 1, CELLS + 1), np.eye(TERMS)
+    """Return the matrices from a series to values on the grid and to derivatives per cell, (CELLS + 1, terms)."""
+    t, identity = np.linspace(-1, 1, CELLS + 1), np.eye(FIELD_TERMS)
     slopes = np.polynomial.chebyshev.chebder(identity, axis=0) * (2 / CELLS)
-    values, fewer = (np.polynomial.chebyshev.chebvander(t, degree) for degree in (TERMS - 1, TERMS - 2))
+    values, fewer = (np.polynomial.chebyshev.chebvander(t, degree) for degree in (FIELD_TERMS - 1, FIELD_TERMS - 2))
     return np.asarray(values), np.asarray(fewer @ slopes)

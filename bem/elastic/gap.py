@@ -25,13 +25,13 @@ from bem.elastic.collocation import Elastic, Evaluation
 from bem.elastic.logarithmic_potential import LogarithmicPotential
 from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray, IntArray
-from bem.geometry.minima import BESIDE, RATIO, refined, vertices
+from bem.geometry.minima import OFFSETS, RATIO, refined, vertices
 from bem.geometry.patches import TWO_PI
 from bem.geometry.profile import Profile
 from bem.kernels import gaps
 
 SUSPICIOUS_GAP = 1e-3  # speed: of the rms height: interpolated minima below are evaluated; half and twice it: same
-POINTS_PER_WAVELENGTH = 10
+GRID_POINTS_PER_WAVE = 10
 DOWNHILL = 10  # limit: grid cells to a minimum that has moved
 GRID_RATIO = 1.2  # speed: steps of the list of grid sizes, so that equal ones are treated together
 NOT_SEARCHED, WIDE_OPEN = (32, 10), 1e3  # format: points and samples of a gap that is not searched, and u there
@@ -118,8 +118,8 @@ def low_minima(field: GapField, threshold: float = SUSPICIOUS_GAP) -> GapMinima:
     """
     patches, profile = field.state.patches, field.elastic.profile
     waves = patches.gap_after * (profile.max_order / TWO_PI)
-    sizes = chebyshev.rounded_up(20 + POINTS_PER_WAVELENGTH * np.pi / 2 * waves, GRID_RATIO)
-    counts = np.ceil(8 + 4 * np.sqrt((sizes - 20) / (POINTS_PER_WAVELENGTH * np.pi / 2))).astype(np.int64)
+    sizes = chebyshev.rounded_up(20 + GRID_POINTS_PER_WAVE * np.pi / 2 * waves, GRID_RATIO)
+    counts = np.ceil(8 + 4 * np.sqrt((sizes - 20) / (GRID_POINTS_PER_WAVE * np.pi / 2))).astype(np.int64)
     outer = -1  # the gap in which the outside of a window lies: others look there
     if field.elastic.far is not None:
         outer = field.elastic.far.arc.outer_gap(patches)
@@ -144,12 +144,12 @@ def minima_near(field: GapField, position: FloatArray, gap: IntArray) -> GapMini
     """
     patches, function = field.state.patches, _in_gaps(field, gap)
     width = patches.gap_after[gap]
-    reach = np.minimum(TWO_PI / (POINTS_PER_WAVELENGTH * field.elastic.profile.max_order), width / 4)
+    reach = np.minimum(TWO_PI / (GRID_POINTS_PER_WAVE * field.elastic.profile.max_order), width / 4)
     first, last = patches.right[gap] + 1.01 * reach, patches.right[gap] + width - 1.01 * reach
     for base in (reach, reach / RATIO):
         for _ in range(DOWNHILL):
             middle = np.minimum(np.maximum(position, first), last)
-            x = middle + base * BESIDE
+            x = middle + base * OFFSETS
             y = function(x)
             position = vertices(x, y).position
             if np.all(np.abs(position - middle) < 0.5 * base):

@@ -45,8 +45,8 @@ from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.chebyshev import packed_bases
 from bem.kernels import clusters
 
-Inputs = ParamSpec("Inputs")
-Output = TypeVar("Output")
+Given = ParamSpec("Given")
+Value = TypeVar("Value")
 Ranges = list[tuple[FloatArray, int, FloatArray] | None]
 
 UNIFORM = 0.03  # derived: alpha; any value does, to rounding: a whole period has eigenvalues 0 and 1 / (2 n)
@@ -58,7 +58,7 @@ class IllConditionedSystemError(ArithmeticError):
     """Skeleton matrix too large, or not positive definite to rounding: contact almost complete."""
 
 
-def if_solvable(evaluation: Callable[Inputs, Output], *inputs: Inputs.args, **options: Inputs.kwargs) -> Output | None:
+def if_solvable(evaluation: Callable[Given, Value], *inputs: Given.args, **options: Given.kwargs) -> Value | None:
     """Return the result of an evaluation; None if its system is ill-conditioned and the caller can go on without."""
     try:
         return evaluation(*inputs, **options)

@@ -111,12 +111,14 @@ class Layer:
     Parameters
     ----------
     thickness : float
-        d in m, > 0 and finite; a half-space is described by no layer at all.
+        In m, > 0 and finite; without a layer the solid is a half-space.
 
     Examples
     --------
-    >>> Layer(0.001).mean_compliance(Solid(1e6, 0.5))
-    0.0
+    A layer of 1 mm under 1 kPa gives way by nothing if it is incompressible, else by
+
+    >>> [round(1e3 * Layer(1e-3).mean_compliance(Solid(1e6, nu)) * 1e9) for nu in (0.5, 0.49, 0.3)]  # nm
+    [0, 58, 743]
     """
 
     thickness: Annotated[float, limits("layer.thickness")]

@@ -24,9 +24,9 @@ from numpy.typing import NDArray
 
 from bem.geometry import chebyshev
 from bem.geometry.arrays import FloatArray, IntArray
+from bem.geometry.patches import TWO_PI
 from bem.kernels.potential import pair_by_pair
 
-TWO_PI = 2 * np.pi
 DIRECT, PER_BOX = 200_000, 18  # speed: pairs up to which boxes do not pay, and root of the pairs per box (measured)
 BOX_TERMS = 20  # derived: of a polynomial in a box; (3 + sqrt 8)^-20 = 5e-16
 

@@ -19,7 +19,7 @@ from bem.geometry.arrays import FloatArray
 
 REFINEMENTS, RATIO = 3, 5.0  # parabolas after the first, and how much shorter the base of each is
 TO_ROUNDING = 2 * REFINEMENTS  # where the depth of a minimum is a small part of what the function is made of
-BESIDE = np.array([[-1.0], [0.0], [1.0]])  # of three points
+OFFSETS = np.array([[-1.0], [0.0], [1.0]])  # of three points from the middle one
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +59,7 @@ def refined(
     minima = vertices(x, function(x) if y is None else y)
     for _ in range(refinements if x.size else 0):
         reach = reach / RATIO
-        x = np.minimum(np.maximum(minima.position, first + reach), last - reach) + reach * BESIDE
+        x = np.minimum(np.maximum(minima.position, first + reach), last - reach) + reach * OFFSETS
         minima = vertices(x, function(x))
     return minima
 

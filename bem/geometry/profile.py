@@ -101,13 +101,13 @@ class Profile:
     def from_samples(
         cls, x: ArrayLike, h: ArrayLike, harmonics: int, detrend: str = "mean", period: float | None = None
     ) -> Profile:
-        """Return the trigonometric interpolant of uniform samples, cut at `harmonics`.
+        """Return the Fourier sum through samples at equal steps, up to the order `harmonics`.
 
         Parameters
         ----------
         x, h : (n,) array
-            Increasing positions within `EQUAL_STEPS` of equal steps (end point of the period excluded), and heights,
-            in m.
+            Positions that rise by equal steps, to a thousandth of a step (end point of the period excluded), and
+            heights, in m.
         harmonics : int
             Highest order kept, below n/2.
         detrend : {"mean", "line"}
@@ -118,12 +118,16 @@ class Profile:
         Raises
         ------
         ValueError
-            Steps that are unequal or fall, heights that are masked or not finite.
+            Steps that are unequal or fall; heights that are masked, not finite, or of another number; another trend.
         TypeError
             Complex numbers.
         """
         arrays = (np.ma.asarray(values).astype(np.float64, casting="same_kind") for values in (x, h))
         position, height = (np.asarray(np.ma.filled(array, np.nan)) for array in arrays)
+        if position.ndim != 1 or position.shape != height.shape:
+            raise ValueError(f"x, h: of shapes {position.shape} and {height.shape}; allowed: two arrays of one length")
+        if detrend not in ("mean", "line"):
+            raise ValueError(f'detrend: {detrend!r}; allowed: "mean" or "line" (bem.solve knows more)')
         n = position.size
         equal = n > 1 and position[-1] > position[0] and float(off_equal_steps(position).max()) <= EQUAL_STEPS
         if not equal or not np.all(np.isfinite(height)):

@@ -99,11 +99,11 @@ def unknown_key(name: str, known: Collection[str]) -> str:
     Examples
     --------
     >>> print(unknown_key("cutoff", ["cutoff_short", "cutoff_long", "hurst"]))
-    did you mean "cutoff_short" or "cutoff_long"?
+    "cutoff_short" or "cutoff_long", by its name
     """
     begun = [key for key in known if name and key.startswith(name)]
     close = begun or difflib.get_close_matches(name, known, n=1, cutoff=0.4)
-    return f"did you mean {' or '.join(map(json.dumps, close))}?" if close else "one of " + ", ".join(known)
+    return f"{' or '.join(map(json.dumps, close))}, by its name" if close else "one of " + ", ".join(known)
 
 
 def refuse(*mistakes: Mistake) -> None:

@@ -23,7 +23,7 @@ from bem.loading.control import Control
 EXACT_PHASE = float(1 << 24)  # derived: positions are multiples of its inverse and a rest; order times these is exact
 STIFFENING, MOST_TERMS = 1e-16, 1 << 16  # derived: of a layer: size of the terms left out, and number of the others
 LOWEST = 0.99  # derived: of the lowest value of q: deeper minima open first, and their tension may be a tiny difference
-ROUNDING = 4e-16  # derived: of q at a point, over its lowest value and the root of the sum of squares of its amplitudes
+POINT_ROUNDING = 4e-16  # derived: of q at a point, over its lowest value and the root of summed squared amplitudes
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +65,7 @@ class CompletedBody:
     @cached_property
     def rounding(self) -> float:
         """Accuracy of q at an anchor less q at another, in double precision."""
-        return ROUNDING * (abs(self.lowest) + float(np.sqrt(np.sum(self.pressure.amplitudes**2))))
+        return POINT_ROUNDING * (abs(self.lowest) + float(np.sqrt(np.sum(self.pressure.amplitudes**2))))
 
     @cached_property
     def stiffening(self) -> FloatArray:

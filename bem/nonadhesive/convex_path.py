@@ -32,7 +32,7 @@ from bem.nonadhesive.last_gaps import assess_gaps, isolated_cracks, solve_gaps
 from bem.nonadhesive.nonadhesive import solve_contact
 
 LOAD_CONTROL = LoadControl()
-ROUNDED = 4 * float(np.finfo(float).eps)  # of penetrations: nearer to first touch and complete contact is there
+DEPTH_ROUNDING = 4 * float(np.finfo(float).eps)  # of penetrations: nearer to first touch and complete contact is there
 NARROW_GAP = 1e-3  # speed: isolated cracks below this part of the contact beside them carry the unknowns at once
 ISOLATED = 0.3  # speed: largest half width of a gap, over the shortest wave, for which isolated cracks are a good start
 
@@ -171,10 +171,10 @@ class ConvexPath:
 
     def _solved(self, control: Control, value: float, separation: float | None = None) -> ConvexPoint:
         """Solve for the state at a value of a control: by its patches, or by its gaps where these are narrow."""
-        if value <= ROUNDED * control.penetration_weight * self.body.max_height:
+        if value <= DEPTH_ROUNDING * control.penetration_weight * self.body.max_height:
             return Separated(value)
         joined = control.value(self.body.max_height, self.body.complete.least_load)
-        if separation <= 0 if separation is not None else value >= joined * (1 - ROUNDED):
+        if separation <= 0 if separation is not None else value >= joined * (1 - DEPTH_ROUNDING):
             return Complete(value)
         condition = condition_of(self.body, control, value, separation)
         gaps = isolated_cracks(self.body, condition)

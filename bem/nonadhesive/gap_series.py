@@ -36,7 +36,7 @@ from bem.geometry.patches import TWO_PI, Patches, PatchPressure
 from bem.nonadhesive.completed_body import CompletedBody, LinearControl
 
 COUPLING = 1e-15  # derived: accuracy of the coupling of gaps
-MOST_UNKNOWNS = 6000  # limit: of all gaps
+MOST_IN_GAPS = 6000  # limit: of all gaps
 SERIES_REACH, SERIES_TERMS = 1.0, 14  # derived: of the periodic rest of the kernel; (1 / (2 pi))^28 = 5e-23
 DECAYED, LONGEST_SERIES = 1e-14, 1 << 16  # derived: of the series of the pressure on a patch
 
@@ -204,8 +204,8 @@ def evaluate_gaps(body: CompletedBody, gaps: Gaps, condition: LinearControl, fin
         More unknowns than fit, or a matrix that is not positive definite.
     """
     wanted = np.ceil(_sizes(body, gaps))
-    if not np.sum(wanted) <= MOST_UNKNOWNS:
-        raise IllConditionedSystemError(f"{np.sum(wanted):.0f} unknowns needed in gaps, at most {MOST_UNKNOWNS} fit")
+    if not np.sum(wanted) <= MOST_IN_GAPS:
+        raise IllConditionedSystemError(f"{np.sum(wanted):.0f} unknowns needed in gaps, at most {MOST_IN_GAPS} fit")
     sizes = np.ceil(wanted * (4 / 3 if finer else 1)).astype(np.int64)
     starts = np.concatenate([[0], np.cumsum(sizes)])
     owner = np.repeat(np.arange(gaps.count), sizes)

@@ -26,8 +26,8 @@ from bem.loading.control import Control
 
 ITERATIONS = 40  # speed: more take longer than the steps of Newton that they save (measured)
 CONVERGED = 5e-3  # speed: what the preconditioner would still change of the unknown, relative; work +5 % if doubled
-FINE = 4096  # speed: points of the grid of a profile above which every second one is enough: Newton sorts out the rest
-NESTED, COARSER = 1024, 4  # speed: points of grids on which the start is found on every fourth point
+EVERY_POINT = 4096  # speed: points of the grid of a profile above which every second one is enough for Newton
+NESTED, EVERY_FOURTH = 1024, 4  # speed: points of grids on which the start is found on every fourth point
 DENSE = 0.5  # speed: contact fraction above which gaps are the unknown
 LAYER = 1e-4  # speed: accuracy of the series of a layer on the grid
 POINTS_PER_MODE = 2  # speed: of that series
@@ -103,7 +103,7 @@ class GridProblem:
 
 def grid_problem(elastic: Elastic) -> GridProblem:
     """Return the contact problem of an elastic body on the grid of its profile."""
-    step = 2 if elastic.profile.grid[0].size > FINE else 1
+    step = 2 if elastic.profile.grid[0].size > EVERY_POINT else 1
     x, height = (values[::step] for values in elastic.profile.grid)
     modes = 0.0 if elastic.kernel is None else float(elastic.kernel.modes_of_kernel(np.array([TWO_PI]), LAYER)[0])
     finest = min(POINTS_PER_MODE * modes, MOST_POINTS)
@@ -134,9 +134,9 @@ def _minimiser(operator: FloatArray, drive: FloatArray, mean: float | None) -> F
     """
     if drive.size < NESTED:
         return _descent(operator, drive, mean, _highest(drive, mean))
-    few, modes = drive[::COARSER], drive.size // (2 * COARSER) + 1
+    few, modes = drive[::EVERY_FOURTH], drive.size // (2 * EVERY_FOURTH) + 1
     coarse = _minimiser(operator[:modes], few, mean)
-    z = np.interp(np.arange(drive.size) / COARSER, np.arange(coarse.size + 1), np.append(coarse, coarse[0]))
+    z = np.interp(np.arange(drive.size) / EVERY_FOURTH, np.arange(coarse.size + 1), np.append(coarse, coarse[0]))
     return _descent(operator, drive, mean, z if np.any(z) else _highest(drive, mean))
 
 

@@ -30,10 +30,10 @@ from bem.nonadhesive.gap_series import GapEvaluation, evaluate_gaps
 from bem.nonadhesive.tension import dips
 
 UNDERFLOW = 1e-70  # derived: of the lowest pressure of complete contact: tension on gaps whose volume underflows
-RESIDUAL = 1e-10  # derived: of |k| over g_0, a hundredth of what the certificate demands; Newton leaves 1e-13
-ROUNDINGS = 8.0  # of the pressure: more is tension, and k more than that times the half width; measured 4
+INTENSITY_LEFT = 1e-10  # derived: of |k| over g_0, a hundredth of what the certificate demands; Newton leaves 1e-13
+TENSION_ROUNDINGS = 8.0  # of the pressure: more is tension, and k more than that times the half width; measured 4
 STEP = 0.5  # speed: largest step of an end, in half widths of its gap
-OVERLAP = 1e-10  # derived: of the largest opening: what the certificate demands
+OPENING_BELOW_ZERO = 1e-10  # derived: of the largest opening: what the certificate demands
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,8 +88,8 @@ def solve_gaps(body: CompletedBody, condition: LinearControl, gaps: Gaps) -> Las
             return LastGaps("ill_conditioned", None, count)
         changed = _without_overlap(state)
         if changed is None:
-            noise = ROUNDINGS * body.rounding * gaps.half_width
-            wanted = np.maximum([RESIDUAL * series[0] for series in state.opening], noise)
+            noise = TENSION_ROUNDINGS * body.rounding * gaps.half_width
+            wanted = np.maximum([INTENSITY_LEFT * series[0] for series in state.opening], noise)
             measure = float(np.max(np.abs(state.end_values) / np.tile(wanted, 2)))
             if 1 >= measure > 0.1 * last:
                 changed = _with_gaps_under_tension(state)
@@ -157,7 +157,7 @@ def _without_overlap(state: GapEvaluation) -> Gaps | None:
         n = 4 * series.size
         angle = np.asarray(np.arange(n + 1) * (np.pi / n), dtype=np.float64)
         opening = sines(series, angle)
-        inside = opening > -OVERLAP * np.max(np.abs(opening))
+        inside = opening > -OPENING_BELOW_ZERO * np.max(np.abs(opening))
         if series[0] > 0 and np.all(inside[8:-8]):
             continue
         whole[i], inside[[0, -1]] = False, False
@@ -182,7 +182,7 @@ def _with_gaps_under_tension(state: GapEvaluation) -> Gaps | None:
         angle, r = np.arccos(-dip.position), gaps.patch_after[gap] / 2
         x = gaps.center[gap] + gaps.half_width[gap] + r * (1 + dip.position)
         tension = state.deficit - body.at_anchor(x % TWO_PI) - body.lowest - state.added(gap, angle)
-        under_tension = tension > ROUNDINGS * body.rounding
+        under_tension = tension > TENSION_ROUNDINGS * body.rounding
         cracks.append(np.array([x, tension, dip.curvature / (r**3 * np.sin(angle))])[:, under_tension])
     sites = np.hstack([np.empty((3, 0)), *cracks])
     return _with_cracks(gaps, body, *sites) if sites.size else None

@@ -18,28 +18,26 @@ from typing import Literal
 
 import numpy as np
 
-from bem.elastic.collocation import ROUNDING, ROUNDINGS, Elastic, Evaluation, evaluate
+from bem.elastic.collocation import ROUNDINGS, Elastic, Evaluation, evaluate
 from bem.elastic.gap import gap_field, low_minima
 from bem.elastic.hierarchical import IllConditionedSystemError, if_solvable
 from bem.elastic.sensitivities import own_sensitivity
 from bem.geometry.arrays import FloatArray
-from bem.geometry.patches import TWO_PI, Patches, PatchPressure, ordered
+from bem.geometry.patches import CHARGE_ROUNDING, TWO_PI, Patches, PatchPressure, ordered
 from bem.loading.control import Control
 from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
 from bem.nonadhesive.tension import dips, nodes, under_tension
 
 # The contact is unique: what only shapes the way to it is a matter of cost, measured by halving and doubling.
 INWARD, OUTWARD, INTO_GAP = 0.3, 1.0, 0.35  # speed: largest steps of an edge, in patch widths and gaps; work +0.8 %
-COARSEST, COARSE = 1e-2, 1e-4  # speed: accuracies until the edges are near, and until they are close; work -1 to +5 %
-NEAR, CLOSE = 0.3, 4e-3  # speed: residuals that mean near and close; work +2 and +3 % if halved
-CLOSED_GAP = 1e-4  # of the shortest wavelength, or of NARROW times the narrower neighbour
-NARROW = 100.0  # a sliver beside a gap that closes is joined before it costs thousands of modes
+UNTIL_NEAR, UNTIL_CLOSE = 1e-2, 1e-4  # speed: accuracies until the edges are near, and close; work -1 to +5 %
+NEAR_RESIDUAL, CLOSE_RESIDUAL = 0.3, 4e-3  # speed: residuals that mean near and close; work +2 and +3 % if halved
+CLOSED_GAP = 1e-4  # of the shortest wavelength, or its square root of the narrower neighbour
 COARSELY_CLOSED = 1e-3  # speed: the same until the edges are close; what it closes too early is opened then
-OPENING_GAP = 1.5  # of these: gaps that tension inside a patch calls for are opened from here, so as to stay open
 LEFT_OVER = 0.01  # of the residual and the contact: what the edges may still have to move, for invariances to 1e-10
-ROUNDED = 10 * ROUNDING  # of the highest crest: charges are known no better, with a margin
+CREST_ROUNDING = 10 * CHARGE_ROUNDING  # of the highest crest: charges are known no better, with a margin
 DAMPED_AFTER = 15  # speed: steps of the same patches after which a change of sign of K halves the step of its edge
-OVERLAP = 10.0  # speed: Newton steps beside an edge with K < 0 in which the surfaces overlap until it has moved
+PENDING_STEPS = 10.0  # speed: Newton steps beside an edge with K < 0 in which the surfaces overlap until it has moved
 
 CLOSING_MODES = 4000  # limit: of a patch: a gap beside it that asks for more counts as closed
 DOUBTFUL = 0.1 * CLOSED_GAP**2  # of the mean pressure of a patch: a tenth of the tension that a closed gap leaves
@@ -129,7 +127,7 @@ def solve_contact(
         A contact, or the gap between two, has no width in double precision.
     """
     search = _Search(elastic, control, target, accuracy, patches, penetration)
-    rounded = ROUNDED * elastic.profile.max_height
+    rounded = CREST_ROUNDING * elastic.profile.max_height
     for count in range(1, MAXIMUM_ITERATIONS + 1):
         state = if_solvable(search.evaluated)
         if state is None:
@@ -164,7 +162,7 @@ class _Search:
     accuracy: Accuracy
     patches: Patches
     penetration: float
-    coarseness: float = COARSEST
+    coarseness: float = UNTIL_NEAR
     closed_gap: float = COARSELY_CLOSED
     measure: float = np.inf
     remaining: float = np.inf
@@ -224,10 +222,10 @@ class _Search:
         changed = _joined(
             self.elastic, _split(self.patches, moved, pressure, tensile), self.closed_gap, self.accuracy.tolerance
         )
-        if not tensile and self.coarseness > COARSE and _is_small(state, self.control, NEAR):
-            return changed, COARSE
+        if not tensile and self.coarseness > UNTIL_CLOSE and _is_small(state, self.control, NEAR_RESIDUAL):
+            return changed, UNTIL_CLOSE
         wanted = self.accuracy.tolerance
-        if not tensile and wanted < self.coarseness <= COARSE and _is_small(state, self.control, CLOSE):
+        if not tensile and wanted < self.coarseness <= UNTIL_CLOSE and _is_small(state, self.control, CLOSE_RESIDUAL):
             self.closed_gap = CLOSED_GAP
             return changed, wanted
         return changed, self.coarseness
@@ -268,10 +266,13 @@ def _joined(elastic: Elastic, patches: Patches, closed_gap: float, tolerance: fl
 def _least_gap(
     elastic: Elastic, before: FloatArray, behind: FloatArray, closed_gap: float, tolerance: float
 ) -> FloatArray:
-    """Gaps that count as closed between patches of these widths; the modes beside them are `coupling_modes`."""
+    """Gaps that count as closed between patches of these widths; the modes beside them are `coupling_modes`.
+
+    What a closed gap changes is of second order in its width over that of the narrower patch: `closed_gap` at most.
+    """
     narrower, wider = np.minimum(before, behind), np.maximum(before, behind)
     resolved = wider * (np.log(tolerance) / (2 * CLOSING_MODES)) ** 2
-    closed = closed_gap * np.minimum(TWO_PI / elastic.profile.max_order, NARROW * narrower)
+    closed = np.minimum(closed_gap * (TWO_PI / elastic.profile.max_order), np.sqrt(closed_gap) * narrower)
     return np.asarray(np.maximum(closed, resolved))
 
 
@@ -292,7 +293,7 @@ def _gaps_under_tension(elastic: Elastic, pressure: PatchPressure, tolerance: fl
             half = (last - first) / 2 * float(np.sqrt(max(-4 * value / bend, 0.0)))
             room = min([middle - first, last - middle, *(max(a - middle, middle - b) for a, b in opened)])
             least = _least_gap(elastic, middle - first, last - middle, CLOSED_GAP, tolerance)
-            if 2 * half > OPENING_GAP * least and half < 0.5 * room:
+            if 2 * half > least and half < 0.5 * room:
                 opened.append((middle - half, middle + half))
             else:
                 doubtful = True
@@ -335,7 +336,7 @@ def _overlapping_crests(elastic: Elastic, state: Evaluation, allowed: float) -> 
     behind = low.position - patches.right[low.gap]
     ahead = patches.gap_after[low.gap] - behind
     following = (low.gap + 1) % patches.count
-    overlap_behind, overlap_ahead = OVERLAP * pending[patches.count + low.gap], OVERLAP * pending[following]
+    overlap_behind, overlap_ahead = PENDING_STEPS * pending[patches.count + low.gap], PENDING_STEPS * pending[following]
     bad = (low.depth < -allowed) & (behind > overlap_behind) & (ahead > overlap_ahead)
     gap, position, depth = low.gap[bad], low.position[bad], low.depth[bad]
     order = np.lexsort((position, gap))

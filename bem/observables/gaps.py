@@ -23,7 +23,7 @@ from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 
-POINTS_PER_WAVELENGTH = 16  # format: of stored shapes and of gaps
+SHAPE_POINTS_PER_WAVE = 16  # format: of stored shapes and of gaps
 LEAST_POINTS = 24  # format: on a patch or gap
 FINER = 8  # format: interpolated heights for quantiles, per point
 LEVELS = np.array([0.1, 0.25, 0.5, 0.75, 0.9])  # format: quantiles
@@ -109,7 +109,7 @@ def apart(profile: Profile, penetration: float) -> GapStatistics:
 
 def uniform(profile: Profile) -> FloatArray:
     """Return uniform points, 16 per shortest wavelength and at least 256."""
-    n = max(POINTS_PER_WAVELENGTH * profile.max_order, 256)
+    n = max(SHAPE_POINTS_PER_WAVE * profile.max_order, 256)
     return np.linspace(0.0, 2 * np.pi, n, endpoint=False)
 
 
@@ -125,7 +125,7 @@ def contact_shape(profile: Profile, x: FloatArray, penetration: float) -> FloatA
 
 def points_on(width: FloatArray, profile: Profile) -> IntArray:
     """Return the numbers of points on patches or gaps of these widths, (n,)."""
-    density = POINTS_PER_WAVELENGTH / 4 * profile.max_order
+    density = SHAPE_POINTS_PER_WAVE / 4 * profile.max_order
     return np.maximum(np.ceil(density * width), LEAST_POINTS).astype(np.int64)
 
 

@@ -7,5 +7,5 @@ file -> measured line   read_scan.py: positions and heights in m, NaN where miss
 line -> samples         prepare_scan.py, step by step: prepare_heights.py (dropouts, spikes, gaps), prepare_spacing.py
                         (equal steps), trend, noise_floor.py, continuation over a period, gaussian_filter.py.
 samples -> profile      prepared_scan.py: `Scan`, from which bem.geometry.profile makes the profile, and what the cut of
-                        the scene leaves of it, with height_parameters.py.
+                        the scene leaves of it.
 """

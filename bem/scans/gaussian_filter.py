@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bem.geometry.arrays import FloatArray
-from bem.scans.scan_refusal import Refusal
+from bem.geometry.ranges import Mistake
 
 
 @dataclass(frozen=True)
@@ -54,14 +54,16 @@ class GaussianFilter:
         f = np.asarray(frequency, dtype=np.float64)
         return np.exp2(-((self.short * f) ** 2)) * -np.expm1(-math.log(2) * (self.long * f) ** 2)
 
-    def refusals(self, spacing: float, length: float) -> Iterator[Refusal]:
+    def mistakes(self, spacing: float, length: float) -> Iterator[Mistake]:
         """Yield the mistakes of cut-offs for a line of a sample distance and a length (m)."""
         wrong = [key for key, value in self.cuts.items() if not 2 * spacing <= value <= length]
         for key in wrong:
             allowed = f"from two sample distances to the length measured, {2 * spacing:.6g} to {length:.6g} (m)"
-            yield Refusal(key, f"= {self.cuts[key]:g}", allowed)
+            yield Mistake(f"profile.{key}", f"= {self.cuts[key]:g}", allowed)
         if not wrong and self.short >= self.long:
-            yield Refusal("cutoff_short", f"= {self.short:g}", f"a length below cutoff_long = {self.long:g} (m)")
+            yield Mistake(
+                "profile.cutoff_short", f"= {self.short:g}", f"a length below cutoff_long = {self.long:g} (m)"
+            )
 
     def applied(self, h: FloatArray, spacing: float) -> FloatArray:
         """Return the heights of a period, (n,), filtered mode by mode; their mean stays."""

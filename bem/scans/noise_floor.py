@@ -12,9 +12,9 @@ floor      The noise of an instrument, and of the digits printed, is white: the 
            nearer to 0 than to that of f^-1, the slowest that a self-affine surface falls (`FLAT`), and its error small
            enough to tell these apart (`LARGEST_ERROR`).  The floor is the median of the bands, white noise of the rms
            height sqrt(floor / (2 dx)).  Flat ranges at longer wavelengths are no floor: surfaces level off there.
-crossing   A power law is fitted to `FITTED` octaves up to the last band from which on an octave holds `ABOVE` floors on
-           average, but not beyond the octave that holds most.  Where this law equals the floor, profile and noise
-           are equal: the cut suggested.
+crossing   Where the profile alone has the density of the noise, the spectrum has twice the floor.  The cut suggested
+           is the middle of the last octave whose mean density is twice the floor, and `SURE` standard errors above it:
+           the mean of n modes, squares of normal numbers, has the standard error sqrt(2 / n) of the floor.
 share      Of the mean square slope, int (2 pi f T)^2 S df over the harmonics kept and with the transmission T of the
            filters, what the floor makes of it.
 """
@@ -35,18 +35,7 @@ from bem.scans.gaussian_filter import GaussianFilter
 BANDS = 12  # format: to the octave
 FLAT = 0.5  # format: of what a warning calls flat: exponent of a tail: half way from noise to f^-1
 LARGEST_ERROR = 1 / 3  # format: of that exponent: 0 and 1 are three errors apart
-ABOVE = 10.0  # format: floors
-FITTED = 3  # format: octaves
-FEWEST_BANDS = 3  # format: of a power law
-
-
-@dataclass(frozen=True)
-class PowerLaw:
-    """Density factor * frequency^-exponent, with the standard error of the exponent."""
-
-    factor: float
-    exponent: float
-    error: float
+SURE = 6.0  # format: standard errors of an octave above the floor
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,17 +71,22 @@ class Spectrum:
         return np.exp(sums[0])[::-1], sums[1][::-1], counts[filled][::-1]
 
     @cached_property
-    def tail(self) -> PowerLaw | None:
-        """Power law of the highest octave; None if bands of the octave are empty or without heights."""
-        f, density, _ = self.bands
-        octave = slice(-BANDS, None)
-        return self._fit(octave) if f.size > BANDS and np.all(density[octave] > 0) else None
+    def tail(self) -> tuple[float, float] | None:
+        """Power of the wavelength by which the highest octave falls, and its error; None if bands lack heights."""
+        f, density, counts = (values[-BANDS:] for values in self.bands)
+        if self.bands[0].size <= BANDS or not np.all(density > 0):
+            return None
+        special = import_module("scipy.special")
+        weights = 1 / special.polygamma(1, counts / 2)
+        x, y = np.log(f), np.log(density) - special.digamma(counts / 2) + np.log(counts / 2)
+        x -= float(weights @ x / weights.sum())
+        spread = float(weights @ x**2)
+        return -float(weights @ (x * y)) / spread, 1 / math.sqrt(spread)
 
     @cached_property
     def floor(self) -> float:
         """Density of the noise, m^3; 0 where the tail is not flat."""
-        tail = self.tail
-        flat = tail is not None and abs(tail.exponent) <= FLAT and tail.error <= LARGEST_ERROR
+        flat = self.tail is not None and abs(self.tail[0]) <= FLAT and self.tail[1] <= LARGEST_ERROR
         return float(np.median(self.bands[1][-BANDS:])) if flat else 0.0
 
     @property
@@ -101,28 +95,16 @@ class Spectrum:
         return math.sqrt(self.floor / (2 * self.spacing))
 
     @cached_property
-    def law(self) -> PowerLaw | None:
-        """Power law of the profile above the floor; None without a floor, or without a fall to the floor."""
-        _, density, counts = self.bands
+    def crossing(self) -> float | None:
+        """Wavelength at which the profile falls to the floor, m; None without a floor, or without a profile above."""
+        f, density, counts = self.bands
         if not self.floor:
             return None
         octave = np.ones(BANDS)
-        means = np.convolve(density * counts, octave, "valid") / np.convolve(counts, octave, "valid")
-        above = np.flatnonzero(means >= ABOVE * self.floor)
-        if not above.size:
-            return None
-        end = int(above[-1]) + 1
-        fitted = slice(max(int(np.argmax(means)), end - FITTED * BANDS), end)
-        law = self._fit(fitted) if end - fitted.start >= FEWEST_BANDS else None
-        return law if law is not None and law.exponent > 0 else None
-
-    @property
-    def crossing(self) -> float | None:
-        """Wavelength at which the profile's power law equals the floor, m, where the samples resolve it."""
-        if self.law is None:
-            return None
-        wavelength = (self.floor / self.law.factor) ** (1 / self.law.exponent)
-        return wavelength if 2 * self.spacing <= wavelength <= self.h.size * self.spacing else None
+        modes = np.convolve(counts, octave, "valid")
+        means = np.convolve(density * counts, octave, "valid") / modes
+        above = np.flatnonzero(means >= self.floor * (1 + np.maximum(1.0, SURE * np.sqrt(2 / modes))))
+        return math.exp(-float(np.log(f[above[-1] :][:BANDS]).mean())) if above.size else None
 
     def noise_share(self, harmonics: int, period: float, gaussian: GaussianFilter) -> float:
         """Return the share of noise in the mean square slope that filters and a cut leave."""
@@ -133,28 +115,15 @@ class Spectrum:
         return self.floor * float(weights.sum()) / total if total > 0 else 0.0
 
     def facts(self) -> dict[str, Any]:
-        """Return the noise floor, the power law and the suggested cut as plain values."""
+        """Return the noise floor and the suggested cut as plain values."""
         if self.tail is None:
             return {"noise": "no floor: no heights of short wavelengths"}
         if not self.floor:
-            power = f"{self.tail.exponent:.2g} ± {self.tail.error:.1g}"
-            fell = f"in the octave of the shortest waves the density goes as the power {power} of the wavelength"
-            few = f"; {self.h.size} samples are too few to tell" * (self.tail.error > LARGEST_ERROR)
-            return {"noise": f"no floor: {fell}{few}"}
+            power, error = self.tail
+            fell = "in the octave of the shortest waves the density goes as the power"
+            few = f"; {self.h.size} samples are too few to tell" * (error > LARGEST_ERROR)
+            return {"noise": f"no floor: {fell} {power:.2g} ± {error:.1g} of the wavelength{few}"}
         facts: dict[str, Any] = {"noise": "flat tail", "noise_density": self.floor, "noise_rms": self.noise_rms}
-        if self.law is not None:
-            facts |= {"exponent": self.law.exponent, "law_at_1_per_m": self.law.factor}
         if self.crossing is not None:
             facts["suggested_cutoff"] = self.crossing
         return facts
-
-    def _fit(self, part: slice) -> PowerLaw:
-        """Return the power law of the density in some bands, by weighted least squares."""
-        f, density, counts = (values[part] for values in self.bands)
-        special = import_module("scipy.special")
-        weights = 1 / special.polygamma(1, counts / 2)
-        x, y = np.log(f), np.log(density) - special.digamma(counts / 2) + np.log(counts / 2)
-        centre, middle = float(weights @ x / weights.sum()), float(weights @ y / weights.sum())
-        spread = float(weights @ (x - centre) ** 2)
-        slope = float(weights @ ((x - centre) * (y - middle))) / spread
-        return PowerLaw(math.exp(middle - slope * centre), -slope, 1 / math.sqrt(spread))

@@ -21,7 +21,7 @@ from bem.scans.prepared_scan import Step, Trace
 from bem.scans.read_map import FEWEST_SAMPLES
 from bem.scans.read_scan import RawScan
 from bem.scans.read_text import SHOWN
-from bem.scans.scan_refusal import refused
+from bem.scans.scan_file_error import refused
 
 OUTLIER = 15.0  # median steps; of a normal distribution of steps, ten standard deviations
 WIDTH = 5  # samples of the running median, which sees spikes of one or two

@@ -13,7 +13,7 @@ filter     Gaussian filters of ISO 16610-21, profile.cutoff_short and cutoff_lon
 cut        Harmonics from 1 to profile.harmonics are kept (Profile.from_samples).
 
 Each step has the rms height and the rms slope before and after: of the samples about their mean, and of the steps
-between neighbours over their distance; after the cut, of the harmonics, with Ra, Rq and Rz (height_parameters.py).
+between neighbours over their distance; after the cut, of the harmonics.
 scipy is imported by the steps that need it.
 """
 
@@ -31,8 +31,8 @@ from bem.scans.prepare_heights import refuse_few, without_dropouts, without_gaps
 from bem.scans.prepare_spacing import equally_spaced, refuse_disorder
 from bem.scans.prepared_scan import Scan, Step, Trace, compared, roughness
 from bem.scans.read_scan import RawScan
+from bem.scans.scan_file_error import ScanFileError, refused
 from bem.scans.scan_keys import DEFAULTS
-from bem.scans.scan_refusal import ScanFileError, refused
 
 TAPER = 0.1  # format: of the line, at either end
 DEGREES = {"mean": 0, "line": 1, "quadratic": 2, "cubic": 3}
@@ -76,9 +76,9 @@ def prepare(raw: RawScan, values: Mapping[str, Any]) -> Scan:
     scan = Scan(*line, raw.sha256, (raw.x, raw.h), tuple(steps), spectrum)
     steps[-1] |= {"period": scan.period, "end_jump": scan.end_jump}
     gaussian = GaussianFilter.of(values)
-    refusals = list(gaussian.refusals(scan.spacing, spectrum.h.size * scan.spacing))
-    if refusals:
-        raise ScanFileError(refusals)
+    mistakes = list(gaussian.mistakes(scan.spacing, spectrum.h.size * scan.spacing))
+    if mistakes:
+        raise ScanFileError(mistakes)
     if not gaussian.cuts:
         return scan
     x, h = record("filter", "gaussian", ((scan.x, gaussian.applied(scan.h, scan.spacing)), gaussian.cuts))

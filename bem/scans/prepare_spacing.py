@@ -17,7 +17,7 @@ from bem.geometry.arrays import FloatArray
 from bem.geometry.profile import EQUAL_STEPS, off_equal_steps
 from bem.scans.prepared_scan import Step, Trace
 from bem.scans.read_scan import RawScan
-from bem.scans.scan_refusal import refused
+from bem.scans.scan_file_error import refused
 
 
 def refuse_disorder(raw: RawScan) -> None:
@@ -25,10 +25,8 @@ def refuse_disorder(raw: RawScan) -> None:
     falls = np.diff(raw.x) <= 0
     if falls.any():
         k = int(np.argmax(falls)) + 1
-        allowed = (
-            "positions that increase: reverse lines that fall, remove lines that repeat a position or begin again, "
-        )
-        allowed += "or name another column of positions in columns"
+        allowed = "positions that increase: reverse lines that fall, remove lines that repeat a position, keep one of "
+        allowed += "several scan lines, or name another column of positions in columns"
         problem = f"is not increasing in x: {raw.place(k)} at {raw.x[k]:g} m follows {raw.x[k - 1]:g} m"
         raise refused("file", problem, allowed)
 

@@ -10,7 +10,6 @@ import numpy as np
 
 from bem.geometry.arrays import FloatArray
 from bem.scans.gaussian_filter import GaussianFilter
-from bem.scans.height_parameters import height_parameters
 from bem.scans.noise_floor import Spectrum
 
 DRAWN = 4000  # format: samples kept for figures
@@ -85,12 +84,10 @@ class Scan:
         return self.spectrum.noise_share(harmonics, self.period, self.gaussian)
 
     def preparation(self, harmonics: int) -> tuple[Step, ...]:
-        """Return all steps, with the cut at `harmonics` and the height parameters of the cut profile."""
+        """Return all steps, the cut at `harmonics` last."""
         before, after = ([float(np.sqrt(moment[k])) for moment in self._moments] for k in (-1, harmonics - 1))
         share = self.slope_share(harmonics)
         cut: Step = {"step": "cut", "harmonics": harmonics, "of": self.max_harmonics, "slope_share_kept": share}
-        mirrored = any(step.get("method") == "mirror" for step in self.steps)
-        cut |= height_parameters(self.h, harmonics, 2 if mirrored else 1)
         return (*self.steps, cut | {"rms_height": [before[0], after[0]], "rms_slope": [before[1], after[1]]})
 
     def drawn(self) -> dict[str, FloatArray]:

@@ -15,7 +15,7 @@ from numpy.lib import format as npy
 from numpy.typing import ArrayLike
 
 from bem.geometry.arrays import FloatArray
-from bem.scans.scan_refusal import refused
+from bem.scans.scan_file_error import refused
 
 SIGNATURE = b"\x93NUMPY"
 REAL = "iuf"  # kinds of numbers in NumPy: integers and floating-point numbers

@@ -10,7 +10,7 @@ import codecs
 from pathlib import Path
 
 from bem.geometry.regular_file import read_regular
-from bem.scans.scan_refusal import refused
+from bem.scans.scan_file_error import refused
 
 MARKS = (
     (codecs.BOM_UTF8, "utf-8"),

@@ -17,20 +17,15 @@ import numpy as np
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.scans.read_map import (
     FEWEST_SAMPLES,
-    SCAN_LINES,
     TEXT_LINES,
-    ScanLines,
     map_of,
     refuse_axes,
     refuse_numbers_above,
     row_of,
-    rows_allowed,
-    scan_line,
-    scan_lines,
     without_missing,
 )
-from bem.scans.read_text import SHOWN, WORDS, TextTable
-from bem.scans.scan_refusal import refused
+from bem.scans.read_text import REMEDY, SHOWN, TextTable
+from bem.scans.scan_file_error import refused
 
 
 class TableLine(NamedTuple):
@@ -40,7 +35,6 @@ class TableLine(NamedTuple):
     h: FloatArray  # (n,); NaN where missing
     lines: IntArray | None = None  # line of the file of each sample, (n,)
     columns: tuple[int | None, int | None] = (None, None)  # of positions and heights, from 0
-    rows: slice = slice(None)  # of the table
     map_rows: int | None = None  # rows of the map that holds the line
 
 
@@ -49,57 +43,45 @@ def line_of(table: TextTable, values: Mapping[str, Any]) -> TableLine:
     width, flag, row = table.values.shape[1], values.get("valid_column", 0), values.get("row")
     if flag > width or (flag and width == 1):
         raise refused("valid_column", f"= {flag} of {width}", "0 for none, or a column of the file besides the heights")
-    points = None if flag in (1, 2) else scan_lines(table.values)
-    if points is None and row is not None:
+    if row is not None:
         heights = map_of(table, values)
         return TableLine(None, row_of(heights, row, TEXT_LINES), map_rows=heights.shape[0])
     if table.lines.size < FEWEST_SAMPLES:
         problem = f"holds {table.lines.size} sample{'s' * (table.lines.size != 1)}, one on each line"
         allowed = f"at least {FEWEST_SAMPLES} of them; if a line holds many heights, row = 0 and their spacing"
         raise refused("file", problem, allowed)
-    x_column, h_column = _columns(table, points, values)
+    x_column, h_column = _columns(table, values)
     refuse_axes(table, ("first line", "last line"))
     if "valid_column" not in values:
-        read = {x_column, h_column} | (set() if points is None else {0, 1})
-        _refuse_marks(table, [column for column in range(width) if column not in read])
+        _refuse_marks(table, [column for column in range(width) if column not in (x_column, h_column)])
     refuse_numbers_above(table, table.values[:, h_column], values)
-    heights, rows = without_missing(table.values[:, h_column], values), slice(None)
+    heights = without_missing(table.values[:, h_column], values)
     if flag:
         heights = _valid(heights, table.values[:, flag - 1], values)
     elif "valid_value" in values:
         raise refused("valid_value", f"= {values['valid_value']:g} without a valid_column", "both, or none of them")
-    if points is not None:
-        rows, heights = scan_line(table, points, heights, values["row"])
-    elif x_column is None and heights[0] == heights.size - 1:
+    if x_column is None and heights[0] == heights.size - 1:
         problem = f"line {table.lines[0]} holds {heights[0]:g}, the number of heights that follow"
         raise refused("file", problem, f"heights alone: skip_lines = {table.lines[0]}")
-    map_rows = None if points is None else len(points[1])
-    lines = table.lines[rows]
-    x = None if x_column is None else table.values[rows, x_column]
-    return TableLine(x, heights, None if row == "mean" else lines, (x_column, h_column), rows, map_rows)
+    x = None if x_column is None else table.values[:, x_column]
+    return TableLine(x, heights, table.lines, (x_column, h_column))
 
 
-def _columns(table: TextTable, points: ScanLines | None, values: Mapping[str, Any]) -> tuple[int | None, int]:
+def _columns(table: TextTable, values: Mapping[str, Any]) -> tuple[int | None, int]:
     """Return the columns of positions (None without positions) and of heights, counted from 0."""
     width, flag = table.values.shape[1], values.get("valid_column", 0)
-    rest = [column for column in range(1, width + 1) if column != flag]
-    expected = [1, 2] if points is None else [points[0] + 1, 3]
-    if points is not None and "row" not in values:
-        problem = f"is needed: the file has {len(points[1])} scan lines of points x y h"
-        raise refused("row", problem, rows_allowed(len(points[1]), SCAN_LINES))
-    used = list(values.get("columns", expected if points is not None and len(rest) == 3 else rest))
+    used = list(values.get("columns", [column for column in range(1, width + 1) if column != flag]))
     if len(used) > 2:
-        allowed = f"columns = {expected} for x and h in these columns; valid_column for a column that marks missing "
-        allowed += f'heights; row = 0, 1, .. for one of {TEXT_LINES}, or row = "mean", where they are a map'
+        allowed = (
+            "columns = [1, 2] for x and h in these columns; valid_column for a column that marks missing heights; "
+        )
+        allowed += f'row = 0, 1, .. for one of {TEXT_LINES}, or row = "mean", where they are a map'
         problem = f"is needed: the file has {width} columns, in line {table.lines[0]} {table.rows[0][:40]!r}"
         raise refused("columns", problem, allowed)
     if max(used) > width or flag in used or len(set(used)) < len(used):
         raise refused("columns", f"= {used}", f"columns of the file, 1 to {width}, each once, other than valid_column")
-    if points is not None and (len(used) != 2 or used[0] != expected[0] or used[1] < 3):
-        raise refused("columns", f"= {used} of points x y h", f"columns = {expected}: along the lines, and heights")
     if len(used) == 2 and "spacing" in values:
-        heights = f"; columns = [{used[0]}] or [{used[1]}] for heights alone" if points is None else ""
-        allowed = f"leave it out where the file has positions{heights}"
+        allowed = f"leave it out where the file has positions; columns = [{used[0]}] or [{used[1]}] for heights alone"
         raise refused("spacing", f"= {values['spacing']:g} beside positions", allowed)
     return (None, used[0] - 1) if len(used) == 1 else (used[0] - 1, used[1] - 1)
 
@@ -110,7 +92,7 @@ def _valid(heights: FloatArray, marks: FloatArray, values: Mapping[str, Any]) ->
     others = np.unique(marks[marks != 0])
     told = f"column {column} holds {_counted(marks)}"
     if valid is None and (others.size > 1 or np.isnan(others).any()):
-        allowed = f"0 and one other number; or valid_value = the number that marks a valid height; {WORDS}"
+        allowed = f"0 and one other number; or valid_value = the number that marks a valid height; {REMEDY}"
         raise refused("valid_column", f"= {column}: {told}", allowed)
     if valid is not None and valid not in marks:
         raise refused("valid_value", f"= {valid:g}: {told}", "the one of these numbers that marks a valid height")

@@ -21,7 +21,7 @@ import numpy as np
 from bem.geometry.arrays import FloatArray
 from bem.scans.read_array import rows_of
 from bem.scans.read_units import unit_of
-from bem.scans.scan_refusal import ScanFileError, refused
+from bem.scans.scan_file_error import ScanFileError, refused
 
 LIBRARY = "SurfaceTopography"
 RASTER_TEXT = (  # SDF (ISO 25178-71), BCR-STM, Wyko

@@ -1,9 +1,8 @@
 """Rows of a map in a text file.
 
-map      A row of heights on each line of the file: `row` names one, or the mean of all.  A line or column of axes at a
-         side is refused: numbers in order where those of the next two lines or columns are not.  An axis that is in
-         order but for a number at its end has a corner there, so that the side that it meets holds an axis too.
-points   Columns x, y and h, one scan line after another: `row` names one, or the mean of all.
+Every line of the file is a row of heights: `row` names one, or the mean of all.  A line or column of axes at a side is
+refused: numbers in order where those of the next two lines or columns are not.  An axis that is in order but for a
+number at its end has a corner there, so that the side that it meets holds an axis too.
 """
 
 from __future__ import annotations
@@ -14,61 +13,17 @@ from typing import Any
 import numpy as np
 
 from bem.geometry.arrays import FloatArray
-from bem.scans.read_text import LISTED, NUMBER, TextTable
-from bem.scans.scan_refusal import refused
+from bem.scans.read_text import LINES_LISTED, NUMBER, TextTable
+from bem.scans.scan_file_error import refused
 
 FEWEST_SAMPLES = 3  # derived: samples that carry one harmonic
 FEWEST_STEPPED, FEWEST_ORDERED = 4, 8  # format: numbers on an axis, at equal steps or in order; by chance, 1 in 20,000
-EQUAL = 0.01  # format: admitted deviation of a step of an axis, in steps
+EQUAL_STEP = 0.01  # format: admitted deviation of a step of an axis, in steps
 
 BESIDE_CORNER = {"first": slice(1, None), "last": slice(None, -1)}  # numbers of an axis, by the end with a corner
 TEXT_LINES = "the lines of heights, from the first in the file"
-SCAN_LINES = "the scan lines, from the first in the file"
 ARRAY_LINES = "the columns a[:, row] of the array"
 MAP_LINES = "the lines along x, from the first in the file"
-
-ScanLines = tuple[int, list[slice]]  # of points x y h: the column along the scan lines, from 0, and the rows of each
-
-
-def scan_lines(table: FloatArray) -> ScanLines | None:
-    """Return the scan lines of points x y h; None for other tables.
-
-    Of the first two columns one is constant along a line, and the other rises or falls.
-
-    Examples
-    --------
-    >>> points = np.array([[0, 5, 7], [1, 5, 8], [2, 5, 9], [0, 6, 7], [1, 6, 7], [2, 6, 8.0]])
-    >>> scan_lines(points)
-    (0, [slice(0, 3, None), slice(3, 6, None)])
-    """
-    if table.shape[1] < 3:
-        return None
-    for along, across in ((0, 1), (1, 0)):
-        starts = np.flatnonzero(np.diff(table[:, across], prepend=np.nan) != 0)
-        ends = np.append(starts[1:], table.shape[0])
-        if (
-            starts.size < 2
-            or np.min(ends - starts) < FEWEST_SAMPLES
-            or np.unique(table[starts, across]).size < starts.size
-        ):
-            continue
-        lines = [slice(int(start), int(end)) for start, end in zip(starts, ends, strict=True)]
-        if all(len(set(np.sign(np.diff(table[line, along])))) == 1 for line in lines):
-            return along, lines
-    return None
-
-
-def scan_line(table: TextTable, points: ScanLines, heights: FloatArray, row: int | str) -> tuple[slice, FloatArray]:
-    """Return the rows and heights of a scan line of points x y h; for the mean, rows of the first line."""
-    along, lines = points
-    if isinstance(row, int):
-        rows = lines[_checked_row(row, len(lines), SCAN_LINES)]
-        return rows, heights[rows]
-    first = table.values[lines[0], along]
-    if any(not np.array_equal(table.values[line, along], first) for line in lines):
-        allowed = f"row = 0 to {len(lines) - 1} for one of {SCAN_LINES}"
-        raise refused("row", '= "mean" of scan lines with different positions', allowed)
-    return lines[0], np.asarray(np.mean([heights[line] for line in lines], axis=0))
 
 
 def row_of(heights: FloatArray, row: int | str, lines: str) -> FloatArray:
@@ -93,9 +48,10 @@ def rows_allowed(count: int, lines: str) -> str:
 def map_of(table: TextTable, values: Mapping[str, Any]) -> FloatArray:
     """Return the heights of a map; ScanFileError for keys and headings of columns, and for axes."""
     width = table.values.shape[1]
-    if width <= 2:
-        problem = f"= {values['row']!r} of a file with {width} columns"
-        raise refused("row", problem, "leave it out: only a map has rows, one on each line of the file")
+    if width <= FEWEST_SAMPLES:
+        allowed = f"leave it out: only a map has rows, of more than {FEWEST_SAMPLES} heights, one on each line of the "
+        allowed += "file; of scan lines x y h keep one, with columns = [1, 3], or [2, 3] along y"
+        raise refused("row", f"= {values['row']!r} of a file with {width} columns", allowed)
     for key in ("columns", "valid_column", "valid_value"):
         if key in values:
             raise refused(key, f"= {values[key]!r} beside row", "leave it out: the row of a map is all of a line")
@@ -124,7 +80,7 @@ def refuse_numbers_above(table: TextTable, heights: FloatArray, values: Mapping[
             count = np.count_nonzero(heights == value)
             equal += [f"line {number} ({line[:40]!r}): {value:g}, as {count} heights"] * bool(count)
     if equal:
-        told = "; ".join(equal[:LISTED]) + "; .." * (len(equal) > LISTED)
+        told = "; ".join(equal[:LINES_LISTED]) + "; .." * (len(equal) > LINES_LISTED)
         allowed = 'missing_value = the number that stands for a missing height; missing_value = "none" if none does'
         raise refused("missing_value", f"is needed: numbers above the heights equal heights: {told}", allowed)
 
@@ -164,4 +120,4 @@ def _ordered(row: FloatArray, stepped: bool) -> bool:
     steps = np.diff(row)
     if row.size < (FEWEST_STEPPED if stepped else FEWEST_ORDERED) or not ((steps > 0).all() or (steps < 0).all()):
         return False
-    return not stepped or float(np.abs(steps - steps.mean()).max()) <= EQUAL * abs(float(steps.mean()))
+    return not stepped or float(np.abs(steps - steps.mean()).max()) <= EQUAL_STEP * abs(float(steps.mean()))

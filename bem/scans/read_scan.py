@@ -18,15 +18,16 @@ from numpy.typing import ArrayLike
 
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.lengths import METRES
+from bem.geometry.ranges import Mistake
 from bem.scans.read_array import SIGNATURE, read_npy, real_array
 from bem.scans.read_bytes import content_of, text_of
 from bem.scans.read_columns import TableLine, line_of
 from bem.scans.read_instrument import RASTER_TEXT, InstrumentScan, read_instrument
 from bem.scans.read_map import ARRAY_LINES, MAP_LINES, row_of, rows_allowed, without_missing
-from bem.scans.read_text import COMMENT, DELIMITERS, LISTED, read_table
+from bem.scans.read_text import COMMENT, DELIMITERS, LINES_LISTED, read_table
 from bem.scans.read_units import resolved_units
+from bem.scans.scan_file_error import ScanFileError, refused
 from bem.scans.scan_keys import SCAN_KEYS, TEXT_KEYS
-from bem.scans.scan_refusal import Refusal, ScanFileError, refused
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +112,7 @@ def _from_text(text: str, encoding: str, values: Mapping[str, Any]) -> RawScan:
         line for number, line in table.above if number <= skip_lines or (number < table.heading and line[0] in COMMENT)
     ]
     if over:
-        facts["skipped"] = " | ".join(line[:40] for line in over[:LISTED])
+        facts["skipped"] = " | ".join(line[:40] for line in over[:LINES_LISTED])
     facts |= {} if line.map_rows is None else {"rows": line.map_rows}
     stated = {axis: table.units[column] for axis, column in zip("xh", line.columns, strict=True) if column is not None}
     raw = _in_metres(line, stated, f"line {table.heading}", facts, values)
@@ -120,7 +121,7 @@ def _from_text(text: str, encoding: str, values: Mapping[str, Any]) -> RawScan:
         return raw
 
     def half_digits() -> FloatArray:
-        return metres * np.array([_half_digit(table.reading.cells(row)[x_column]) for row in table.rows[line.rows]])
+        return metres * np.array([_half_digit(table.reading.cells(row)[x_column]) for row in table.rows])
 
     return replace(raw, half_digits=half_digits)
 
@@ -156,9 +157,9 @@ def _from_rows(scan: InstrumentScan, values: Mapping[str, Any]) -> RawScan:
 
 def _refuse_keys(values: Mapping[str, Any], keys: Iterable[str], why: str) -> None:
     """Raise ScanFileError for keys that a file of this sort does not use."""
-    refusals = [Refusal(key, f"= {values[key]!r} {why}", "leave it out") for key in keys if key in values]
-    if refusals:
-        raise ScanFileError(refusals)
+    mistakes = [Mistake(f"profile.{key}", f"= {values[key]!r} {why}", "leave it out") for key in keys if key in values]
+    if mistakes:
+        raise ScanFileError(mistakes)
 
 
 def _in_metres(
@@ -168,11 +169,11 @@ def _in_metres(
     missing = []
     if line.x is None and "spacing" not in values:
         problem = "is missing: the file has heights alone, without positions or lengths"
-        missing = [Refusal("spacing", problem, "spacing = the distance of two samples, in unit_x")]
+        missing = [Mistake("profile.spacing", problem, "spacing = the distance of two samples, in unit_x")]
     try:
         units = resolved_units(values, stated, source)
     except ScanFileError as error:
-        raise ScanFileError([*missing, *error.refusals]) from None
+        raise ScanFileError([*missing, *error.mistakes]) from None
     if missing:
         raise ScanFileError(missing)
     metres = METRES[units["x"]]

@@ -9,8 +9,8 @@ LF, CR or both, as in editors.
 
 A *reading* is a delimiter (tab, semicolon, comma, blanks) with a decimal mark.  The file must be rows of one length in
 some reading; tabs part columns before blanks do.  The scene states `decimal` where the decimal mark is not clear: two
-readings give different numbers (`0,5` may be two columns or a decimal comma), every comma may part thousands
-(`12,345`), or columns of whole numbers between commas may hold the decimals of the column before (`0,1,25`).
+readings give different numbers (`0,5` may be two columns or a decimal comma), or columns of whole numbers between
+commas may hold the decimals of the column before (`0,1,25`).  Marks between thousands are not read.
 """
 
 from __future__ import annotations
@@ -24,23 +24,22 @@ from typing import NamedTuple
 import numpy as np
 
 from bem.geometry.arrays import FloatArray, IntArray
-from bem.geometry.ranges import MOST
+from bem.geometry.ranges import MOST, Mistake
 from bem.scans.read_units import heading_units
-from bem.scans.scan_refusal import Refusal, ScanFileError, refused
+from bem.scans.scan_file_error import ScanFileError, refused
 
-Numbers = tuple[float, ...]
+Cells = tuple[float, ...]
 NumberedLine = tuple[int, str]  # its number as editors count, and its text
 
 SHOWN = 3  # format: mistakes of one sort that are spelt out
 COMMENT = ("#", "%")  # beginnings of a line above a heading that is read over
-LISTED = 12  # format: lines above the numbers that are spelt out
+LINES_LISTED = 12  # format: lines above the numbers that are spelt out
 DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma", "": "blanks"}
 MISSING = {"", "-", "--", "---", "***", "na", "n/a", "#n/a", "null", "none"}
 MISSING |= {"nan", "-nan", "nan(ind)", "-nan(ind)", "1.#qnan", "-1.#ind", "inf", "+inf", "-inf"}
 NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
-THOUSANDS = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")  # or a decimal comma
 MINUS = re.compile("[\u2010-\u2015\u2212\ufe63\uff0d]")  # hyphens, dashes and minus signs of Unicode
-WORDS = "words that mark heights become numbers, as 1 and 0 in a column that valid_column names"
+REMEDY = "words that mark heights become numbers, as 1 and 0 in a column that valid_column names"
 
 
 class Reading(NamedTuple):
@@ -55,7 +54,7 @@ class Reading(NamedTuple):
             return re.split("[ \t]+", line.strip(" \t"))
         return [cell.strip(" \t").strip('"').strip(" \t") for cell in line.split(self.delimiter)]
 
-    def row(self, line: str) -> Numbers | None:
+    def row(self, line: str) -> Cells | None:
         """Return the numbers of a line, NaN for a missing one; None if a cell is neither."""
         values = []
         for cell in self.cells(line):
@@ -113,7 +112,7 @@ def read_table(text: str, skip_lines: int = 0, decimal: str | None = None) -> Te
         _refuse_minus(line, readings)
     if not body:
         told = f": {_quoted(above)} not numbers alone" if above else ""
-        raise refused("file", f"holds no line of numbers{told}", f"a text file with lines of numbers; {WORDS}")
+        raise refused("file", f"holds no line of numbers{told}", f"a text file with lines of numbers; {REMEDY}")
     reading, read = _rows_of(body, readings)
     width = len(reading.cells(body[0][1]))
     units = _heading_of(above, width)
@@ -141,12 +140,12 @@ def _heading_of(above: Sequence[NumberedLine], width: int) -> tuple[str, ...]:
         "columns of numbers, under a heading with a unit for each column, as in x [mm]; h [um]; or, if no samples "
     )
     allowed += f"stand there, skip_lines = {above[-1 - count][0]}, and what the lines say in unit_x, unit_h, spacing, "
-    raise refused("file", f"{_quoted(above)} not numbers", f"{allowed}columns, missing_value, valid_column; {WORDS}")
+    raise refused("file", f"{_quoted(above)} not numbers", f"{allowed}columns, missing_value, valid_column; {REMEDY}")
 
 
 def _quoted(lines: Sequence[NumberedLine]) -> str:
     """Return the numbers and the texts of lines, as the subject of a sentence with its verb."""
-    texts = ", ".join(repr(line[:40]) for _, line in lines[:LISTED]) + ", .." * (len(lines) > LISTED)
+    texts = ", ".join(repr(line[:40]) for _, line in lines[:LINES_LISTED]) + ", .." * (len(lines) > LINES_LISTED)
     first, last = lines[0][0], lines[-1][0]
     return f"line {first} ({texts}) is" if len(lines) == 1 else f"lines {first} to {last} ({texts}) are"
 
@@ -160,7 +159,7 @@ def _are_names(lines: Sequence[NumberedLine], units: int, width: int) -> bool:
     )
 
 
-def _rows_of(body: Sequence[NumberedLine], readings: Iterable[Reading]) -> tuple[Reading, list[Numbers | None]]:
+def _rows_of(body: Sequence[NumberedLine], readings: Iterable[Reading]) -> tuple[Reading, list[Cells | None]]:
     """Return the reading in which most lines are rows as long as the first, and the rows, None for other lines.
 
     ScanFileError for readings with unlike decimal marks that give unlike numbers.
@@ -183,7 +182,7 @@ def _rows_of(body: Sequence[NumberedLine], readings: Iterable[Reading]) -> tuple
     return reading, rows
 
 
-def _numbers(body: Sequence[NumberedLine], reading: Reading, rows: Sequence[Numbers | None], width: int) -> FloatArray:
+def _numbers(body: Sequence[NumberedLine], reading: Reading, rows: Sequence[Cells | None], width: int) -> FloatArray:
     """Return the numbers of all rows, (n_rows, width); ScanFileError for lines that are no rows."""
     wrong = []
     for (number, line), row in zip(body, rows, strict=True):
@@ -195,30 +194,20 @@ def _numbers(body: Sequence[NumberedLine], reading: Reading, rows: Sequence[Numb
             wrong.append(f"line {number} ({line[:40]!r}) holds {parted}")
     if wrong:
         allowed = f"{width} numbers up to {MOST:g}, or NaN for a missing one, with decimal mark {reading.decimal!r}, "
-        allowed += f"and {DELIMITERS[reading.delimiter]} between columns: correct the line; {WORDS}"
+        allowed += f"and {DELIMITERS[reading.delimiter]} between columns: correct the line; {REMEDY}"
         rest = [f"and {len(wrong) - SHOWN} more lines like that"] * (len(wrong) > SHOWN)
-        raise ScanFileError([Refusal("file", text, allowed) for text in (*wrong[:SHOWN], *rest)])
+        raise ScanFileError([Mistake("profile.file", text, allowed) for text in (*wrong[:SHOWN], *rest)])
     return np.array(rows, dtype=np.float64)
 
 
 def _refuse_commas(body: Sequence[NumberedLine], reading: Reading, values: FloatArray) -> None:
-    """Raise ScanFileError if commas may be another mark: decimal marks (`0,1,25`), or between thousands (`12,345`)."""
+    """Raise ScanFileError if commas between columns may be decimal marks of the column before (`0,1,25`)."""
     decimals = reading.delimiter == "," and values.shape[1] > 2 and (values[:, 1:] >= 0).all(axis=0).any()
     if decimals and not any("." in line for _, line in body):
         number, line = body[0]
         problem = f"is needed: line {number} ({line[:40]!r}) has commas that may part columns or decimals"
         allowed = 'decimal = "." if every comma parts columns; otherwise write points, or another mark, in the file'
         raise refused("decimal", problem, allowed)
-    if reading.decimal != ",":
-        return
-    commas = ((*line, cell) for line in body for cell in reading.cells(line[1]) if "," in cell)
-    first = next(commas, None)
-    if first is None or not all(THOUSANDS.fullmatch(cell) for *_, cell in (first, *commas)):
-        return
-    number, line, cell = first
-    problem = f"is needed: line {number} ({line[:40]!r}) may mean {cell.replace(',', '.')} or {cell.replace(',', '')}"
-    allowed = 'decimal = "," for the first; for the second remove the commas between thousands from the file'
-    raise refused("decimal", problem, allowed)
 
 
 def _refuse_minus(line: NumberedLine, readings: Iterable[Reading]) -> None:

@@ -13,7 +13,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from bem.geometry.lengths import LENGTH_UNITS, METRES
-from bem.scans.scan_refusal import Refusal, ScanFileError
+from bem.geometry.ranges import Mistake
+from bem.scans.scan_file_error import ScanFileError
 
 SYMBOLS = {"μm": "um", "μin": "uin", "Å": "angstrom"}  # after NFKC, which has one micro sign and one angstrom sign
 LONGEST = 1000  # format: characters of a heading
@@ -72,21 +73,21 @@ def resolved_units(values: Mapping[str, Any], stated: Mapping[str, str], source:
     states by axis: "" for an axis without one.  ScanFileError for units that are missing, unknown or contradictory.
     """
     units: dict[str, str] = {}
-    refusals = []
+    mistakes = []
     for axis in "xh":
         key, own = f"unit_{axis}", stated.get(axis, "")
-        given = values.get(key)
+        path, given = f"profile.{key}", values.get(key)
         if own and own not in METRES:
             allowed = f"one of {LENGTH_UNITS} there: spell the unit so, or convert the numbers"
-            refusals.append(Refusal(key, f"is {own!r} in {source}", allowed))
+            mistakes.append(Mistake(path, f"is {own!r} in {source}", allowed))
         elif own and given and own != given:
             problem = f'= "{given}" contradicts the file, which says "{own}" in {source}'
-            refusals.append(Refusal(key, problem, f'{key} = "{own}", or correct the file'))
+            mistakes.append(Mistake(path, problem, f'{key} = "{own}", or correct the file'))
         elif given or (own and all(stated.values())):
             units[axis] = given or own
         else:
             reason = f"{source} states a unit for one column alone" if own else "the file does not state it"
-            refusals.append(Refusal(key, f"is missing: {reason}", f"one of {LENGTH_UNITS}"))
-    if refusals:
-        raise ScanFileError(refusals)
+            mistakes.append(Mistake(path, f"is missing: {reason}", f"one of {LENGTH_UNITS}"))
+    if mistakes:
+        raise ScanFileError(mistakes)
     return units

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pydantic import PlainSerializer, PlainValidator
 
 from bem.scene.result_views import Views
-from bem.scene.state import FINAL_STATUSES, FinalStatus, Finite, MaybeNan, State, Status
+from bem.scene.state import Bound, Ending, FinalStatus, MaybeNan, Quantity, State
 from bem.scene.stored_arrays import decoded, encoded
 
 EventKind = Literal[
@@ -37,7 +37,7 @@ class Effect:
     name: str
     active: bool
     reason: str
-    seconds: float | None = None
+    seconds: Quantity | None = None
 
 
 @dataclass(frozen=True)
@@ -52,9 +52,9 @@ class Caution:
 class EventError:
     """Estimated absolute error of the numbers of an event, in their units."""
 
-    penetration: Finite
-    mean_pressure: Finite | None
-    energy_released: Finite | None
+    penetration: Bound
+    mean_pressure: Bound | None
+    energy_released: Bound | None
 
 
 @dataclass(frozen=True)
@@ -62,9 +62,9 @@ class JumpEnd:
     """State at one end of a jump, located by the path but not certified: penetration and edges in m, pressure in Pa."""
 
     status: FinalStatus
-    penetration: float
+    penetration: Quantity
     mean_pressure: MaybeNan
-    edges: tuple[tuple[float, float], ...] = ()
+    edges: tuple[tuple[Quantity, Quantity], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -78,10 +78,10 @@ class Event:
     """
 
     kind: EventKind
-    penetration: float
+    penetration: Quantity
     mean_pressure: MaybeNan
-    position: float | None
-    energy_released: float | None
+    position: Quantity | None
+    energy_released: Quantity | None
     error_estimate: EventError
     before: JumpEnd | None = None
     after: JumpEnd | None = None
@@ -91,7 +91,7 @@ class Event:
 class TensionError:
     """Bound on the error of the largest tension, Pa."""
 
-    mean_pressure: Finite
+    mean_pressure: Bound
 
 
 @dataclass(frozen=True)
@@ -113,9 +113,9 @@ class LargestTension:
     error_estimate : TensionError
     """
 
-    mean_pressure: float
-    penetration: float
-    separation: float
+    mean_pressure: Quantity
+    penetration: Quantity
+    separation: Quantity
     kind: Literal["turn", "fold", "jump"]
     error_estimate: TensionError
 
@@ -146,7 +146,7 @@ class Result(Views):
         In the order visited.
     events : tuple of Event
     status : str
-        One of `STATUSES`.
+        One of `Ending`.
     fields : dict of arrays
         Contents of fields.npz.
     failure : str, optional
@@ -165,10 +165,10 @@ class Result(Views):
     provenance: dict[str, str]
     states: tuple[State, ...]
     events: tuple[Event, ...]
-    status: Status
+    status: Ending
     fields: Arrays = field(default_factory=dict)
     failure: str | None = None
-    groups: dict[str, float] = field(default_factory=dict)
+    groups: dict[str, Quantity] = field(default_factory=dict)
     warnings: tuple[Caution, ...] = ()
     profile_preparation: tuple[dict[str, Any], ...] = ()
     largest_tension: LargestTension | None = None
@@ -185,17 +185,6 @@ class Result(Views):
             warnings=(*self.warnings, *(warning for entry in parts for warning in entry.warnings)),
             largest_tension=min(tensions, key=lambda tension: tension.mean_pressure, default=None),
         )
-
-    @property
-    def answered(self) -> bool:
-        """Success of the scene: it ended as asked, or every target that was not met lies behind a pull-off.
-
-        A tension beyond what the contact carries, asked for on the way out, is answered by the pull-off.
-        """
-        missed = [state for state in self.states if not state.found]
-        pulled = [k for k, event in enumerate(self.events) if event.kind == "pull_off"]
-        behind = [state.status == "unreachable" and bool(pulled) and pulled[0] < state.events for state in missed]
-        return self.status in FINAL_STATUSES or (self.status == "unreachable" and any(behind) and all(behind))
 
     @property
     def targets(self) -> tuple[State, ...]:

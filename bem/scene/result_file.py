@@ -58,7 +58,7 @@ def write_states(result: Result, folder: Path) -> None:
 
 
 def read_result(folder: Path | str) -> Result:
-    """Read the result of a folder, which may be given by its result.json, or the journal of an unfinished run.
+    """Read the result of a folder, or of its result.json; of a run that has not ended, the states that it has stored.
 
     Raises
     ------

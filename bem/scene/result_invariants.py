@@ -1,15 +1,15 @@
-"""Invariants of a result: what holds between its scene, states, events and arrays, besides the types of each.
+"""Invariants of a result: what its parts must agree on, besides the type and the range of each number.
 
 `check_result` judges alike what the solver has computed (bem/record.py) and what a file holds (result_file.py,
-journal.py).
+journal.py).  Numbers that follow from others (`_derived`) obey one rule: computed anew, they are the same.  Types and
+ranges are in state.py and result.py.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import is_dataclass
-from datetime import datetime
+import re
+from collections.abc import Iterator, Mapping
 from itertools import chain
 from typing import Any
 
@@ -17,17 +17,19 @@ from bem.audit.certificate import Demands
 from bem.geometry.ranges import Mistake, shown
 from bem.geometry.table import TableError, plain
 from bem.scene.provenance import FACTS, digest
-from bem.scene.result import Event, LargestTension, Result, asked_for
-from bem.scene.scene_rules import REQUIRED, loading_mistakes, profile_mistakes
+from bem.scene.result import Result, asked_for
+from bem.scene.scene_rules import loading_mistakes, profile_mistakes
 from bem.scene.scene_tables import REQUIRED_TABLES, TABLES, WITH_DEFAULTS, class_of
 from bem.scene.state import FINAL_STATUSES, GapNumbers, State
 from bem.scene.stored_arrays import array_mistakes
 
 SUM_ROUNDING = 1e-9  # derived: of a period or a sum of energies; rounding, with a margin
-LARGEST = 1e150  # derived: magnitude of any number in SI units, whose square is a double with room for a factor
 MISSED = ("unreachable", "not_converged")
-GROUPS = ("rms_height", "rms_slope", "pressure_scale")  # of every scene
-ENDINGS = ("converged", *MISSED, "interrupted")
+NEEDED_GROUPS = ("rms_height", "rms_slope", "pressure_scale")  # of every scene
+FIGURES = ("closure", "min_gap", "truncation", "contact_residual", "mean_gap_error")  # of a certified state with edges
+
+Claim = tuple[Any, str, Any, str]  # whether it holds, key, value, and what is allowed
+Derived = tuple[str, Any, Any, float]  # key, value stored, value anew, and the difference that rounding makes
 
 
 class InvariantError(ValueError):
@@ -40,80 +42,50 @@ class InvariantError(ValueError):
 
 def check_result(result: Result) -> Result:
     """Return a result in which everything holds; raise InvariantError for the first mistake."""
-    parts = (
-        _scene_mistakes(result.scene),
-        _facts_mistakes(result),
-        _number_mistakes(result),
-        _path_mistakes(result),
-        _part_mistakes(result),
-        _whole_mistakes(result),
-    )
-    for mistake in chain(*parts):
-        raise InvariantError(mistake)
+    parts = (_scene_claims, _path_claims, _part_claims, _derived_claims, _array_claims, _whole_claims)
+    for holds, key, value, allowed in chain.from_iterable(part(result) for part in parts):
+        if not holds:
+            raise InvariantError(Mistake(key, f"is {shown(value)}", allowed))
     return result
 
 
-def _unless(holds: bool, key: str, value: Any, allowed: str) -> Iterator[Mistake]:
-    """Yield a mistake unless a condition holds."""
-    if not holds:
-        yield Mistake(key, f"is {shown(value)}", allowed)
-
-
-def _facts_mistakes(result: Result) -> Iterator[Mistake]:
-    """Yield groups and facts of the provenance that are missing, and a digest of another scene."""
-    for name in GROUPS:
-        yield from _unless(name in result.groups, f"groups.{name}", None, "a number")
-    for name in FACTS:
-        yield from _unless(
-            bool(result.provenance.get(name)), f"provenance.{name}", result.provenance.get(name), "a text"
-        )
-    sha256, own = result.provenance["scene_sha256"], digest(result.scene)
-    yield from _unless(sha256 == own, "provenance.scene_sha256", sha256, f"{own}, the digest of the scene")
-    try:
-        datetime.fromisoformat(result.provenance["date"])
-    except ValueError:
-        yield Mistake("provenance.date", f"is {shown(result.provenance['date'])}", "a date and time of ISO 8601")
-
-
-def _number_mistakes(result: Result) -> Iterator[Mistake]:
-    """Yield numbers beyond `LARGEST`; NaN is a number that does not exist, an infinite error one not estimated."""
-    for name, part in vars(result).items():
-        if name in ("scene", "fields"):  # which have limits of their own
-            continue
-        for key, number in _numbers(name, part):
-            holds = abs(number) < LARGEST or number != number or (number == math.inf and ".error_estimate." in key)
-            yield from _unless(holds, key, number, f"a number below {LARGEST:g} in magnitude")
-
-
-def _numbers(key: str, part: Any) -> Iterator[tuple[str, float]]:
-    """Yield all numbers of a part of a result with their keys, but for edges, which lie within the period."""
-    if isinstance(part, int | float):
-        yield key, part
-    elif isinstance(part, list | tuple):
-        for k, item in enumerate(part):
-            yield from _numbers(f"{key}[{k}]", item)
-    elif isinstance(part, Mapping) or is_dataclass(part):
-        for name, item in (part if isinstance(part, Mapping) else vars(part)).items():
-            if name != "edges":
-                yield from _numbers(f"{key}.{name}", item)
-
-
-def _scene_mistakes(scene: Mapping[str, Any]) -> Iterator[Mistake]:
-    """Yield mistakes of a resolved scene: every table is there, with all its keys and allowed values."""
-    yield from _unless(isinstance(scene.get("title"), str), "scene.title", scene.get("title"), "a text")
+def _scene_claims(result: Result) -> Iterator[Claim]:
+    """Yield what holds for a resolved scene: tables made anew of their keys are the same; for groups and facts."""
+    scene = result.scene
+    yield isinstance(scene.get("title"), str), "scene.title", scene.get("title"), "a text"
     for name in TABLES:
-        table = scene.get(name)
-        if table is None and name in scene and name not in (*REQUIRED_TABLES, *WITH_DEFAULTS):
-            continue
-        if name not in scene:
-            yield Mistake(f"scene.{name}", "is missing", "a table or null")
-        yield from _unless(isinstance(table, dict), f"scene.{name}", table, "a table")
-        yield from _table_mistakes(name, {**scene[name]})
-    tables = [name for name in TABLES if scene[name] is not None]
+        table, optional = scene.get(name), name not in (*REQUIRED_TABLES, *WITH_DEFAULTS)
+        holds = isinstance(table, dict) or (table is None and optional and name in scene)
+        yield holds, f"scene.{name}", table, "a table" + " or null" * optional
+        if isinstance(table, dict):
+            yield from _table_claims(name, table)
     profile, loading = ({**scene[name]} for name in ("profile", "loading"))
     profile.pop("sha256", None)
-    yield from map(_of_scene, profile_mistakes(profile, profile))
-    yield from map(_of_scene, loading_mistakes(loading, loading, tables, profile["period"]))
+    yield "period" in profile, "scene.profile.period", None, "a length, which a resolved scene has"
+    tables = [name for name in TABLES if scene[name] is not None]
+    rules = profile_mistakes(profile, profile), loading_mistakes(loading, loading, tables, profile["period"])
+    for mistake in chain(*rules):
+        raise InvariantError(_of_scene(mistake))
+    for name in NEEDED_GROUPS:
+        yield name in result.groups, f"groups.{name}", None, "a number"
+    for name in FACTS:
+        yield bool(result.provenance.get(name)), f"provenance.{name}", result.provenance.get(name), "a text"
+    date = result.provenance["date"]
+    yield re.match(r"\d{4}-\d\d-\d\dT\d\d:\d\d", date), "provenance.date", date, "a date and time of ISO 8601"
+
+
+def _table_claims(name: str, stored: Mapping[str, Any]) -> Iterator[Claim]:
+    """Yield that a resolved table is the same when it is made anew of what is stored."""
+    given = {key: value for key, value in stored.items() if (name, key) != ("profile", "sha256")}
+    if isinstance(given.get("initial"), dict):
+        given["initial"] = {key: value for key, value in given["initial"].items() if key != "penetration"}
+    try:
+        anew = plain(class_of(name)(**given))
+    except TableError as error:
+        raise InvariantError(_of_scene(error.mistakes[0])) from error
+    for key in dict.fromkeys((*given, *anew)):
+        same = key in given and key in anew and given[key] == anew[key]
+        yield same, f"scene.{name}.{key}", given.get(key), f"{shown(anew.get(key))}, or no such key if that is null"
 
 
 def _of_scene(mistake: Mistake) -> Mistake:
@@ -121,39 +93,8 @@ def _of_scene(mistake: Mistake) -> Mistake:
     return Mistake(f"scene.{mistake.path}", mistake.found, mistake.allowed)
 
 
-def _table_mistakes(name: str, stored: dict[str, Any]) -> Iterator[Mistake]:
-    """Yield mistakes of a resolved table, which is made anew of what is stored."""
-    given = {key: value for key, value in stored.items() if (name, key) != ("profile", "sha256")}
-    if isinstance(given.get("initial"), dict):
-        given["initial"] = {key: value for key, value in given["initial"].items() if key != "penetration"}
-    try:
-        needed = [*plain(class_of(name)(**given))]
-    except TableError as error:
-        yield from map(_of_scene, error.mistakes)
-        return
-    for key in (*needed, *(("period", *REQUIRED[stored["kind"]]) if name == "profile" else ())):
-        if key not in stored:
-            yield Mistake(f"scene.{name}.{key}", "is missing", "a resolved scene has every key")
-    for key, value in given.items():
-        yield from _unless(value is not None, f"scene.{name}.{key}", value, "a value, or no such key")
-
-
-def _whole_mistakes(result: Result) -> Iterator[Mistake]:
-    """Yield mistakes of the status, the failure, the provenance and the largest tension."""
-    status, failure, tension = result.status, result.failure, result.largest_tension
-    yield from _unless(status in ENDINGS, "status", status, ", ".join(ENDINGS))
-    met = all(state.found and state.certificate.ok for state in result.targets)
-    yield from _unless(met or status != "converged", "status", status, "another one, as a target is not met")
-    yield from _unless(not met or status != "unreachable", "status", status, "another one, as every target is met")
-    told = bool(failure) if status in MISSED else failure is None
-    yield from _unless(told, "failure", failure, f"a text where the status is {' or '.join(MISSED)}, else null")
-    if tension is not None:
-        yield from _unless(tension.mean_pressure < 0, "largest_tension.mean_pressure", tension.mean_pressure, "< 0")
-        yield from _error_mistakes("largest_tension", tension)
-
-
-def _path_mistakes(result: Result) -> Iterator[Mistake]:
-    """Yield mistakes of the order of the states: of their targets, events and arrays."""
+def _path_claims(result: Result) -> Iterator[Claim]:
+    """Yield what holds for the order of the states: for their targets, events and arrays."""
     loading, last = result.scene["loading"], len(result.events)
     ahead = len(loading["targets"])
     asked = ahead + len(loading["at_mean_pressures"]) + ("stop_at_mean_pressure" in loading)
@@ -163,173 +104,134 @@ def _path_mistakes(result: Result) -> Iterator[Mistake]:
         indices = [i for i in (*range(ahead)[target : target + 1], *range(ahead, asked)) if i not in passed]
         met = state.index in indices if state.target else state.index is None
         allowed = f"{' or '.join(map(str, indices)) or 'none'} at a target, each once and in order, else null"
-        yield from _unless(met, f"states[{k}].index", state.index, allowed)
-        counted = events <= state.events <= last
-        yield from _unless(counted, f"states[{k}].events", state.events, f"{events} to {last}")
-        yield from _unless(state.stored in (None, stored), f"states[{k}].stored", state.stored, f"{stored} or null")
+        yield met, f"states[{k}].index", state.index, allowed
+        yield events <= state.events <= last, f"states[{k}].events", state.events, f"{events} to {last}"
+        yield state.stored in (None, stored), f"states[{k}].stored", state.stored, f"{stored} or null"
         events, stored, branch = state.events, stored + (state.stored is not None), state.branch
         if state.index is not None:
             target += state.index == target
             passed.add(state.index)
     whole = target == ahead or result.status in ("not_converged", "interrupted") or "stop_at_mean_pressure" in loading
-    yield from _unless(whole, "status", result.status, f"another one, as target {target} has no state")
+    yield whole, "status", result.status, f"another one, as target {target} has no state"
 
 
-def _part_mistakes(result: Result) -> Iterator[Mistake]:
-    """Yield mistakes of each state, event and array."""
-    period, depth = (
-        result.scene["profile"]["period"],
-        result.scene["accuracy"]["tolerance"] * result.groups["rms_height"],
-    )
+def _derived_claims(result: Result) -> Iterator[Claim]:
+    """Yield that numbers that follow from others are the same when they are computed anew."""
+    for key, stored, anew, rounding in _derived(result):
+        same = stored == anew or (isinstance(anew, float) and stored is not None and not abs(stored - anew) > rounding)
+        allowed = f"{anew:.9g}" if isinstance(anew, float) else shown(anew)
+        yield same, key, stored, f"{allowed}, which follows from other numbers of the result"
+
+
+def _derived(result: Result) -> Iterator[Derived]:
+    """Yield each number that follows from others."""
+    yield "provenance.scene_sha256", result.provenance["scene_sha256"], digest(result.scene), 0.0
+    period, loading = float(result.scene["profile"]["period"]), result.scene["loading"]
+    placed: list[tuple[str, float, float]] = []  # key, penetration and separation, whose sum is the highest crest
     for k, state in enumerate(result.states):
-        yield from _state_mistakes(f"states[{k}]", state, period)
-        yield from _held_mistakes(f"states[{k}]", state, result.scene["loading"])
-        if state.certificate.ok:
-            yield from _figure_mistakes(f"states[{k}].certificate", state, depth)
-        if state.gaps is not None and state.found:
-            yield from _gap_mistakes(f"states[{k}].gaps", state.gaps, state, period)
-    yield from _crest_mistakes(result)
-    for k, event in enumerate(result.events):
-        yield from _error_mistakes(f"events[{k}]", event)
-        known, bound = not math.isnan(event.mean_pressure), event.error_estimate.mean_pressure
-        allowed = "null where the tension has no bound and mean_pressure is null, else a number"
-        yield from _unless(known == (bound is not None), f"events[{k}].error_estimate.mean_pressure", bound, allowed)
-        for name, end in (("before", event.before), ("after", event.after)):
-            yield from _edge_mistakes(f"events[{k}].{name}", () if end is None else end.edges, period)
-    stored = {str(state.stored) for state in result.states if state.stored is not None}
-    for name, fault, allowed in array_mistakes(result.fields, stored):
-        yield Mistake(f"fields.{name}", f"is {fault}", allowed)
-    for state in result.states:
-        if f"x_{state.stored}" in result.fields:
-            yield from _shape_mistakes(result.fields, state, period, depth)
+        key, share = f"states[{k}]", float(state.status == "complete_contact")
+        yield f"{key}.n_patches", state.n_patches, len(state.edges), 0.0
+        yield f"{key}.certificate.ok", state.certificate.ok, state.status in FINAL_STATUSES, 0.0
+        if not state.found:
+            continue
+        placed.append((key, state.penetration, state.separation))
+        share = sum(b - a for a, b in state.edges) / period if state.edges else share
+        yield f"{key}.contact_fraction", state.contact_fraction, share, SUM_ROUNDING
+        size = abs(state.elastic_energy) + abs(state.adhesion_energy)
+        total = state.elastic_energy + state.adhesion_energy
+        yield f"{key}.total_energy", state.total_energy, total, SUM_ROUNDING * size
+        if state.index is not None:
+            quantity, asked = asked_for(loading, state.index)
+            size = abs(asked)  # of a distance with the crest, penetration + separation: 1e-300 m is 0
+            size += abs(state.penetration) + abs(state.separation) if quantity in ("separation", "penetration") else 0
+            error = getattr(state.error_estimate, quantity) or 0.0
+            yield f"{key}.{quantity}", getattr(state, quantity), float(asked), error + SUM_ROUNDING * size
+        if state.gaps is not None:
+            yield from _derived_gaps(f"{key}.gaps", state.gaps, state, period)
+    tension = result.largest_tension
+    placed += [] if tension is None else [("largest_tension", tension.penetration, tension.separation)]
+    for key, penetration, separation in placed[1:]:
+        crest = placed[0][1] + placed[0][2]
+        size = abs(crest) + abs(separation) + abs(placed[0][2])
+        yield f"{key}.penetration", penetration, crest - separation, SUM_ROUNDING * size
 
 
-def _shape_mistakes(fields: Mapping[str, Any], state: State, period: float, depth: float) -> Iterator[Mistake]:
-    """Yield mistakes of the shape of a state: positions, gaps down to -`depth` or rounding, patches and pressures."""
-    x, gap, patch, pressure = (fields[f"{name}_{state.stored}"] for name in ("x", "gap", "patch", "pressure"))
-    height = max(depth, SUM_ROUNDING * float(gap.max()))
-    for name, holds, allowed in (
-        ("x", (x[1:] >= x[:-1]).all() and x[-1] - x[0] <= period * (1 + SUM_ROUNDING), f"rising within {period:g} m"),
-        ("gap", gap.min() >= -height, f"at least {-height:.3g} m"),
-        ("patch", patch.min() >= -1 and patch.max() < max(state.n_patches, 1), f"-1 to {state.n_patches - 1}"),
-        ("pressure", not (abs(pressure) == math.inf).any(), "finite, or NaN where it does not exist"),
-    ):
-        if not holds:
-            yield Mistake(f"fields.{name}_{state.stored}", "has other values", allowed)
-
-
-def _state_mistakes(key: str, state: State, period: float) -> Iterator[Mistake]:
-    """Yield mistakes of a state: edges and contact, energies, certificate and errors."""
-    yield from _edge_mistakes(key, state.edges, period)
-    count = len(state.edges)
-    yield from _unless(state.n_patches == count, f"{key}.n_patches", state.n_patches, f"{count}, the number of edges")
-    share = sum(b - a for a, b in state.edges) / period if state.edges else float(state.status == "complete_contact")
-    total = state.elastic_energy + state.adhesion_energy
-    size = abs(state.elastic_energy) + abs(state.adhesion_energy)
-    if state.found:
-        close = abs(state.contact_fraction - share) < SUM_ROUNDING
-        allowed = f"{share:.9g}, the share of the period between edges"
-        yield from _unless(close, f"{key}.contact_fraction", state.contact_fraction, allowed)
-        close = abs(state.total_energy - total) <= SUM_ROUNDING * size
-        yield from _unless(close, f"{key}.total_energy", state.total_energy, f"{total:.9g}, the sum of both energies")
-    ok, reasons, certified = state.certificate.ok, state.certificate.reasons, state.status in FINAL_STATUSES
-    yield from _unless(
-        ok == certified, f"{key}.certificate.ok", ok, f"{shown(certified)} where the state is {state.status}"
-    )
-    yield from _unless(
-        bool(reasons) != ok, f"{key}.certificate.reasons", reasons, "a text where ok is false, else none"
-    )
-    for name in ("unknowns", "evaluations", "cpu_seconds"):
-        yield from _unless(getattr(state, name) >= 0, f"{key}.{name}", getattr(state, name), ">= 0")
-    yield from _error_mistakes(key, state)
-
-
-def _held_mistakes(key: str, state: State, loading: Mapping[str, Any]) -> Iterator[Mistake]:
-    """Yield a mistake of a state at a target: the quantity asked for has the value asked for, within its error.
-
-    Distances round with the crest, penetration + separation: a separation of 1e-300 m is 0.
-    """
-    if state.index is None or not state.found:
-        return
-    quantity, asked = asked_for(loading, state.index)
-    value, error = getattr(state, quantity), getattr(state.error_estimate, quantity) or 0.0
-    crest = abs(state.penetration) + abs(state.separation) if quantity in ("separation", "penetration") else 0.0
-    allowed = error + SUM_ROUNDING * (abs(asked) + crest)
-    held = value is not None and not abs(value - asked) > allowed  # NaN: any pressure would do
-    yield from _unless(
-        held, f"{key}.{quantity}", value, f"{asked:.9g}, target {state.index}, within the estimated error"
-    )
-
-
-def _crest_mistakes(result: Result) -> Iterator[Mistake]:
-    """Yield the first penetration that does not add up with its separation to the highest crest, as others do."""
-    places: list[tuple[str, State | LargestTension]] = [
-        (f"states[{k}]", state) for k, state in enumerate(result.states) if state.found
-    ]
-    places += [] if result.largest_tension is None else [("largest_tension", result.largest_tension)]
-    for key, part in places[1:]:
-        crest = places[0][1].penetration + places[0][1].separation
-        rest = crest - part.separation
-        size = abs(crest) + abs(part.separation) + abs(places[0][1].separation)
-        allowed = f"{rest:.9g}, as penetration + separation is {crest:.9g} m in {places[0][0]}"
-        yield from _unless(
-            abs(part.penetration - rest) <= SUM_ROUNDING * size, f"{key}.penetration", part.penetration, allowed
-        )
-
-
-def _figure_mistakes(key: str, state: State, depth: float) -> Iterator[Mistake]:
-    """Yield figures that no certified state has; surfaces may overlap by `depth` at most."""
-    figures, asymmetry = state.certificate, Demands().hessian_asymmetry
-    for name in ("closure", "min_gap", "truncation", "contact_residual", "mean_gap_error") if state.edges else ():
-        yield from _unless(getattr(figures, name) is not None, f"{key}.{name}", None, "a number where ok is true")
-    for name, least, most in (
-        ("closure", 0.0, math.inf),
-        ("min_gap", -depth, math.inf),
-        ("min_eigenvalue", 0.0, math.inf),
-        ("hessian_asymmetry", 0.0, asymmetry),
-        ("truncation", 0.0, math.inf),
-        ("contact_residual", 0.0, math.inf),
-        ("mean_gap_error", 0.0, math.inf),
-    ):
-        value = getattr(figures, name)
-        allowed = f"{least:.3g} to {most:.3g} where ok is true"
-        yield from _unless(value is None or least <= value <= most, f"{key}.{name}", value, allowed)
-
-
-def _gap_mistakes(key: str, gaps: GapNumbers, state: State, period: float) -> Iterator[Mistake]:
-    """Yield numbers of the gaps that do not follow from contact fraction, edges and separation, and peaks too low."""
+def _derived_gaps(key: str, gaps: GapNumbers, state: State, period: float) -> Iterator[Derived]:
+    """Yield the numbers of gaps that follow from contact fraction, edges and separation."""
     share, starts = 1 - state.contact_fraction, [a for a, _ in state.edges]
     following = [*starts[1:], *(start + period for start in starts[:1])]
     widest = max((a - b for (_, b), a in zip(state.edges, following, strict=True)), default=period * share)
-    mean, heights = (
-        state.separation / share if share > SUM_ROUNDING else gaps.mean_open,
-        [*vars(gaps.quantiles).values()],
-    )
-    for name, value, right, scale in (
-        ("open_fraction", gaps.open_fraction, share, 1.0),
-        ("widest_channel", gaps.widest_channel, widest, period),
-        ("mean_open", gaps.mean_open, mean, mean / max(share, SUM_ROUNDING)),
-    ):
-        yield from _unless(abs(value - right) <= SUM_ROUNDING * scale, f"{key}.{name}", value, f"{right:.9g}")
-    top = max(state.largest_gap or 0.0, gaps.mean_open)
-    rising = heights == sorted(heights) and heights[0] >= 0 and heights[-1] <= top * (1 + SUM_ROUNDING)
-    yield from _unless(rising, f"{key}.quantiles", heights, f"rising heights from 0 to {top:.9g}, the largest gap")
-    peak, fraction = state.peak_pressure, state.contact_fraction
-    if peak is not None and fraction > 0:
-        least = state.mean_pressure / fraction
-        holds, allowed = peak >= least - SUM_ROUNDING * abs(least), f"at least {least:.9g}, the mean in contact"
-        yield from _unless(holds, f"{key.removesuffix('.gaps')}.peak_pressure", peak, allowed)
+    yield f"{key}.open_fraction", gaps.open_fraction, share, SUM_ROUNDING
+    yield f"{key}.widest_channel", gaps.widest_channel, widest, SUM_ROUNDING * period
+    if share > SUM_ROUNDING:
+        mean = state.separation / share
+        yield f"{key}.mean_open", gaps.mean_open, mean, SUM_ROUNDING * mean / share
 
 
-def _edge_mistakes(key: str, edges: Sequence[tuple[float, float]], period: float) -> Iterator[Mistake]:
-    """Yield mistakes of edges."""
-    ends = [end for edge in edges for end in edge]
-    placed = ends == sorted(ends) and (not ends or (0 <= ends[0] <= period and ends[-1] <= ends[0] + period))
-    yield from _unless(placed, f"{key}.edges", edges, f"ascending positions within one period of {period:g} m")
+def _part_claims(result: Result) -> Iterator[Claim]:
+    """Yield what holds for edges, certificates, gaps, peaks and events."""
+    period = float(result.scene["profile"]["period"])
+    depth = result.scene["accuracy"]["tolerance"] * result.groups["rms_height"]
+    ends = [(f"states[{k}]", state.edges) for k, state in enumerate(result.states)]
+    for k, event in enumerate(result.events):
+        jump = (("before", event.before), ("after", event.after))
+        ends += [(f"events[{k}].{name}", end.edges) for name, end in jump if end is not None]
+        known, bound = not math.isnan(event.mean_pressure), event.error_estimate.mean_pressure
+        allowed = "null where the tension has no bound and mean_pressure is null, else a number"
+        yield known == (bound is not None), f"events[{k}].error_estimate.mean_pressure", bound, allowed
+    for key, edges in ends:
+        row = [end for edge in edges for end in edge]
+        placed = row == sorted(row) and (not row or (0 <= row[0] <= period and row[-1] <= row[0] + period))
+        yield placed, f"{key}.edges", edges, f"ascending positions within one period of {period:g} m"
+    for k, state in enumerate(result.states):
+        key, figures = f"states[{k}]", state.certificate
+        allowed = "a text where ok is false, else none"
+        yield bool(figures.reasons) != figures.ok, f"{key}.certificate.reasons", figures.reasons, allowed
+        least = {"min_gap": -depth} | dict.fromkeys((*FIGURES[:1], *FIGURES[2:], "min_eigenvalue"), 0.0)
+        for name, bound in least.items() if figures.ok else ():
+            value = getattr(figures, name)
+            holds = value >= bound if value is not None else name not in FIGURES or not state.edges
+            yield holds, f"{key}.certificate.{name}", value, f"at least {bound:.3g} where ok is true"
+        asymmetry, most = figures.hessian_asymmetry or 0.0, Demands().hessian_asymmetry
+        holds = 0 <= asymmetry <= most or not figures.ok
+        yield holds, f"{key}.certificate.hessian_asymmetry", asymmetry, f"0 to {most:.3g} where ok is true"
+        if state.gaps is None or not state.found:
+            continue
+        heights, top = [*vars(state.gaps.quantiles).values()], max(state.largest_gap or 0.0, state.gaps.mean_open)
+        rising = heights == sorted(heights) and heights[0] >= 0 and heights[-1] <= top * (1 + SUM_ROUNDING)
+        yield rising, f"{key}.gaps.quantiles", heights, f"rising heights from 0 to {top:.9g}, the largest gap"
+        mean = state.mean_pressure / state.contact_fraction if state.contact_fraction > 0 else math.nan
+        low = state.peak_pressure is not None and state.peak_pressure < mean - SUM_ROUNDING * abs(mean)
+        yield not low, f"{key}.peak_pressure", state.peak_pressure, f"at least {mean:.9g}, the mean in contact"
 
 
-def _error_mistakes(key: str, part: State | Event | LargestTension) -> Iterator[Mistake]:
-    """Yield mistakes of estimated errors."""
-    for name, error in vars(part.error_estimate).items():
-        right = error is None or error >= 0
-        yield from _unless(right, f"{key}.error_estimate.{name}", error, "a number >= 0 or null")
+def _array_claims(result: Result) -> Iterator[Claim]:
+    """Yield what holds for arrays: their names and types, and the shapes of states."""
+    period = float(result.scene["profile"]["period"])
+    depth = result.scene["accuracy"]["tolerance"] * result.groups["rms_height"]
+    states = {str(state.stored): state for state in result.states if state.stored is not None}
+    for name, fault, allowed in array_mistakes(result.fields, states.keys()):
+        raise InvariantError(Mistake(f"fields.{name}", f"is {fault}", allowed))
+    for k, state in states.items():
+        if f"x_{k}" not in result.fields:
+            continue
+        x, gap, patch, pressure = (result.fields[f"{name}_{k}"] for name in ("x", "gap", "patch", "pressure"))
+        height = max(depth, SUM_ROUNDING * float(gap.max()))
+        rising, most = (x[1:] >= x[:-1]).all() and x[-1] - x[0] <= period * (1 + SUM_ROUNDING), max(state.n_patches, 1)
+        yield rising, f"fields.x_{k}", x[:3].tolist(), f"rising within {period:g} m"
+        yield gap.min() >= -height, f"fields.gap_{k}", gap[:3].tolist(), f"at least {-height:.3g} m"
+        yield patch.min() >= -1 and patch.max() < most, f"fields.patch_{k}", patch[:3].tolist(), f"-1 to {most - 1}"
+        finite = not (abs(pressure) == math.inf).any()
+        yield finite, f"fields.pressure_{k}", pressure[:3].tolist(), "finite, or NaN where it does not exist"
+
+
+def _whole_claims(result: Result) -> Iterator[Claim]:
+    """Yield what holds for the status, the failure and the largest tension."""
+    status, failure, tension = result.status, result.failure, result.largest_tension
+    met = all(state.found and state.certificate.ok for state in result.targets)
+    yield met or status != "converged", "status", status, "another one, as a target is not met"
+    yield not met or status != "unreachable", "status", status, "another one, as every target is met"
+    told = bool(failure) if status in MISSED else failure is None
+    yield told, "failure", failure, f"a text where the status is {' or '.join(MISSED)}, else null"
+    if tension is not None:
+        yield tension.mean_pressure < 0, "largest_tension.mean_pressure", tension.mean_pressure, "< 0"

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_origin, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.scene.state import FINAL_STATUSES
 from bem.scene.stored_arrays import FIELDS, split
 
 if TYPE_CHECKING:
@@ -97,6 +98,17 @@ class Views:
         kind = get_type_hints(type(self))[of].__args__[0]
         return _columns(kind, getattr(self, of))
 
+    @property
+    def answered(self) -> bool:
+        """Success of the scene: it ended as asked, or every target that was not met lies behind a pull-off.
+
+        A tension beyond what the contact carries, asked for on the way out, is answered by the pull-off.
+        """
+        missed = [state for state in self.states if not state.found]
+        pulled = [k for k, event in enumerate(self.events) if event.kind == "pull_off"]
+        behind = [state.status == "unreachable" and bool(pulled) and pulled[0] < state.events for state in missed]
+        return self.status in FINAL_STATUSES or (self.status == "unreachable" and any(behind) and all(behind))
+
     def came_apart(self) -> float | None:
         """Return the separation (m) at which the surfaces came apart for the last time; None where they did not."""
         depths = [event.penetration for event in self.events if event.kind == "pull_off"]
@@ -146,7 +158,8 @@ class Views:
         if states := [state for state in self.states if state.found]:
             last = states[-1]
             words.append(f"last at {last.mean_pressure:.6g} Pa, contact fraction {last.contact_fraction:.6g}")
-        return f"<Result {self.status}: {', '.join(words)}>"
+        status = "pulled off" if self.status == "unreachable" and self.answered else self.status
+        return f"<Result {status}: {', '.join(words)}>"
 
 
 def _answers(states: Sequence[Any], loading: dict[str, Any]) -> dict[str, NDArray[Any]]:

@@ -44,7 +44,7 @@ from bem.scene.scene_tables import (
     REQUIRED_TABLES,
     TABLES,
     WITH_DEFAULTS,
-    Accuracy,
+    AccuracyTable,
     Loading,
     Output,
     ProfileTable,
@@ -64,7 +64,7 @@ if TYPE_CHECKING:
 
 ALL_ROWS = "all"  # profile.row of a map whose rows are solved each (bem/map_rows.py)
 IN_MEMORY = "arrays in memory"  # the name of the file of samples that are given as arrays
-LISTED = 12  # format: targets listed in an error
+NAMED = 12  # format: targets listed in an error
 
 __all__ = ["Loading", "Mistake", "Scene", "SceneError", "StoredStart", "load_scene", "parse_scene", "scene_of"]
 
@@ -81,7 +81,7 @@ class Tables(TypedDict, total=False):
     layer: Layer | Table | None
     adhesion: Adhesion | Table | None
     loading: Loading | Table
-    accuracy: Accuracy | Table
+    accuracy: AccuracyTable | Table
     output: Output | Table
 
 
@@ -110,7 +110,7 @@ class Scene:
     layer: Layer | None
     adhesion: Adhesion | None
     loading: Loading
-    accuracy: Accuracy
+    accuracy: AccuracyTable
     output: Output
     origin: float
     scan: Scan | None = field(default=None, compare=False)
@@ -178,13 +178,32 @@ def read_tables(path: Path | str) -> dict[str, Any]:
         text = read_regular(path).decode("utf-8-sig")
         return tomllib.loads(text)
     except OSError as error:
-        raise SceneError([Mistake(str(path), f"cannot be read ({error.strerror})", "a TOML file")]) from error
+        scenes = [str(file) for file in sorted(path.glob("*.toml"))[:3]] if path.is_dir() else []
+        allowed = " or ".join(["a TOML file", *scenes])
+        raise SceneError([Mistake(str(path), f"cannot be read ({error.strerror})", allowed)]) from error
+    except tomllib.TOMLDecodeError as error:
+        raise SceneError([_syntax_mistake(path, text, str(error))]) from error
     except (ValueError, RecursionError) as error:
-        escaped = str(error).startswith(("Invalid hex value", "Unescaped '\\'"))  # a name of a file under Windows
-        sign = None if isinstance(error, UnicodeDecodeError) else re.search("[\u2010-\u2015\u2212]\\s*[0-9.]", text)
-        allowed = f"names with {BACKSLASHES}" if escaped else "a TOML file in UTF-8"
-        allowed = allowed if sign is None else f"- before numbers, not {sign[0][0]}"
-        raise SceneError([Mistake(str(path), f"is not TOML ({error})", allowed)]) from error
+        raise SceneError([Mistake(str(path), f"is not TOML ({error})", "a TOML file in UTF-8")]) from error
+
+
+def _syntax_mistake(path: Path, text: str, error: str) -> Mistake:
+    """Return the mistake of a text that is not TOML: the line that the parser names, and what is allowed there."""
+    place = re.search(r"\(at line (\d+), column \d+\)", error)
+    number = int(place[1]) if place else 0
+    line = text.splitlines()[number - 1].strip() if 0 < number <= len(text.splitlines()) else ""
+    sign = re.search("[\u2010-\u2015\u2212]\\s*[0-9.]", text)
+    if sign is not None:
+        allowed = f"- before numbers, not {sign[0][0]}"
+    elif error.startswith(("Invalid hex value", "Unescaped '\\'")):  # a name of a file under Windows
+        allowed = f"names with {BACKSLASHES}"
+    elif error.startswith("Cannot overwrite a value"):
+        allowed = f"each key once, and {line.partition('=')[0].strip()} is there before"
+    elif re.fullmatch(r"[^=]*=\s*[-+]?\d+,\d+\s*(#.*)?", line):
+        allowed = "a decimal point, as in 0.5"
+    else:
+        allowed = "key = value: a number, a text in quotes, true, false, or a list of these in []"
+    return Mistake(str(path), f"is not TOML in line {number}: {line}" if line else f"is not TOML: {error}", allowed)
 
 
 def scene_of(scene: Scene | Path | str | Table | None, tables: Mapping[str, Any]) -> Scene:
@@ -328,18 +347,17 @@ def _scan(
         return None, [Mistake("profile.row", f'= "{ALL_ROWS}" is many scenes', allowed)]
     from bem.scans.prepare_scan import prepare
     from bem.scans.read_scan import read_scan, scan_of_arrays
-    from bem.scans.scan_refusal import ScanFileError
+    from bem.scans.scan_file_error import ScanFileError
 
     name = profile["file"]
     try:
         raw = read_scan(base_dir / name, profile) if arrays is None else scan_of_arrays(*arrays, profile)
         scan = prepare(raw, profile)
     except ScanFileError as error:
-        told = [
-            (key, f"= {shown(name)}: {problem}" if key == "file" else problem, allowed)
-            for key, problem, allowed in error.refusals
+        named = f"= {shown(name)}: "
+        return None, [
+            replace(each, found=named * (each.path == "profile.file") + each.found) for each in error.mistakes
         ]
-        return None, [Mistake(f"profile.{key}", problem, allowed) for key, problem, allowed in told]
     return scan, list(scan_mistakes(profile, scan))
 
 
@@ -392,7 +410,7 @@ def _profile(profile: ProfileTable, scan: Scan | None) -> ProfileTable:
 def _output_mistakes(scene: Scene) -> Iterator[Mistake]:
     """Yield outputs asked for at other values than targets."""
     targets = scene.loading.targets
-    listed = ", ".join(f"{target:g}" for target in dict.fromkeys(targets[:LISTED])) + ", ..." * (len(targets) > LISTED)
+    listed = ", ".join(f"{target:g}" for target in dict.fromkeys(targets[:NAMED])) + ", ..." * (len(targets) > NAMED)
     allowed = f"true, false or a list of targets ({listed}); add it to loading.targets to have a state there"
     for name in OUTPUTS:
         asked = getattr(scene.output, name)

@@ -33,7 +33,7 @@ OPTIONAL = {
 FLAWS = (1e-12, 0.95)  # limit: loading.flaw over the period: what is left in contact beside a wider one is no flaw
 THICKNESSES = (6e-5, 1e12)  # limit: layer.thickness over the period: an audit takes 65,536 modes; half-space
 MOST_TARGET_HARMONICS = 1e9  # limit: targets times harmonics: weeks on one core
-LARGEST_RATIO = 1e50  # derived: of lengths, pressures and energies to the scales of the profile, or its inverse
+LARGEST_SHARE = 1e50  # derived: of lengths, pressures and energies to the scales of the profile, or its inverse
 RANGE = ("start", "stop", "count")
 QUESTIONS = ("title", "loading", "accuracy", "output")  # of a scene; all other tables say what is in contact
 
@@ -137,17 +137,17 @@ def magnitude_mistakes(tables: Mapping[str, Any], profile: Profile) -> Iterator[
         yield Mistake("layer.thickness", f"= {layer['thickness']!r}", f"{allowed}: thinner ones cannot be audited")
     if largest == 0:
         return
-    if not LARGEST_RATIO**-1 <= largest / period <= LARGEST_RATIO:
+    if not LARGEST_SHARE**-1 <= largest / period <= LARGEST_SHARE:
         name = "rms_height" if "rms_height" in tables.get("profile", ()) else "amplitudes"
-        allowed = f"from {1 / LARGEST_RATIO:g} to {LARGEST_RATIO:g} periods"
+        allowed = f"from {1 / LARGEST_SHARE:g} to {LARGEST_SHARE:g} periods"
         yield Mistake(f"profile.{name}", f"reach {largest / period:.2g} periods", allowed)
         return
     modulus = Solid(**tables["solid"]).plane_strain_modulus
     scale = modulus * largest**2 / period
     if adhesion is not None:
         share = adhesion["work_of_adhesion"] / scale
-        if not LARGEST_RATIO**-1 <= share <= LARGEST_RATIO:
-            allowed = f"from {1 / LARGEST_RATIO:g} to {LARGEST_RATIO:g} times E* h^2 / period = {scale:g} J/m^2"
+        if not LARGEST_SHARE**-1 <= share <= LARGEST_SHARE:
+            allowed = f"from {1 / LARGEST_SHARE:g} to {LARGEST_SHARE:g} times E* h^2 / period = {scale:g} J/m^2"
             yield Mistake("adhesion.work_of_adhesion", f"= {adhesion['work_of_adhesion']:g}", allowed)
     if loading is None:
         return
@@ -159,9 +159,9 @@ def magnitude_mistakes(tables: Mapping[str, Any], profile: Profile) -> Iterator[
     pressed = loading["control"] == "mean_pressure"
     unit = modulus * largest / period if pressed else largest
     for k, target in enumerate(loading["targets"]):
-        if not abs(target) <= LARGEST_RATIO * unit:
+        if not abs(target) <= LARGEST_SHARE * unit:
             name = "E* h / period" if pressed else "the largest amplitude"
-            yield Mistake(f"loading.targets[{k}]", f"= {target:g}", f"at most {LARGEST_RATIO:g} times {name}, {unit:g}")
+            yield Mistake(f"loading.targets[{k}]", f"= {target:g}", f"at most {LARGEST_SHARE:g} times {name}, {unit:g}")
 
 
 def _path_mistakes(values: Mapping[str, Any], given: Collection[str]) -> Iterator[Mistake]:

@@ -99,7 +99,7 @@ class Loading:
 
 
 @table("accuracy")
-class Accuracy:
+class AccuracyTable:
     """Tolerance of certified states, and the longest increment of the path."""
 
     tolerance: Annotated[float, Field(ge=1e-12, le=1e-2)] = 1e-6
@@ -121,7 +121,7 @@ TABLES = {
     "layer": "bem.elastic.layer.Layer",
     "adhesion": "bem.adhesive.adhesion.Adhesion",
     "loading": "bem.scene.scene_tables.Loading",
-    "accuracy": "bem.scene.scene_tables.Accuracy",
+    "accuracy": "bem.scene.scene_tables.AccuracyTable",
     "output": "bem.scene.scene_tables.Output",
 }
 REQUIRED_TABLES = ("solid", "profile", "loading")

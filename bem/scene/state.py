@@ -10,24 +10,30 @@ import math
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import AllowInfNan, BeforeValidator
+from pydantic import Field, ValidatorFunctionWrapHandler, WrapValidator
 
 from bem.audit.certificate import Certificate
 
 Branch = Literal["loading", "unloading"]
 FinalStatus = Literal["converged", "separated", "complete_contact"]
 Status = Literal[FinalStatus, "unreachable", "not_converged", "interrupted"]
+Ending = Literal["converged", "unreachable", "not_converged", "interrupted"]  # status of a path
 FINAL_STATUSES: tuple[str, ...] = get_args(FinalStatus)
 STATUSES: tuple[str, ...] = get_args(Status)
 
 
-def _nan_of_null(value: Any) -> Any:
-    """Return NaN in place of None, and any other value unchanged."""
-    return math.nan if value is None else value
+LARGEST = 1e150  # derived: magnitude of any number in SI units, whose square is a double with room for a factor
 
 
-Finite = Annotated[float, AllowInfNan(False)]
-MaybeNan = Annotated[float, BeforeValidator(_nan_of_null)]
+def _nan_of_null(value: Any, number: ValidatorFunctionWrapHandler) -> Any:
+    """Return NaN in place of None, and any other value as a number of its type."""
+    return math.nan if value is None else number(value)
+
+
+Quantity = Annotated[float, Field(gt=-LARGEST, lt=LARGEST)]
+MaybeNan = Annotated[float, Field(gt=-LARGEST, lt=LARGEST), WrapValidator(_nan_of_null)]
+Bound = Annotated[float, Field(ge=0, lt=LARGEST)]  # of an error
+Count = Annotated[int, Field(ge=0, lt=2**63)]
 
 
 class NotFiniteError(ArithmeticError, ValueError):
@@ -38,27 +44,27 @@ class NotFiniteError(ArithmeticError, ValueError):
 class ErrorEstimate:
     """Estimated absolute error of every number a state reports, in the unit of that number; None: not estimated."""
 
-    mean_pressure: Finite | None = None
-    contact_fraction: Finite | None = None
-    penetration: Finite | None = None
-    separation: Finite | None = None
-    total_displacement: Finite | None = None
-    elastic_energy: Finite | None = None
-    adhesion_energy: Finite | None = None
-    total_energy: Finite | None = None
-    stress_intensity_max: Finite | None = None
-    contact_stiffness: Finite | None = None
+    mean_pressure: Bound | None = None
+    contact_fraction: Bound | None = None
+    penetration: Bound | None = None
+    separation: Bound | None = None
+    total_displacement: Bound | None = None
+    elastic_energy: Bound | None = None
+    adhesion_energy: Bound | None = None
+    total_energy: Bound | None = None
+    stress_intensity_max: Bound | None = None
+    contact_stiffness: Bound | None = None
 
 
 @dataclass(frozen=True)
 class GapQuantiles:
     """Heights below which the gap lies on 10, 25, 50, 75 and 90 % of the open length, m."""
 
-    p10: float
-    p25: float
-    p50: float
-    p75: float
-    p90: float
+    p10: Quantity
+    p25: Quantity
+    p50: Quantity
+    p75: Quantity
+    p90: Quantity
 
 
 @dataclass(frozen=True)
@@ -78,11 +84,11 @@ class GapNumbers:
         Share of the period that is open.
     """
 
-    mean_open: float
-    mean_cubic_root: float
+    mean_open: Quantity
+    mean_cubic_root: Quantity
     quantiles: GapQuantiles
-    widest_channel: float
-    open_fraction: float
+    widest_channel: Quantity
+    open_fraction: Quantity
 
 
 CLOSED = GapNumbers(0.0, 0.0, GapQuantiles(0.0, 0.0, 0.0, 0.0, 0.0), 0.0, 0.0)
@@ -110,7 +116,7 @@ class State:
     stored : int or None
         The k of its arrays x_k, ... in fields.npz; None where none are stored.
     events : int
-        Number of events up to this state.
+        Quantity of events up to this state.
     peak_pressure, largest_gap : float or None
         Pa and m, of samples of pressure and gap; known at targets alone.  There is no peak without contact.
     gaps : GapNumbers or None
@@ -126,31 +132,31 @@ class State:
 
     branch: Branch = "loading"
     target: bool = False
-    index: int | None = None
+    index: Count | None = None
     status: Status
     penetration: MaybeNan
     separation: MaybeNan
-    total_displacement: float | None = None
+    total_displacement: Quantity | None = None
     mean_pressure: MaybeNan = 0.0
     contact_fraction: MaybeNan = 0.0
-    n_patches: int = 0
-    edges: tuple[tuple[float, float], ...] = ()
+    n_patches: Count = 0
+    edges: tuple[tuple[Quantity, Quantity], ...] = ()
     elastic_energy: MaybeNan = 0.0
     adhesion_energy: MaybeNan = 0.0
     total_energy: MaybeNan = 0.0
-    stress_intensity_max: float | None = None
-    contact_stiffness: float | None = None
+    stress_intensity_max: Quantity | None = None
+    contact_stiffness: Quantity | None = None
     stable_at_fixed_load: bool | None = None
-    peak_pressure: float | None = None
-    largest_gap: float | None = None
+    peak_pressure: Quantity | None = None
+    largest_gap: Quantity | None = None
     gaps: GapNumbers | None = None
     error_estimate: ErrorEstimate = field(default_factory=ErrorEstimate)
     certificate: Certificate = field(default_factory=Certificate)
-    events: int = 0
-    stored: int | None = None
-    unknowns: int = 0
-    evaluations: int = 0
-    cpu_seconds: float = 0.0
+    events: Count = 0
+    stored: Count | None = None
+    unknowns: Count = 0
+    evaluations: Count = 0
+    cpu_seconds: Bound = 0.0
 
     def __repr__(self) -> str:
         if not self.found:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from bem.geometry.ranges import shown
 
-GROUPS = (  # arrays that are stored together: name without the k of a state, what an array runs along, and its unit
+ARRAYS_TOGETHER = (  # arrays stored together: name without the k of a state, what an array runs along, and its unit
     {
         **dict.fromkeys(("x", "displacement", "gap"), ("point_{k}", "m")),
         "pressure": ("point_{k}", "Pa"),
@@ -44,8 +44,8 @@ GROUPS = (  # arrays that are stored together: name without the k of a state, wh
         "profile_phase": ("profile_line", "1"),
     },
 )
-OF_STATES = GROUPS[:3]  # named with "_k"
-FIELDS = {stem: along for group in GROUPS for stem, along in group.items()}
+OF_STATES = ARRAYS_TOGETHER[:3]  # named with "_k"
+FIELDS = {stem: along for group in ARRAYS_TOGETHER for stem, along in group.items()}
 WHOLE, WITH_NAN = ("patch",), ("pressure", "scan_h")  # outside contact; where a sample is missing
 
 
@@ -103,7 +103,7 @@ def array_mistakes(arrays: Mapping[str, NDArray[Any]], states: Set[str]) -> Iter
     sizes = dict[str, tuple[str, int]]()
     for name, values in arrays.items():
         stem, k = split(name)
-        group: Mapping[str, Any] = next((names for names in GROUPS if stem in names), {})
+        group: Mapping[str, Any] = next((names for names in ARRAYS_TOGETHER if stem in names), {})
         if not group or (k not in states if group in OF_STATES else k):
             yield name, "an unknown name", "arrays of the stored states of this result"
             continue

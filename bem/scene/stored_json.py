@@ -17,9 +17,10 @@ from bem.geometry.ranges import shown
 from bem.geometry.regular_file import read_regular
 from bem.scene.provenance import digest
 
+SIGNS = {"lt": "<", "gt": ">", "ge": ">="}  # of limits, by their names in pydantic
 SCHEMA, FORMER = "linecontact-result/2", "linecontact-result/1"
 
-Kind = TypeVar("Kind")
+Stored = TypeVar("Stored")
 
 
 class CorruptResultError(ValueError):
@@ -63,7 +64,7 @@ def _other_schema(schema: Any) -> str:
     return f"schema is {shown(schema)}; allowed: {SCHEMA}"
 
 
-def typed(adapter: TypeAdapter[Kind], content: dict[str, Any], place: str, without: str | None = None) -> Kind:
+def typed(adapter: TypeAdapter[Stored], content: dict[str, Any], place: str, without: str | None = None) -> Stored:
     """Return content of JSON as a dataclass, `without` a key that files do not hold.
 
     CorruptResultError names the first key that is wrong.
@@ -99,4 +100,5 @@ def _first_mistake(error: ValidationError) -> str:
     key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in first["loc"]).lstrip(".")
     if first["type"].startswith("missing"):
         return f"{key} is missing"
-    return f"{key} is {shown(first['input'])}: {first['msg']}"
+    limit = [f"; allowed: {SIGNS[name]} {value:g}" for name, value in first.get("ctx", {}).items() if name in SIGNS]
+    return f"{key} is {shown(first['input'])}{''.join(limit) or ': ' + first['msg']}"

@@ -63,7 +63,7 @@ def test_windows_are_not_imported_where_many_digits_are_asked_for():
 def test_outputs_not_asked_for_are_not_imported():
     modules, _ = modules_and_files("adhesion")
     outputs = {
-        "bem.observables.observables",
+        "bem.stored_fields",
         "bem.observables.shapes",
         "bem.observables.spectra",
         "bem.observables.pressure_distribution",

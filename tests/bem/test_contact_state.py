@@ -51,20 +51,6 @@ def test_pressure_outside_is_no_number():
     assert np.isnan(rough().pressure(0.003))
 
 
-def test_release_rate_is_irwins():
-    state = rough()
-    np.testing.assert_allclose(state.energy_release_rate, state.stress_intensity**2 / (2 * MODULUS), rtol=1e-15)
-
-
-def test_gradient_is_the_difference_of_the_energy():
-    state, step = rough(), 1e-8
-    for index in np.ndindex(EDGES.shape):
-        moved = np.zeros(EDGES.shape)
-        moved[index] = step
-        slope = (rough(EDGES + moved).energy - rough(EDGES - moved).energy) / (2 * step)
-        assert slope == pytest.approx(state.gradient[index], abs=1e-6 * np.abs(state.gradient).max())
-
-
 def test_hessian_is_the_difference_of_the_gradient():
     state, step = rough(), 2e-4 * float(np.min(np.diff(EDGES)))
     columns = []

@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "bem" / "THRESHOLDS.md").read_text("utf-8")
 MODULES = sorted(str(path.relative_to(ROOT)) for path in (ROOT / "bem").rglob("*.py"))
 UNNAMED = "Numbers in functions"
-ROWS = 85  # at most: a new constant is derived, or takes the place of another
+ROWS = 75  # at most: a new constant is derived, or takes the place of another
 REASONS = re.findall(r"^\| (\w+) \|", PAGE.partition("| word |")[2].partition("\n\n")[0], flags=re.MULTILINE)
 NUMERIC = (ast.Constant, ast.Tuple, ast.UnaryOp, ast.BinOp, ast.operator, ast.unaryop, ast.Name, ast.Attribute)
 ARITHMETIC = {"float", "linspace", "finfo"}
@@ -87,6 +87,18 @@ def test_the_page_does_not_grow():
 
 def test_modules_on_the_page_exist():
     assert set(listed()) <= set(MODULES)
+
+
+def test_a_name_in_capitals_is_defined_once():
+    """One name for one thing, one thing for one name."""
+    places: dict[str, list[str]] = {}
+    for module in MODULES:
+        tree = ast.parse((ROOT / module).read_text("utf-8"))
+        names = [part for node in tree.body if isinstance(node, ast.Assign) for part in ast.walk(node)]
+        stored = (part for part in names if isinstance(part, ast.Name) and isinstance(part.ctx, ast.Store))
+        for name in {part.id for part in stored if part.id.isupper()}:
+            places.setdefault(name, []).append(module)
+    assert {name: modules for name, modules in places.items() if len(modules) > 1} == {}
 
 
 def test_constants_are_recognised():

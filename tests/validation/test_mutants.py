@@ -50,7 +50,13 @@ def test_a_sample_is_killed_survives_and_is_continued(tmp_path):
     }.items():
         (sources / file).parent.mkdir(parents=True, exist_ok=True)
         (sources / file).write_text(text)
-    for file in ("studies/__init__.py", "studies/executed_lines.py", "plugin/pytest.ini", "__init__.py"):
+    for file in (
+        "studies/__init__.py",
+        "studies/executed_lines.py",
+        "studies/cpu_limits.py",
+        "plugin/pytest.ini",
+        "__init__.py",
+    ):
         (sources / "validation" / file).parent.mkdir(exist_ok=True)
         (sources / "validation" / file).write_bytes((ROOT / "validation" / file).read_bytes())
     (sources / "fem_reference").mkdir(), (sources / "persson").mkdir()

@@ -108,7 +108,10 @@ def test_keys_move_the_slider_and_the_numbers_are_those_of_the_states(page, resu
     points, units = path_of(result), units_of(result)
     with tab(path) as opened:
         opened.show(width, 844)
-        seen = [opened.find(SHOWN), *(press(opened, "ArrowRight") for _ in points[1:])]
+        answered = next(k for k, point in enumerate(points) if point.state.target and point.state.contact_fraction)
+        assert opened.find(SHOWN)[0][0].startswith(f"{answered + 1} of ")
+        back = [press(opened, "ArrowLeft") for _ in range(answered)]
+        seen = [back[-1], *(press(opened, "ArrowRight") for _ in points[1:])]
         assert press(opened, "ArrowLeft")[0] == seen[-2][0]
         assert press(opened, "ArrowRight", shift=True)[1].startswith("pull-off")
         assert opened.console == []

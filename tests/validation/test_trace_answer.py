@@ -63,6 +63,33 @@ def test_a_trace_is_answered_by_a_page(tmp_path, capsys):
     assert scene["accuracy"]["tolerance"] == 1e-3
 
 
+def test_pull_off_is_the_tension_at_which_the_contact_comes_apart(tmp_path, capsys):
+    words = (write_trace(tmp_path), *SOLID, "--pressure", "5e3", "--pull-off", "--out", tmp_path / "out", "--quiet")
+    assert answer(*words) == 2
+    assert "--pull-off without adhesion" in capsys.readouterr().err
+    assert answer(*words, "--work-of-adhesion", "1e-3") == 0
+    result, told = bem.read_result(tmp_path / "out"), capsys.readouterr().out
+    assert [state.status for state in result.targets] == ["converged", "converged", "unreachable"]
+    assert result.events[-1].kind == "pull_off"
+    assert f"largest tension on the way out is {-result.largest_tension.mean_pressure / 1e3:.4g} kPa" in told
+    assert "apart" in next(line for line in told.splitlines() if line.startswith("contacts"))
+
+
+def test_a_map_is_answered_by_the_median_of_its_rows(tmp_path, capsys):
+    np.save(tmp_path / "map.npy", 2e-6 * np.random.default_rng(1).normal(size=(64, 6)))
+    keys = ("--profile", "row=all", "every=2", "spacing=1", "unit_x=um", "unit_h=m", "harmonics=5")
+    words = (tmp_path / "map.npy", *SOLID, "--pressure", "5e4", "--work-of-adhesion", "0.01", "--pull-off", *keys)
+    assert answer(*words, "--out", tmp_path / "out", "--jobs", 1) == 0
+    told = capsys.readouterr()
+    assert "3 of 3 rows answered, each a ridge" in told.out
+    assert told.out.splitlines()[-1] == str(tmp_path / "out" / "answer.csv")
+    assert (profile_of(tmp_path / "out")["row"], profile_of(tmp_path / "out")["every"]) == ("all", 2)
+    tensions = [-bem.read_result(row).largest_tension.mean_pressure for row in (tmp_path / "out").glob("row-*")]
+    last = (tmp_path / "out" / "answer.csv").read_text().splitlines()[-1].split(",")
+    assert last[:5] == ["nan", "unloading", "pull_off", "Pa", "3"]
+    assert float(last[5]) == pytest.approx(np.median(tensions), rel=1e-15)
+
+
 def test_the_scene_solved_again_gives_the_same_answer(answered, tmp_path, monkeypatch):
     monkeypatch.chdir(answered)
     assert main(["run", "scene.toml", "--out", str(tmp_path / "again"), "--quiet"]) == 0

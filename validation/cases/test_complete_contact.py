@@ -18,7 +18,7 @@ import pytest
 import bem
 from validation.plugin.rows import Code, Quantity
 from validation.references.closed_forms import Sinusoid, full_contact_amplitudes, layer_compliance
-from validation.references.isolated_crack import closing, valleys
+from validation.references.isolated_crack import closing, crack, valleys
 from validation.references.waves import Waves
 from validation.routes.scenes import NOT_SELF_AFFINE, TEN_DIGITS, posed, solved, values
 
@@ -175,3 +175,24 @@ def test_isolated_cracks(rows, orders, seed, thickness, poisson_ratio):
                        because="the limit leaves out a hundred times the missing load 1e-8")
     cracks.compare("gaps at given load and at given separation", [state.n_patches, back.n_patches], lowest.size,
                    quantity=Quantity.COUNT, uncertainty=0.0, required=0.5, because="a count")
+
+
+@pytest.mark.quick
+def test_narrow_flaw(rows):
+    """Does complete contact open at a narrow flaw under the tension of Griffith's crack of its width?"""
+    orders, heights, phases, nu, work, width = [1, 2], [DEPTH, DEPTH / 3], [0.3, 1.0], 0.3, 0.05, 1e-7
+    pressure = complete(orders, heights, phases, None, nu)
+    valley = Waves(PERIOD, pressure.orders, -pressure.amplitudes, pressure.phases).crests
+    deepest = valley[np.argmin(pressure.height(valley))]
+    surface = Waves(PERIOD, np.array(orders), np.array(heights), np.array(phases))
+    flat = work / np.sqrt(1 + surface.height(deepest, 1) ** 2)  # `crack` counts adhesion along the slope, the scene not
+    opens, _ = crack(surface, E / (1 - nu**2), flat, deepest - width / 2, deepest + width / 2)
+    profile = {"kind": "harmonics", "period": PERIOD, "orders": orders, "amplitudes": heights, "phases": phases}
+    loading = {"control": "mean_pressure", "targets": [0.0, 1.1 * opens], "initial": "complete_contact", "flaw": width}
+    result = bem.solve({"solid": {"youngs_modulus": E, "poisson_ratio": nu}, "profile": profile, "loading": loading,
+                        "adhesion": {"work_of_adhesion": work}})
+    opening = next(event for event in result.events if event.kind == "opening")
+    rows.compare("mean pressure at which the flaw opens", opening.mean_pressure, opens, of=Code.BEM, by=Code.EXACT,
+                 quantity=Quantity.PRESSURE, unit="Pa", uncertainty=opening.error_estimate.mean_pressure,
+                 required=-1e-9 * opens, because="the crack is isolated to the square of its width, 1e-10",
+                 source="Griffith; Tada, Paris and Irwin")

@@ -12,7 +12,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from bem.certified_states import ROUNDING
+from bem.certified_states import ERROR_FLOOR
 from bem.scene.result import Event, EventError, LargestTension, Result, TensionError
 from bem.scene.result_file import RESULT_FILE, read_result
 from bem.scene.state import ErrorEstimate, State
@@ -49,7 +49,7 @@ class Apart:
     def in_percent(self) -> str:
         """Difference over the larger number, in words; a difference within rounding counts as none."""
         apart, larger = abs(self.a - self.b), max(abs(self.a), abs(self.b))
-        if self.a == self.b or apart <= ROUNDING * larger:
+        if self.a == self.b or apart <= ERROR_FLOOR * larger:
             return "the same to rounding"
         return "one is no number" if math.isnan(apart / larger) else f"{100 * apart / larger:.2g} % apart"
 
@@ -109,6 +109,8 @@ def _kind(folder: Path) -> str:
     for file, kind in KINDS.items():
         if (folder / file).exists():
             return kind
+    if not folder.is_dir():
+        raise ReportError(f"{folder}: is no folder; a folder of a run or of a verification is needed")
     raise ReportError(f"{folder}: neither {RESULT_FILE} nor {REPORT} there")
 
 
@@ -161,7 +163,7 @@ def compare_reports(a: Mapping[str, Any], b: Mapping[str, Any]) -> ComparedFolde
             continue
         uncertainty = math.hypot(*(row["value_uncertainty"] or 0.0 for row in (mine, theirs)))
         allowed = uncertainty or max(row["allowed"] or 0.0 for row in (mine, theirs))
-        allowed = max(allowed, ROUNDING * max(map(abs, values)))
+        allowed = max(allowed, ERROR_FLOOR * max(map(abs, values)))
         numbers.append(Apart(key, "row", values[0], values[1], allowed, 1.0))
     return ComparedFolders(tuple(numbers), tuple(others))
 
@@ -201,7 +203,7 @@ def _numbers(
         errors = [getattr(side.error_estimate, name) for side in (a, b)]
         values = [getattr(side, name) for side in (a, b)]
         if None not in errors and None not in values:
-            apart = max(sum(errors), ROUNDING * max(map(abs, values)))  # older results know no floor
+            apart = max(sum(errors), ERROR_FLOOR * max(map(abs, values)))  # older results know no floor
             yield Apart(name.replace("_", " "), where, values[0], values[1], apart)
 
 

@@ -10,6 +10,9 @@ cut        the wavelength at which the trace falls below its noise floor, where 
            `MOST_ADHERING` with adhesion, which take seconds; the reason is named, with the rms slope that it leaves
 tolerance  1e-3, three digits
 
+--pull-off unloads the contact from the last pressure until it comes apart.  Of a map, --profile row=all solves every
+row, every=n each n-th, with the choices of the first; the answer is the median and scatter of the rows, without a page.
+
 The scene is then solved as `linecontact run DIR/scene.toml` solves it.  The trace stays where it is; the scene names
 its path from DIR.
 """
@@ -26,17 +29,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from bem import scene_commands
+from bem import row_commands, scene_commands
 from bem.command_line.checkpoint import OutputFolderError, usable
 from bem.command_line.console import positive, toml_text
 from bem.command_line.folder_lock import locked
 from bem.command_line.perform import BAD_INPUT, INTERRUPTED, perform
+from bem.geometry.ranges import Mistake
+from bem.map_rows import asks_for_rows, rows_of, tables_of_row
 from bem.path_for import check_path
 from bem.scans.prepared_scan import Scan
 from bem.scene.atomic_file import write_atomically
 from bem.scene.memory_estimate import refuse_beyond_memory
 from bem.scene.plausibility import cautions_of, groups_of
-from bem.scene.scene import Scene, SceneError, load_scene, parse_scene
+from bem.scene.scene import Scene, SceneError, load_scene, parse_scene, read_tables
 from validation.report.pages import PAGE
 from validation.report.run_page import write_run_page
 from validation.studies.scene_settings import LARGEST_JUMP
@@ -116,6 +121,7 @@ def add_command(commands: Any) -> None:
         ),
     ):
         parser.add_argument(flag, type=_number(needed), metavar="NUMBER", **keywords)
+    parser.add_argument("--pull-off", action="store_true", help="unload until the contact comes apart, at what tension")
     parser.add_argument(
         "--profile",
         nargs="+",
@@ -156,6 +162,10 @@ def _answer(options: argparse.Namespace) -> int:
         )
         run = {"scene": folder / SCENE_FILE, "out": folder, "resume": False, "overwrite": True, "plot": False}
         run |= {"quiet": options.quiet, "json": False, "table": True, "jobs": options.jobs}
+        if asks_for_rows(choice.tables):
+            code = row_commands.run_alone(read_tables(folder / SCENE_FILE), argparse.Namespace(**run), new)
+            print(folder / "answer.csv", flush=True)
+            return code
         code = scene_commands.run_alone(load_scene(folder / SCENE_FILE), argparse.Namespace(**run), new)
         if code == INTERRUPTED:
             print(
@@ -205,13 +215,18 @@ def choice_for(options: argparse.Namespace, given: Mapping[str, Any]) -> Choice:
         "title": trace.name,
         "solid": {"youngs_modulus": options.youngs_modulus, "poisson_ratio": options.poisson_ratio},
         "profile": {"kind": "samples", "file": trace.name} | dict(given),
-        "loading": {"control": "mean_pressure", "targets": list(options.pressure)},
+        "loading": {"control": "mean_pressure", "targets": list(options.pressure) + _way_out(options)},
         "accuracy": {"tolerance": TOLERANCE},
     }
     if options.thickness is not None:
         tables["layer"] = {"thickness": options.thickness}
     if options.work_of_adhesion is not None:
         tables["adhesion"] = {"work_of_adhesion": options.work_of_adhesion}
+    rows = {key: given[key] for key in ("row", "every") if key in given}
+    if asks_for_rows(tables):
+        _, first = rows_of(tables, trace.parent)
+        assert isinstance(first.profile.row, int)
+        tables = tables_of_row(tables, first.profile.row)
     for tables["profile"]["detrend"] in [given["detrend"]] if "detrend" in given else ["mean", "line"]:
         scan = _scan(tables, trace)
         if scan.end_jump <= LARGEST_JUMP:
@@ -221,7 +236,22 @@ def choice_for(options: argparse.Namespace, given: Mapping[str, Any]) -> Choice:
     if not {"cutoff_short", "harmonics"} & given.keys():
         coarse = _coarse(scan, _most(tables))[0]
         tables["profile"]["cutoff_short"] = float(f"{max(scan.spectrum.crossing or 0.0, coarse):.4g}")
-    return Choice(tables, parse_scene(tables, trace.parent), _scan(tables, trace), given, scan.end_jump)
+    choice = Choice(tables, parse_scene(tables, trace.parent), _scan(tables, trace), given, scan.end_jump)
+    tables["profile"] |= rows
+    return choice
+
+
+def _way_out(options: argparse.Namespace) -> list[float]:
+    """Return the targets (Pa) of the way out, where pull-off is asked for: no load, and a tension of about E*.
+
+    SceneError without adhesion.
+    """
+    if not options.pull_off:
+        return []
+    if options.work_of_adhesion is None:
+        raise SceneError([Mistake("--pull-off", "without adhesion", "with --work-of-adhesion")])
+    modulus = options.youngs_modulus / (1 - options.poisson_ratio**2)
+    return [0.0, -float(f"{modulus:.1e}")]
 
 
 def _scan(tables: Mapping[str, Any], trace: Path) -> Scan:

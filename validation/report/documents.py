@@ -76,30 +76,38 @@ def topic_text(topic: str) -> str:
     if topic.lower() in TOPICS:
         return document(topic.lower())
     words = topic.lower().split()
+    topics = [words.pop(0)] if len(words) > 1 and words[0] in TOPICS else list(TOPICS)  # as in: keys loading
     parts: list[str] = []
     hits: list[tuple[str, str]] = []  # place and line
-    for name, (package, file) in TOPICS.items():
+    for name in topics:
+        package, file = TOPICS[name]
         for section in sections(document(name)):
-            if topic.lower() in section.heading.lower():
+            if _holds(section.heading, words):
                 parts.append(f"[{name}] {section.text}")
             else:
                 place = f"{package.replace('.', '/')}/{file}, {section.heading}"
                 lines = section.text.splitlines()[1:]
                 hits += [(place, line) for line in lines if _holds(line, words)]
-    hits.sort(key=lambda hit: not hit[1].startswith(f"- `{topic.lower()}"))  # keys of that name come first
+    hits.sort(key=lambda hit: not hit[1].startswith(f"- `{' '.join(words)}"))  # keys of that name come first
     if not words or not parts + hits:
         raise UnknownTopicError(f"topic: {topic!r} is in no line; allowed: {', '.join(TOPICS)}, or words to search for")
     return "\n".join([*parts, *(f"{place}: {_excerpt(line, words)}" for place, line in hits)])
 
 
 def _holds(line: str, words: Sequence[str]) -> bool:
-    """Return whether a line holds all words, in any order and case."""
-    return all(word in line.lower() for word in words)
+    """Return whether a line holds all words, or words that begin with them, in any order and case."""
+    return all(_begins(line, word) is not None for word in words)
+
+
+def _begins(line: str, word: str) -> int | None:
+    """Return where a word begins with the given letters in a line; None if none does."""
+    match = re.search(rf"(?<![a-z0-9]){re.escape(word)}", line.lower())
+    return None if match is None else match.start()
 
 
 def _excerpt(line: str, words: Sequence[str]) -> str:
     """Return the part of a line around the first word, in at most EXCERPT characters and an ellipsis at each cut."""
-    start = max(min(line.lower().index(words[0]) - EXCERPT // 3, len(line) - EXCERPT), 0)
+    start = max(min((_begins(line, words[0]) or 0) - EXCERPT // 3, len(line) - EXCERPT), 0)
     end = start + EXCERPT
     return f"{'.. ' * (start > 0)}{line[start:end].strip()}{' ..' * (end < len(line))}"
 

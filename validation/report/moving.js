@@ -202,6 +202,6 @@ const moving = () => {
   const printed = [...new Set([most, ...(widest ? [widest - 1, widest] : []), S.length - 1])].sort((a, b) => a - b);
   $("paper").innerHTML = printed.map((k) => `<figure><figcaption><b>State ${k + 1}, ${S[k].branch}</b>: separation ${cell(k, 2)} ${U.separation}, mean pressure ${cell(k, 3)} ${U.load}, contact fraction ${cell(k, 4)}. ${cell(k, 7)}</figcaption><svg viewBox="0 0 700 200">${surface(k, 700, 200).svg}</svg><svg viewBox="0 0 700 110">${pressure(k, 700, 110)}</svg></figure>`).join("") + `<div class="trio">${CURVES.map(([key, name]) => `<svg viewBox="0 0 240 168">${curve(key, name, 0, 240, key === "load" ? 168 : 146, printed)}</svg>`).join("")}</div>`;
   addEventListener("resize", () => show(now, false));
-  show(0, false);
+  show(Math.max(S.findIndex((s) => s.target), 0), false); // the first answer, not surfaces that are apart
 };
 moving();

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
-from bem.command_line.answer_table import UNKNOWN, axis_unit, digits, fixed, readable, units_of
+from bem.command_line.answer_table import NO_NUMBER, axis_unit, digits, fixed, readable, units_of
 from bem.scene.result import Event, Result
 from bem.scene.state import State
 from validation.harness.arrays import FloatArray
@@ -169,7 +169,7 @@ def _row(point: PathState, period: float, units: Units) -> dict[str, Any]:
         "separation": _text(state.separation, error.separation, units.separation[0]),
         "mean_pressure": _text(state.mean_pressure, error.mean_pressure, units.load[0]) if _known(state) else "any",
         "contact_fraction": _text(state.contact_fraction, error.contact_fraction, 1.0),
-        "open": UNKNOWN if apart is None else _text(apart, relative * apart, units.open[0]),
+        "open": NO_NUMBER if apart is None else _text(apart, relative * apart, units.open[0]),
         "contacts": "complete" if state.status == "complete_contact" else str(state.n_patches),
         "words": _words(point, period, units),
     }
@@ -210,10 +210,14 @@ def short_name(event: Event) -> str:
 
 
 def _drawn(point: PathState, index: int, fields: Fields, units: Units) -> dict[str, Any]:
-    """Return the numbers of a state that its drawing needs; `place` is its index on the path."""
+    """Return the numbers of a state that its drawing needs; `place` is its index on the path.
+
+    `target`: it is at a target and touches.
+    """
     state, (factor, _) = point.state, units.x
     return {
         "place": index,
+        "target": state.target and state.contact_fraction > 0,
         "branch": state.branch,
         "status": state.status,
         "separation": state.separation * units.height[0],

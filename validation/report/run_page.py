@@ -34,8 +34,7 @@ from bem.scene.atomic_file import write_atomically
 from bem.scene.plausibility import MEANINGS
 from bem.scene.result import Result
 from bem.scene.result_file import read_result
-from bem.scene.result_invariants import LARGEST
-from bem.scene.state import State
+from bem.scene.state import LARGEST, State
 from bem.scene.stored_json import verified
 from validation.report.figures import svg_of
 from validation.report.moving_path import moving_path
@@ -58,15 +57,15 @@ DOUBTFUL = 0.1  # relative uncertainty of the input beyond which an answer is no
 FEW_EVENTS = 20  # more are folded
 SAME = 1e-6  # relative distance of the numbers of a run and of its study
 MOST_ROWS = 500  # of a table; all are in result.json
-MEASURES = (
-    "closure",
-    "contact_residual",
-    "min_gap",
-    "mean_gap_error",
-    "min_eigenvalue",
-    "truncation",
-    "hessian_asymmetry",
-)
+MEASURES = {
+    "closure": "largest |G/w - 1| at an edge, without adhesion |K| over that of a flat punch: 0 in equilibrium",
+    "contact_residual": "how far surface and profile are apart in contact, over the rise of the profile there: 0",
+    "min_gap": "smallest gap beside the contacts: none may be negative beyond rounding",
+    "mean_gap_error": "mean gap, integrated, less the separation: 0",
+    "min_eigenvalue": "smallest resistance of the edges to a motion, scaled: positive in a stable state",
+    "truncation": "last coefficients of the pressure of a contact over its largest: 0 where enough are kept",
+    "hessian_asymmetry": "difference of two second derivatives of the energy that are equal: 0",
+}
 Cell = tuple[str, float | str]  # text, and what it is sorted by
 NOTHING: Cell = ("–", "")  # in a cell, and to be sorted by
 WORST_BELOW = ("min_gap", "min_eigenvalue")  # of which the least is the worst
@@ -232,13 +231,13 @@ def _cell(value: float | None, error: float | None, unit: Unit | None = None) ->
     return (f"{value:.9g} ± {error:.1g}" if error else f"{value:.9g}"), value
 
 
-def _certificate(result: Result) -> Iterator[tuple[str, str]]:
-    """Yield the worst of each measure over all states."""
-    for name in MEASURES:
+def _certificate(result: Result) -> Iterator[tuple[str, str, str]]:
+    """Yield the worst of each measure over all states, and its meaning."""
+    for name, meaning in MEASURES.items():
         values = [value for state in result.states if (value := getattr(state.certificate, name)) is not None]
         if values:
             worst = min(values) if name in WORST_BELOW else max(values)
-            yield name.replace("_", " "), _measure(worst, name)
+            yield name.replace("_", " "), _measure(worst, name), meaning
 
 
 def _measure(value: float, name: str) -> str:

@@ -76,11 +76,6 @@ def spectrum_figure(fields: Mapping[str, NDArray[np.float64]], steps: Sequence[M
     if "noise_density" in facts:
         ends = (wavelength.min(), wavelength.max())
         series.append(trace("noise floor", [length * end for end in ends], [facts["noise_density"]] * 2, "dashed"))
-    if "exponent" in facts:
-        law = facts["law_at_1_per_m"] * wavelength ** facts["exponent"]
-        shown = (law > density.min()) & (law < density.max())
-        label = f"profile's power law, exponent {facts['exponent']:.2g}"
-        series.append(trace(label, length * wavelength[shown], law[shown], "dashed"))
     height = [float(density.min()), float(density.max())]
     series += [trace(f"{name}, {length * at:.3g} {unit}", [length * at] * 2, height) for name, at in _cuts(steps)]
     return drawn("spectrum", _noise_in_words(facts), loglog(f"wavelength / {unit}", "density / m³", *series))
@@ -92,8 +87,7 @@ def _noise_in_words(facts: Mapping[str, Any]) -> str:
     if "noise_rms" in facts:
         words = f"a noise floor of {_rounded(facts['noise_rms'])} rms"
     if "suggested_cutoff" in facts:
-        law = f"the profile, as the power {facts['exponent']:.2g} of the wavelength, falls below it"
-        words += f"; {law} at {_rounded(facts['suggested_cutoff'])}"
+        words += f"; the profile falls below it at {_rounded(facts['suggested_cutoff'])}"
     return f"Power spectrum of the scan, one-sided: {words}."
 
 

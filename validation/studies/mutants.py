@@ -11,8 +11,8 @@ Kernels are compiled and keep their text.
 DIR/sources is the code as it is when DIR is new.  Its tests and the quick level run once without a mutant, to see which
 test executes which line (executed_lines.py).  A mutant then meets the tests of its package that execute its statement,
 and in the same manner the cases of the quick level: the quickest, up to a budget of CPU seconds, until one fails.  It
-is `killed` by a failure, `timeout` if a test takes ten times as long as the slowest of them without a mutant, `unseen`
-if none executes the statement, else `survived`.
+is `killed` by a failure, `timeout` if a test takes ten times the CPU seconds that the slowest test of its file takes
+without a mutant, `unseen` if none executes the statement, else `survived`.
 
 DIR/mutants.csv receives every answer at once, so that a call continues where another ended.  Its last column is
 written by hand after a look at a survivor: "equivalent: REASON", if the mutant computes the same numbers, or what has
@@ -24,6 +24,7 @@ import argparse
 import ast
 import csv
 import importlib
+import json
 import os
 import random
 import resource
@@ -37,7 +38,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
-from json import loads
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -49,7 +49,7 @@ PRELOADED = "numpy scipy.optimize scipy.sparse.linalg scipy.interpolate scipy.in
 QUICK = ["-c", "validation/plugin/pytest.ini", "--rootdir", ".", "-p", "validation.plugin.hooks", "--level", "quick"]
 CASES = "validation/cases"
 COLUMNS = ("place", "change", "tests", "quick", "looked at")
-PATIENCE = 10.0
+PATIENCE, LONGEST = 10.0, 3600.0  # times the CPU seconds of a test without a mutant; s of the clock of all tests
 MEMORY = 4 << 30  # bytes that a process may address
 INI = """[run]
 context = ${PYTEST_CURRENT_TEST}
@@ -234,6 +234,7 @@ class Executed:
             paths = sorted((tree / suite).glob("test_*.py"))
             texts = {path.relative_to(tree).as_posix(): path.read_text("utf-8") for path in paths}
             files = [path for path, text in texts.items() if any(name in text for name in judged)]
+            files = [path for path in files if "subprocess" not in texts[path] and "pytester" not in texts[path]]
             words = [*QUICK, suite] if suite == CASES else ["--timeout", "60", *files]
             if not files and suite != CASES:
                 return
@@ -245,7 +246,7 @@ class Executed:
             lines.combine([str(path) for path in self.folder.glob("part.*") if path.suffix != ".json"])
             lines.save()
             (self.folder / "part.json").rename(kept)
-        self.seconds |= loads(kept.read_text("utf-8"))
+        self.seconds |= json.loads(kept.read_text("utf-8"))
 
     def tests(self, mutant: Mutant, folder: str, budget: float) -> list[str]:
         """Return the tests below a folder that execute a statement: the quickest, up to a budget in s, file by file.
@@ -266,6 +267,11 @@ class Executed:
         order = sorted(files, key=lambda file: (not file.startswith(near), self.duration(files[file])))
         return [test for file in order for test in files[file]]
 
+    def slowest(self, test: str) -> float:
+        """Return the CPU seconds of the slowest test of the file of a test, which may have the fixtures of all."""
+        file = test.partition("::")[0] + "::"
+        return max(seconds for name, seconds in self.seconds.items() if name.startswith(file))
+
     def duration(self, tests: Iterable[str]) -> float:
         """Return the CPU seconds of tests."""
         return sum(map(self.seconds.__getitem__, tests))
@@ -284,14 +290,14 @@ def answer(mutant: Mutant, executed: Executed, budget: float) -> dict[str, str]:
             tree = Path(name)
             copied(executed.folder / "sources", tree)
             mutant.put_into(tree)
+            limits = {test: PATIENCE * (1 + executed.slowest(test)) for test in tests}
+            (tree / "limits.json").write_text(json.dumps(limits), "utf-8")
             (tree / "chosen.txt").write_text("\n".join(tests), "utf-8")
-            limit = PATIENCE * (1 + max(executed.duration([test]) for test in tests))
-            words = [*(QUICK if key == "quick" else ()), "-x", "--timeout", f"{limit:.0f}", "@chosen.txt"]
-            longest = PATIENCE * (60 + executed.duration(tests))
-            status, output = pytest_on(tree, words, longest, PYTHONDONTWRITEBYTECODE="1")
+            words = [*(QUICK if key == "quick" else ()), "-p", "validation.studies.cpu_limits", "-x", "--timeout", "0"]
+            status, output = pytest_on(tree, [*words, "@chosen.txt"], LONGEST, PYTHONDONTWRITEBYTECODE="1")
         if status == 4 and "not found: " in output:  # parameters, which name the tests, have changed
             status = 0
-        late = status == -signal.SIGKILL or "Timeout (>" in output
+        late = status in (-signal.SIGXCPU, -signal.SIGKILL)
         line[key] = "survived" if status == 0 else "timeout" if late else "killed"
     return line | {"looked at": ""}
 

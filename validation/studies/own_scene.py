@@ -33,9 +33,8 @@ from bem.scene.atomic_file import write_atomically
 from bem.scene.progress import Progress
 from bem.scene.provenance import digest
 from bem.scene.result import Result, asked_for
-from bem.scene.result_invariants import LARGEST
 from bem.scene.scene import Scene, SceneError, load_scene, parse_scene, read_tables
-from bem.scene.state import FINAL_STATUSES
+from bem.scene.state import FINAL_STATUSES, LARGEST
 from bem.scene.stored_json import CorruptResultError, verified
 from validation.harness.provenance import provenance
 from validation.plugin.content import finite

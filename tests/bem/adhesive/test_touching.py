@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from bem.adhesive import relaxation
 from bem.adhesive.adhesion import UniformLaw
 from bem.adhesive.descent import descend
 from bem.adhesive.equilibrium import System, balance
@@ -134,14 +133,6 @@ def test_a_descent_does_not_run_into_other_patches():
     assert end.status == "not_converged"
     assert end.patches.joined(other) is not None
     assert free.patches.joined(other) is None
-
-
-def test_a_jump_goes_on_with_the_crests_that_touched(monkeypatch):
-    """Touches do not use up the rounds that an avalanche may have."""
-    monkeypatch.setattr(relaxation, "MAXIMUM_ITERATIONS", 1)
-    end = relax(RIPPLED, NARROW, DEPTH, DEPTH, Accuracy(1e-6, 1e-7, 1e-10))
-    assert end.status == "converged"
-    assert [kind for kind, _ in end.changes] == TOUCHES
 
 
 BUMPS = 20

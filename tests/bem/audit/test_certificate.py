@@ -10,7 +10,7 @@ from judges import SmoothKernel, dense_nodes, evaluate_dense
 from rough_surfaces import cut_edges
 from scene_tables import tables, waves
 
-from bem.audit import certificate, displacement, gap_depths
+from bem.audit import certificate
 from bem.audit.certificate import AdhesiveEdges, Demands, certify
 from bem.audit.displacement import DisplacementField, GapPoints
 from bem.elastic.collocation import evaluate
@@ -136,10 +136,6 @@ def adhesive():
 @pytest.fixture(scope="module")
 def many():
     return short_waved()
-
-
-def test_a_correct_state_is_ok(state):
-    assert state.certify().reasons == ()
 
 
 def test_a_correct_state_is_ok_by_a_wide_margin(state):
@@ -292,12 +288,6 @@ def test_too_few_nodes_are_seen_in_truncation_and_residual(adhesive):
     assert any("contact residual" in reason for reason in judged.reasons)
 
 
-def test_a_gap_that_is_not_resolved_is_not_ok(monkeypatch):
-    state = STATES["westergaard, narrow"]()
-    monkeypatch.setattr(gap_depths, "MAX_GAP_SAMPLES", 1)
-    assert "displacement not resolved in the gap behind patch 0" in state.certify().reasons
-
-
 @pytest.mark.parametrize(
     ("options", "word"),
     [
@@ -348,6 +338,7 @@ def test_a_pressure_that_is_not_a_number_is_not_ok(adhesive):
     judged = adhesive.certify(PatchPressure(pressure.left, pressure.right, (broken, *pressure.charges[1:])))
     assert np.isnan(judged.contact_residual)
     assert any("closure nan" in reason for reason in judged.reasons)
+    assert "displacement not resolved in the gap behind patch 0" in judged.reasons
 
 
 @pytest.fixture(scope="module")
@@ -386,15 +377,7 @@ def test_patches_that_are_none_are_refused(adhesive, left, right):
         adhesive.certify(pressure)
 
 
-@pytest.mark.parametrize("module", [certificate, displacement, gap_depths], ids=["certificate", "displacement", "gaps"])
+@pytest.mark.parametrize("module", sorted(Path(certificate.__file__).parent.glob("*.py")), ids=lambda path: path.stem)
 def test_the_certificate_shares_no_code_with_the_solver(module):
-    tree = ast.parse(Path(module.__file__).read_text())
-    imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
-    assert {name for name in imported if name.startswith("bem")} <= {
-        "bem.audit.displacement",
-        "bem.audit.gap_depths",
-        "bem.geometry.arrays",
-        "bem.geometry.minima",
-        "bem.geometry.patches",
-        "bem.geometry.profile",
-    }
+    imported = {node.module for node in ast.walk(ast.parse(module.read_text())) if isinstance(node, ast.ImportFrom)}
+    assert all(name.startswith(("bem.audit.", "bem.geometry.")) for name in imported if name.startswith("bem"))

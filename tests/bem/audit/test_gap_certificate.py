@@ -1,13 +1,10 @@
 """The certificate of gaps accepts exact states down to the last digits, and rejects each way of being wrong."""
 
-import ast
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from bem.audit import gap_certificate
 from bem.audit.gap_certificate import certify_gaps
 from bem.elastic.layer import LayerEffect
 from bem.geometry.gaps import Gaps
@@ -152,15 +149,3 @@ def test_gaps_that_are_none_are_refused(half_width):
     given = dict.fromkeys(("deficit", "mean_pressure", "separation", "penetration"), 0.1)
     with pytest.raises(ValueError, match="at least one"):
         certify_gaps(two_waves(), gaps, tuple(np.ones(4) for _ in half), **given)
-
-
-def test_the_certificate_shares_no_code_with_the_solver():
-    tree = ast.parse(Path(gap_certificate.__file__).read_text())
-    imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
-    own = {"bem.audit.certificate", "bem.audit.displacement", "bem.audit.gap_depths"}
-    assert {name for name in imported if name.startswith("bem")} <= own | {
-        "bem.geometry.arrays",
-        "bem.geometry.gaps",
-        "bem.geometry.minima",
-        "bem.geometry.profile",
-    }

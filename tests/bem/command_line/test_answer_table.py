@@ -12,7 +12,7 @@ import bem
 from bem.command_line.answer_table import (
     FORCED,
     NO_FLAW,
-    UNKNOWN,
+    NO_NUMBER,
     answer,
     csv_text,
     digits,
@@ -115,7 +115,7 @@ def test_the_open_share_is_as_uncertain_as_the_contact_fraction(wave):
 
 def test_what_is_not_known_is_a_dash_and_an_empty_cell(rough):
     apart = list(shown(rough)[-1].values())  # the surfaces are apart
-    assert apart.count(UNKNOWN) == 5  # uncertainties of no pressure and no area, both contact pressures, widths
+    assert apart.count(NO_NUMBER) == 5  # uncertainties of no pressure and no area, both contact pressures, widths
     table = list(csv.DictReader(io.StringIO(csv_text(rough))))
     assert len(table) == len(rough.targets)
     assert table[-1]["peak_pressure / Pa"] == ""

@@ -34,11 +34,6 @@ def test_words_are_of_keys_that_exist():
     assert {(name, key) for name, table in words().items() for key in table if key != "about"} == set(KEYS)
 
 
-def test_an_example_out_of_range_would_be_found():
-    with pytest.raises(SceneError, match=r"solid\.poisson_ratio = 0\.7; allowed: a number > -1 and <= 0\.5"):
-        parse_scene({"solid": {"poisson_ratio": 0.7}})
-
-
 def test_the_document_is_what_the_command_prints(capsys):
     assert command_line.main(["keys"]) == 0
     assert capsys.readouterr().out == (ROOT / "bem" / "KEYS.md").read_text("utf-8")
@@ -55,7 +50,7 @@ def test_a_section_has_all_its_keys_and_no_others(name):
 
 def test_an_unknown_section_is_one_clear_error(capsys):
     assert command_line.main(["keys", "laod"]) == 2
-    assert capsys.readouterr().err == 'error: section [laod] is unknown; allowed: did you mean "loading"?\n'
+    assert capsys.readouterr().err == 'error: section [laod] is unknown; allowed: "loading", by its name\n'
     assert command_line.main(["keys", "[solid]"]) == 0
 
 

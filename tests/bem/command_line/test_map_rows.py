@@ -131,7 +131,7 @@ def test_an_interrupt_of_workers_ends_the_run_with_one_sentence(tmp_path):
     (tmp_path / "map.txt").write_text(50 * (tmp_path / "map.txt").read_text())
     command = [sys.executable, "-m", "bem", "run", path, "--out", tmp_path / "out", "--jobs", "2"]
     run = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    assert run.stderr.readline().startswith("row 0: converged")
+    assert run.stderr.readline().startswith("row 0: answered")
     run.send_signal(signal.SIGINT)
     told = [line for line in run.communicate(timeout=60)[1].splitlines() if not line.startswith("row ")]
     assert (told, run.returncode) == (["interrupted; what was finished is kept, the same command continues"], 130)

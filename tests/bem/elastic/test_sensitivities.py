@@ -37,13 +37,6 @@ def difference(state, edge, quantity):
     return (8 * (at(step) - at(-step)) - (at(2 * step) - at(-2 * step))) / (12 * step)
 
 
-@pytest.mark.parametrize("edge", range(EDGES))
-def test_jacobian_is_the_central_difference(rough, edge):
-    exact = stress_intensity_jacobian(rough)[:, edge]
-    found = difference(rough, edge, lambda state: state.stress_intensity)
-    np.testing.assert_allclose(found, exact, rtol=0, atol=1e-8 * np.abs(exact).max())  # measured 1e-9, asked 1e-7
-
-
 def test_without_compliance_an_edge_feels_what_does_without_it(rough):
     modes = np.tile(rough.resolution.modes, 2)
     rigid = replace(rough, edge_compliance=np.diag(modes * (modes - 1) / np.pi**2))  # Z_ee = 0
@@ -53,22 +46,10 @@ def test_without_compliance_an_edge_feels_what_does_without_it(rough):
 
 
 @pytest.mark.parametrize("edge", range(EDGES))
-def test_energy_derivative_is_the_release_rate(rough, edge):
-    found = difference(rough, edge, lambda state: state.elastic_energy)
-    largest = np.max(rough.stress_intensity**2) / 4
-    assert abs(found - rough.stress_intensity[edge] ** 2 / 4) <= 3e-10 * largest  # measured 1e-10
-
-
-@pytest.mark.parametrize("edge", range(EDGES))
 def test_load_derivative_is_the_mixed_derivative_of_the_energy(rough, edge):
     found = difference(rough, edge, lambda state: state.load)
     exact = rough.stress_intensity * rough.stress_intensity_rate / 2
     assert abs(found - exact[edge]) <= 1e-10 * np.abs(exact).max()  # measured 2e-11
-
-
-def test_energy_derivative_by_penetration_is_the_load(rough):
-    ahead, back = (evaluate(ELASTIC, rough.patches, rough.penetration + d, 1e-13) for d in (0.1, -0.1))
-    assert (ahead.elastic_energy - back.elastic_energy) / 0.2 == pytest.approx(rough.load, rel=1e-12)
 
 
 def test_jacobian_is_that_of_the_dense_reference(rough):
@@ -86,17 +67,6 @@ def test_hessian_is_symmetric(seed, fraction, shift):
     state = evaluate(Elastic(profile), patches, penetration + shift, 1e-12)
     hessian = state.stress_intensity[:, None] / 2 * stress_intensity_jacobian(state)
     assert np.abs(hessian - hessian.T).max() <= 1e-8 * np.abs(hessian).max()  # measured 2e-10
-
-
-def test_hessian_of_many_patches_is_symmetric():
-    m = np.arange(60, 251)
-    phases = np.random.default_rng(0).uniform(-np.pi, np.pi, m.size)
-    profile = Profile.from_harmonics(2 * np.pi, m, m**-1.2, phases).scaled()
-    patches, penetration = cut(profile, 0.4)
-    assert patches.count >= 60
-    state = evaluate(Elastic(profile), patches, penetration, 1e-9)
-    hessian = state.stress_intensity[:, None] / 2 * stress_intensity_jacobian(state)
-    assert np.abs(hessian - hessian.T).max() <= 1e-8 * np.abs(hessian).max()  # measured 1e-10
 
 
 @pytest.mark.parametrize("fraction", [0.02, 0.3, 0.8])

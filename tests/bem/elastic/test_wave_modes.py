@@ -89,18 +89,3 @@ def test_derivatives_on_a_wide_patch_are_those_with_more_modes(wide):
     few, more, _ = wide
     jacobian, *slopes = off(few, more)
     assert jacobian <= 8e-9 and max(slopes) <= 1.5e-7  # measured 3e-9 and 5e-8
-
-
-@pytest.mark.parametrize(
-    "name, value", [("bem.elastic.kernel_series._BLOCK", 20_000), ("bem.elastic.collocation.FEW_WAVES", 1e9)]
-)
-def test_wide_patches_are_the_same_in_blocks_and_as_waves(name, value, monkeypatch):
-    layer = Compliance(kernel_series(LayerEffect(0.04, 0.3), 1e-16))
-    elastic, patches = Elastic(WAVE, layer, slopes=True), Patches(np.array([-3.0, 1.5]), np.array([1.0, 1.8]))
-    expected = evaluate(elastic, patches, 1.0, 1e-10)
-    monkeypatch.setattr(name, value)
-    found = evaluate(elastic, patches, 1.0, 1e-10)
-    # measured 1.4e-12; 2.5e-10 and 2.7e-9
-    np.testing.assert_allclose(found.stress_intensity, expected.stress_intensity, rtol=0, atol=5e-12)
-    jacobian, *slopes = off(found, expected)
-    assert jacobian <= 1e-9 and max(slopes) <= 1e-8

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bem.geometry.minima import BESIDE, TO_ROUNDING, refined
+from bem.geometry.minima import OFFSETS, TO_ROUNDING, refined
 
 
 def lopsided(x):
@@ -14,7 +14,7 @@ def lopsided(x):
 def test_several_minima_at_once_each_to_its_own_accuracy():
     """cos(m x) at pi / m, from points a tenth of a wave apart that lean to one side."""
     m = np.array([1.0, 3.0, 40.0, 1000.0])
-    minima = refined(lambda x: np.cos(m * x), (np.pi + 0.2 * np.pi * (BESIDE + 0.37)) / m)
+    minima = refined(lambda x: np.cos(m * x), (np.pi + 0.2 * np.pi * (OFFSETS + 0.37)) / m)
     np.testing.assert_allclose(m * minima.position, np.pi, rtol=0, atol=2e-6)  # measured 6e-7
     np.testing.assert_allclose(minima.value, -1.0, rtol=0, atol=2e-12)  # half the square of that
     np.testing.assert_allclose(minima.curvature / m**2, 1.0, rtol=1e-5)

@@ -181,3 +181,9 @@ def test_bad_harmonics_are_refused(orders, amplitudes, phases):
 def test_cut_beyond_the_samples_is_refused(harmonics):
     with pytest.raises(ValueError, match=r"must lie in 1\.\.7 for 16 samples"):
         Profile.from_samples(np.arange(16.0), np.zeros(16), harmonics)
+
+
+@pytest.mark.parametrize(("points", "detrend", "told"), [(15, "mean", "of shapes"), (16, "cubic", "detrend: 'cubic'")])
+def test_samples_that_would_give_another_profile_are_refused(points, detrend, told):
+    with pytest.raises(ValueError, match=told):
+        Profile.from_samples(np.arange(16.0), np.ones(points), 3, detrend)

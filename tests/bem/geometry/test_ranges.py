@@ -72,11 +72,6 @@ def test_harmonics_are_refused_in_the_words_of_the_scene(changed):
     assert str(error.value).split("; ")[1].removeprefix("allowed: ") in allowed
 
 
-def test_every_mistake_is_told_at_once():
-    with pytest.raises(ValueError, match=r"profile.hurst = 1.7; .*; profile.rms_height = NaN; "):
-        bem.Profile.self_affine(0.01, 1.7, math.nan, 10, 1)
-
-
 @pytest.mark.parametrize("name", ["amplitudes", "phases"])
 def test_a_profile_by_its_constructor_is_checked_too(name):
     given = {"orders": np.array([1]), "amplitudes": np.array([1e-5]), "phases": np.array([0.0])}

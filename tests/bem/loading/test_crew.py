@@ -2,10 +2,6 @@
 
 import multiprocessing
 import os
-import signal
-import subprocess
-import sys
-import time
 from dataclasses import replace
 
 import pytest
@@ -16,25 +12,9 @@ from bem.loading.crew import MANY, Crew
 from bem.loading.workers import Workers
 from bem.solver import solve
 
-PARENT = """
-import time
-from bem.loading.crew import Crew
-from multiprocessing import active_children
-from operator import add
-if __name__ == "__main__":
-    crew = Crew(2)
-    list(crew.each(add, 1, range(8)))
-    print(*(child.pid for child in active_children()), flush=True)
-    time.sleep(60)
-"""
-
 
 def power(base, exponent):
     return base**exponent
-
-
-def killed(shared, part):
-    os.kill(os.getpid(), signal.SIGKILL)
 
 
 def where(shared, part):
@@ -56,12 +36,6 @@ def test_answers_keep_the_order_of_the_parts():
         assert os.getpid() not in some.each(where, 2, range(4))
 
 
-@pytest.mark.usefixtures("_at_once")
-def test_a_worker_that_is_killed_is_named():
-    with Crew(2) as some, pytest.raises(ChildProcessError, match="a worker process ended: it was killed"):
-        list(some.each(killed, None, range(4)))
-
-
 def test_until_workers_are_ready_the_work_is_done_at_home():
     with Crew(2) as some:
         assert set(some.each(where, None, range(MANY))) == {os.getpid()}
@@ -71,26 +45,6 @@ def test_until_workers_are_ready_the_work_is_done_at_home():
 def test_no_process_is_refused(size):
     with pytest.raises(ValueError, match=f"jobs = {size}; allowed: an integer >= 1"):
         Crew(size)
-
-
-def test_workers_end_with_a_parent_that_is_killed(tmp_path):
-    script = tmp_path / "parent.py"
-    script.write_text(PARENT)
-    with subprocess.Popen([sys.executable, script], stdout=subprocess.PIPE, text=True) as parent:
-        workers = [int(word) for word in parent.stdout.readline().split()]
-        parent.kill()
-    deadline = time.monotonic() + 10
-    while any(_runs(worker) for worker in workers) and time.monotonic() < deadline:
-        time.sleep(0.05)
-    assert workers and not any(_runs(worker) for worker in workers)
-
-
-def _runs(process):
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    return True
 
 
 @pytest.mark.usefixtures("_at_once")

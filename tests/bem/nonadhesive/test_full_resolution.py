@@ -4,11 +4,8 @@ import numpy as np
 import pytest
 
 import bem
-from bem.elastic.collocation import Elastic
 from bem.elastic.compliance import compliance_of
 from bem.elastic.layer import Layer
-from bem.loading.control import LoadControl
-from bem.nonadhesive import grid_contact
 from bem.nonadhesive.completed_body import CompletedBody
 
 RUBBER = {"youngs_modulus": 5e7, "poisson_ratio": 0.49}
@@ -104,21 +101,6 @@ def test_a_wide_gap_of_a_thin_layer_is_no_isolated_crack():
     assert state.status == "converged"
     assert state.contact_fraction == pytest.approx(0.0826734261932, abs=1e-12)  # by its gap: 2e-15 from this
     assert state.unknowns <= 100  # measured 63
-
-
-def test_the_start_on_a_grid_is_made_of_few_iterations(monkeypatch):
-    """Level by level, at most 40 on each: the steps of Newton sort out the rest."""
-    profile = bem.Profile.self_affine(2 * np.pi, 0.7, 1.0, 2000, 0).scaled()
-    points, plain = [], grid_contact._filtered
-
-    def counted(values, factor):
-        points.append(values.size)
-        return plain(values, factor)
-
-    monkeypatch.setattr(grid_contact, "_filtered", counted)
-    problem = grid_contact.grid_problem(Elastic(profile))
-    assert problem.patches(LoadControl(), 10.0).count > 100
-    assert sum(points) <= 180 * problem.height.size  # 3 for each of 40, and a third of that on the coarser levels
 
 
 def test_orders_that_a_layer_stiffens_count_for_isolated_cracks():

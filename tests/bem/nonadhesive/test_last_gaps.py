@@ -12,7 +12,6 @@ from scene_tables import rough
 from bem.geometry.gaps import Gaps, gaps_of
 from bem.geometry.profile import Profile
 from bem.loading.complete_contact import CompleteContact, complete_contact
-from bem.nonadhesive import last_gaps
 from bem.nonadhesive.completed_body import CompletedBody, LinearControl
 from bem.nonadhesive.gap_series import evaluate_gaps
 from bem.nonadhesive.last_gaps import isolated_cracks, solve_gaps
@@ -222,12 +221,6 @@ def test_gaps_too_many_to_resolve_are_named():
     problem, body = body_of(scene)
     path = path_for(scene, problem, body.complete)
     assert path.at(2 * np.pi * body.lowest * (1 - 1e-9)).status == "ill_conditioned"
-
-
-def test_steps_that_do_not_end_are_named(monkeypatch):
-    monkeypatch.setattr(last_gaps, "MAXIMUM_ITERATIONS", 2)
-    body = body_of(scene_of(ONE))[1]
-    assert found_at(body, 0.01).status == "not_converged"
 
 
 def test_no_deficit_is_no_gap():

@@ -130,13 +130,6 @@ def test_default_levels_without_adhesion_start_at_zero():
     assert found.tail_coefficient == 0.0
 
 
-def test_first_moment_is_the_mean_pressure():
-    found = pressure_distribution(HERTZ, np.linspace(0, 1, 20_001))
-    moment = np.sum(found.pressures * found.density * np.diff(found.levels))
-    # bins next to the maximum, where P ~ (1 - sigma)^-1/2: (bin width)^1.5; measured 3e-8
-    assert moment == pytest.approx(HERTZ.load / (2 * np.pi), abs=1e-7)
-
-
 def test_scaling_of_the_pressure_scales_the_levels(rough):
     tripled = PatchPressure(rough.pressure.left, rough.pressure.right, tuple(3 * q for q in rough.pressure.charges))
     one, two = pressure_distribution(rough.pressure), pressure_distribution(tripled)
@@ -150,19 +143,6 @@ def test_sinusoid_in_complete_contact_has_the_arcsine_law():
     found = share_below(profile_branches(wave, 1.0), levels)
     # measured 6e-12
     np.testing.assert_allclose(found, 1 - np.arccos((levels - 1) / 2) / np.pi, rtol=0, atol=1.8e-11)
-
-
-def test_complete_contact_fills_the_period():
-    found = complete_contact_distribution(Profile.self_affine(2 * np.pi, 0.7, 1.0, 30, 2), 0.7)
-    assert np.sum(found.density * np.diff(found.levels)) == pytest.approx(1.0, abs=1e-13)
-    assert found.outside_contact == 0.0
-    assert found.below == 0.0
-
-
-def test_no_patch_leaves_only_the_delta_function():
-    found = pressure_distribution(NOTHING)
-    assert found.outside_contact == 1.0
-    assert not np.any(found.density)
 
 
 def test_constant_pressure_has_no_density():

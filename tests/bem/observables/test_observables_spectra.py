@@ -70,11 +70,6 @@ def test_fewer_orders_change_nothing(rough):
     np.testing.assert_allclose(pressure_modes(pressure, 30), pressure_modes(pressure, 700)[:31], rtol=0, atol=1e-13)
 
 
-def test_mode_zero_is_the_mean_pressure(rough):
-    _, state = rough
-    assert pressure_modes(state.pressure, 0)[0].real == pytest.approx(state.load / (2 * np.pi), rel=1e-13)
-
-
 @pytest.mark.parametrize("layer", [None, kernel_series(LayerEffect(0.5, 0.5), 1e-16)], ids=["half-space", "layer"])
 def test_displacement_has_the_mean_square_of_its_spectrum(rough, layer):
     """Parseval: 2 sum C_u = <u^2>; u is the profile in contact, and integrated from the pressure in gaps."""
@@ -122,7 +117,3 @@ def test_complete_contact_has_the_spectrum_of_the_profile(layer):
 def test_orders_reach_twice_those_of_the_profile():
     assert spectral_orders(Profile.from_harmonics(1.0, [1, 300], [1.0, 0.1])) == 600
     assert spectral_orders(WAVE) == 128
-
-
-def test_no_patch_has_no_modes():
-    assert not np.any(pressure_modes(PatchPressure(np.empty(0), np.empty(0), ()), 20))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bem.scans.read_scan import read_scan
-from bem.scans.scan_refusal import ScanFileError
+from bem.scans.scan_file_error import ScanFileError
 
 VALUES = {"unit_x": "um", "unit_h": "um", "spacing": 0.5}
 H = np.random.default_rng(2).normal(size=64)

@@ -8,7 +8,7 @@ import pytest
 from scene_tables import tables
 
 from bem.scans.read_scan import read_scan
-from bem.scans.scan_refusal import ScanFileError
+from bem.scans.scan_file_error import ScanFileError
 from bem.scene.scene import SceneError, load_scene, parse_scene
 
 UNITS = {"unit_x": "mm", "unit_h": "um"}

@@ -1,11 +1,11 @@
-"""Lines out of the columns of a text file: by columns, flags, missing values, rows of maps and of points x y h."""
+"""Lines out of the columns of a text file: by columns, flags, missing values, and rows of maps."""
 
 import numpy as np
 import pytest
 
 from bem.scans.prepare_scan import RIDGE, prepare
 from bem.scans.read_scan import read_scan
-from bem.scans.scan_refusal import ScanFileError
+from bem.scans.scan_file_error import ScanFileError
 
 COUNT = 24
 X = np.arange(COUNT) * 0.25
@@ -28,7 +28,7 @@ def scan_of(folder, text, **values):
 def refusal_of(folder, text, **values):
     with pytest.raises(ScanFileError) as caught:
         scan_of(folder, text, **values)
-    return caught.value.refusals[0]
+    return caught.value.mistakes[0]
 
 
 def test_columns_are_those_that_are_named(tmp_path):
@@ -84,13 +84,15 @@ def test_heights_beside_other_numbers_than_the_valid_one_are_missing(name, tmp_p
     marks, valid = MARKS[name]
     text, known = rows(X, H, marks), np.array([mark == valid for mark in marks])
     refusal = refusal_of(tmp_path, text, columns=[1, 2], **UNITS)
-    assert (refusal.key, f"{valid:g} ({known.sum()} times)" in refusal.problem) == ("valid_column", True), refusal
+    assert (refusal.path, f"{valid:g} ({known.sum()} times)" in refusal.found) == ("profile.valid_column", True), (
+        refusal
+    )
     scan = scan_of(tmp_path, text, valid_column=3, valid_value=valid, **UNITS)
     np.testing.assert_allclose(scan.h, np.where(known, H, np.nan) * 1e-6, rtol=1e-12)
     whole = scan_of(tmp_path, text, columns=[1, 2], valid_column=0, **UNITS)
     np.testing.assert_allclose(whole.h, H * 1e-6, rtol=1e-12)
     if name not in ("1 valid", "1 invalid", "quality"):
-        assert f"{valid:g} ({known.sum()} times)" in refusal_of(tmp_path, text, valid_column=3, **UNITS).problem
+        assert f"{valid:g} ({known.sum()} times)" in refusal_of(tmp_path, text, valid_column=3, **UNITS).found
 
 
 @pytest.mark.parametrize(
@@ -103,7 +105,7 @@ def test_heights_beside_other_numbers_than_the_valid_one_are_missing(name, tmp_p
 )
 def test_column_that_may_mark_heights_is_not_passed_over(column, tmp_path):
     text = rows(X, H, column)
-    assert "column 3 holds" in refusal_of(tmp_path, text, columns=[1, 2], **UNITS).problem
+    assert "column 3 holds" in refusal_of(tmp_path, text, columns=[1, 2], **UNITS).found
     assert scan_of(tmp_path, text, columns=[1, 2], valid_column=0, **UNITS).h.size == COUNT
 
 
@@ -172,7 +174,7 @@ def test_axes_of_a_map_are_refused_by_name(heights, along, down, corner, end, tm
         lines.insert(len(lines) if end else 0, axis)
     refusal = refusal_of(tmp_path, "".join(",".join(line) + "\n" for line in lines), row=1, **SPACED)
     sides = [f"the {'last' if end else 'first'} {side}" for side, axis in (("line", along), ("column", down)) if axis]
-    assert refusal.problem == f"has axes in {' and '.join(sides)}, which are no heights"
+    assert refusal.found == f"has axes in {' and '.join(sides)}, which are no heights"
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 5, 6])
@@ -188,8 +190,7 @@ def test_axes_that_meet_in_a_corner_are_both_named_at_any_number_of_lines(count,
     text = "".join(",".join(line) + "\n" for line in (positions, *heights))
     refusal = refusal_of(tmp_path, text, row=0, **SPACED)
     assert (
-        refusal.problem
-        == f"has axes in the first line and the {'last' if end else 'first'} column, which are no heights"
+        refusal.found == f"has axes in the first line and the {'last' if end else 'first'} column, which are no heights"
     )
 
 
@@ -202,7 +203,7 @@ def test_axis_without_a_corner_asks_for_the_other(tmp_path):
 def test_axis_above_columns_is_refused(tmp_path):
     lines = [[-1.0, *np.arange(6) * 0.5], *np.column_stack([X, ROWS.T])]
     text = "".join(",".join(map(str, line)) + "\n" for line in lines)
-    assert "the first line" in refusal_of(tmp_path, text, columns=[1, 3], **UNITS).problem
+    assert "the first line" in refusal_of(tmp_path, text, columns=[1, 3], **UNITS).found
 
 
 @pytest.mark.parametrize("wave", [1, 2.5])
@@ -215,29 +216,7 @@ def test_smooth_maps_have_no_axes(wave, turn, tmp_path):
     assert scan_of(tmp_path, text, row=2, **SPACED).h.size == 40
 
 
-POINTS = [
-    (a, b, round(10 * k + float(RNG.normal()), 4)) for k, b in enumerate((0.0, 0.5, 1.0)) for a in np.arange(9) / 4
-]
-
-
-@pytest.mark.parametrize("turned", [False, True], ids=["along x", "along y"])
-@pytest.mark.parametrize("more", [(), (7.5,)], ids=["x y h", "x y h and more"])
-@pytest.mark.parametrize("row", [0, 2, "mean"])
-def test_scan_line_of_points(row, more, turned, tmp_path):
-    points = [(b, a, h, *more) if turned else (a, b, h, *more) for a, b, h in POINTS]
-    text = "X [mm],Y [mm],Z [um]" + ",q" * len(more) + "\n" + rows(*zip(*points, strict=True))
-    scan = scan_of(tmp_path, text, row=row, **({"columns": [1 + turned, 3]} if more else {}))
-    heights = np.array([h for *_, h in POINTS]).reshape(3, 9)
-    np.testing.assert_allclose(scan.h, (heights.mean(axis=0) if row == "mean" else heights[row]) * 1e-6, rtol=1e-12)
-    np.testing.assert_allclose(scan.x, np.arange(9) * 0.25e-3, rtol=1e-12)
-    assert row == "mean" or scan.place(0) == f"line {2 + 9 * row}"
-
-
-def test_mean_of_scan_lines_at_other_positions_is_refused(tmp_path):
-    text = rows(*zip(*[(-a if b == 0.5 else a, b, h) for a, b, h in POINTS], strict=True))
-    assert "different positions" in refusal_of(tmp_path, text, row="mean", **UNITS).problem
-
-
+POINTS = [(a, b, round(10 * k + float(RNG.normal()), 4)) for k, b in enumerate((0.0, 0.5)) for a in np.arange(9) / 4]
 TABLE, LINE, MAP = rows(X, H, H + 0.3), rows(X, H), rows(*ROWS.T)
 RASTER = rows(*zip(*POINTS, strict=True))
 ALONE = rows(H)
@@ -266,10 +245,7 @@ ALONE = rows(H)
         pytest.param(
             "[um]," * 23 + "[um]\n" + MAP, {"row": 0, **SPACED}, "file", "line 1 states", id="heading of a map"
         ),
-        pytest.param(RASTER, UNITS, "row", "3 scan lines", id="points without row"),
-        pytest.param(RASTER, {"row": 3, **UNITS}, "row", "= 3", id="scan line that is not there"),
-        pytest.param(RASTER, {"row": 0, "columns": [2, 3], **UNITS}, "columns", "of points x y h", id="across"),
-        pytest.param(RASTER, {"row": 0, **SPACED}, "spacing", "beside positions", id="spacing of points"),
+        pytest.param(RASTER, {"row": 0, **UNITS}, "row", "3 columns", id="row of points x y h"),
         pytest.param(LINE, SPACED, "spacing", "= 0.25", id="spacing beside positions"),
         pytest.param(ALONE, UNITS, "spacing", "is missing", id="heights without spacing"),
         pytest.param(f"{COUNT}\n" + ALONE, SPACED, "file", f"line 1 holds {COUNT}", id="their number"),
@@ -279,7 +255,7 @@ ALONE = rows(H)
 )
 def test_keys_that_do_not_fit_the_columns_are_refused(text, values, key, problem, tmp_path):
     refusal = refusal_of(tmp_path, text, **values)
-    assert (refusal.key, problem in refusal.problem) == (key, True), refusal
+    assert (refusal.path, problem in refusal.found) == (f"profile.{key}", True), refusal
 
 
 @pytest.mark.parametrize(
@@ -287,7 +263,7 @@ def test_keys_that_do_not_fit_the_columns_are_refused(text, values, key, problem
     [
         (MAP, SPACED, "row = 0, 1, .. for one of the lines of heights"),
         (MAP, {"row": 6, **SPACED}, "row = 0 to 5 for one of the lines of heights"),
-        (RASTER, UNITS, "row = 0 to 2 for one of the scan lines"),
+        (RASTER, {"row": 0, **UNITS}, "of scan lines x y h keep one, with columns = [1, 3]"),
     ],
 )
 def test_row_is_told_with_the_lines_that_it_counts(text, values, lines, tmp_path):

@@ -8,7 +8,7 @@ import pytest
 import scipy.io
 
 from bem.scans.read_scan import read_scan
-from bem.scans.scan_refusal import ScanFileError
+from bem.scans.scan_file_error import ScanFileError
 
 RNG = np.random.default_rng(2)
 MAP = np.round(RNG.normal(size=(8, 3)), 3)  # (along x, along y), um
@@ -76,8 +76,8 @@ def test_what_is_not_clear_is_refused(unit, values, key, said, topography, tmp_p
     path = written(tmp_path, topography.Topography(MAP, (4.0, 3.0), **({} if unit is None else {"unit": unit})), "nc")
     with pytest.raises(ScanFileError) as caught:
         read_scan(path, values)
-    assert caught.value.refusals[0].key == key
-    assert said in caught.value.refusals[0].problem
+    assert caught.value.mistakes[0].path == f"profile.{key}"
+    assert said in caught.value.mistakes[0].found
 
 
 def test_file_of_no_known_format_is_told(topography, tmp_path):
@@ -115,17 +115,19 @@ def test_arrays_without_lengths_take_the_spacing(ending, row, along, topography,
     else:
         np.save(tmp_path / "scan.npy", heights)
     values = dict(UNITS) if row is None else {"row": row, **UNITS}
-    with pytest.raises(ScanFileError, match="spacing: is missing: the file has heights alone"):
+    with pytest.raises(ScanFileError, match="spacing is missing: the file has heights alone"):
         read_scan(tmp_path / f"scan.{ending}", values)
     with pytest.raises(ScanFileError) as caught:
         read_scan(tmp_path / f"scan.{ending}", {} if row is None else {"row": row})
-    assert [refusal.key for refusal in caught.value.refusals] == ["spacing", "unit_x", "unit_h"]
+    assert [refusal.path for refusal in caught.value.mistakes] == [
+        f"profile.{key}" for key in ("spacing", "unit_x", "unit_h")
+    ]
     scan = read_scan(tmp_path / f"scan.{ending}", {"spacing": 0.5, "missing_value": MAP[3, 0], **values})
     expected = np.where(heights == MAP[3, 0], np.nan, heights).squeeze()
     expected = {1: expected[..., -2], "mean": np.mean(expected, axis=-1), None: expected}[row] if row else expected
     np.testing.assert_allclose(scan.h, expected * 1e-6, rtol=1e-12)
     np.testing.assert_allclose(scan.x, 0.5e-6 * np.arange(8), rtol=1e-12)
-    with pytest.raises(ScanFileError, match="unit_h: is missing"):
+    with pytest.raises(ScanFileError, match="unit_h is missing"):
         read_scan(
             tmp_path / f"scan.{ending}", {"spacing": 0.5, "unit_x": "um", **({} if row is None else {"row": row})}
         )

@@ -11,7 +11,7 @@ import pytest
 from bem.geometry.lengths import METRES
 from bem.scans.prepare_scan import prepare
 from bem.scans.read_scan import read_scan
-from bem.scans.scan_refusal import ScanFileError
+from bem.scans.scan_file_error import ScanFileError
 
 COUNT = 40
 X = np.arange(COUNT) * 0.25  # mm
@@ -41,7 +41,7 @@ def scan_of(tmp_path, text, **values):
 def refusal_of(tmp_path, text, **values):
     with pytest.raises(ScanFileError) as caught:
         scan_of(tmp_path, text, **values)
-    return caught.value.refusals[0]
+    return caught.value.mistakes[0]
 
 
 DIALECTS = {
@@ -123,27 +123,17 @@ LC = "Lc [mm];Ls [um]"
     [
         pytest.param("", UNITS, "file", "holds no line of numbers", id="empty"),
         pytest.param("some words\nand more\n", UNITS, "file", "lines 1 to 2 ('some words', 'and more')", id="words"),
-        pytest.param(table(end=" OK\n"), UNITS, "file", "lines 1 to 40 ('0.000000 3.000000 OK', ", id="words as marks"),
-        pytest.param(table(end=" OK\n") + "10 1 na\n", UNITS, "file", "lines 1 to 40 (", id="words above a row"),
         pytest.param("1 2\n3 4\n", UNITS, "file", "holds 2 samples", id="two samples"),
         pytest.param(table() + "4\n", UNITS, "file", "line 41 ('4') holds 1 column", id="ragged"),
-        pytest.param(table() + "4 5 6\n", UNITS, "file", "line 41 ('4 5 6') holds 3 columns", id="a third column"),
         pytest.param(table() + "11 high\n", UNITS, "file", "line 41 ('11 high') holds more", id="text"),
-        pytest.param(table() + "10 1_000\n", UNITS, "file", "line 41 ('10 1_000')", id="underscore"),
         pytest.param(table() + "10 1e400\n", UNITS, "file", "line 41 ('10 1e400')", id="beyond all magnitudes"),
         pytest.param(table() + "10 1.0D+00\n", UNITS, "file", "line 41 ('10 1.0D+00')", id="exponent with D"),
-        pytest.param(table() + "10 \u0661\n", UNITS, "file", "line 41", id="digits of another script"),
         pytest.param(table() + "# measured\n", UNITS, "file", "line 41 ('# measured')", id="remark"),
         pytest.param(table(";", ",") + "10,0;1.234,5\n", UNITS, "file", "line 41", id="thousands"),
-        pytest.param(table(";", ",") + "10,0;1.5\n", UNITS, "file", "line 41", id="another decimal mark"),
         pytest.param("O.25 1.5\n" + table(), UNITS, "file", "line 1 ('O.25 1.5') is not", id="a letter O"),
-        pytest.param("1.5\n" + table(), UNITS, "file", "the first row 1", id="one number before"),
-        pytest.param("bad\n" + alone(), UNITS | {"spacing": 1.0}, "file", "line 1 ('bad') is not", id="missing first"),
         pytest.param(table(heading="x h"), UNITS, "file", "line 1 ('x h') is not", id="names without units"),
-        pytest.param(table(heading="Unit: um"), UNITS, "file", "line 1 ('Unit: um') is not", id="one setting"),
         pytest.param(table(heading="Filter [um]"), UNITS, "file", "line 1 ('Filter", id="one setting with a unit"),
         pytest.param(table(";", heading=f"{LC}\nx [mm];h [um]"), UNITS, "file", "lines 1 to 2", id="settings above"),
-        pytest.param(table(";", heading="NODATA;-9999\nx [mm];h [um]"), {}, "file", "lines 1 to 2", id="no data above"),
         pytest.param(table(heading="NODATA -9999\nmm um"), {}, "file", "lines 1 to 2", id="no data above units"),
         pytest.param(
             f"y/x;{';'.join(map(str, X))}\n" + f"0;{';'.join(map(str, H))}\n" * 4,
@@ -157,15 +147,13 @@ LC = "Lc [mm];Ls [um]"
         pytest.param("0,1\n1,2\n2,4\n", UNITS, "decimal", "2 columns or 1 column", id="comma of either kind"),
         pytest.param(table(), UNITS | {"skip_lines": 41}, "skip_lines", "= 41", id="more skipped than there are"),
         pytest.param(table(","), {"unit_x": "mm"}, "unit_h", "is missing", id="no unit"),
-        pytest.param(table(";", heading="x [mm];h"), {"unit_h": "um"}, "unit_x", "one column alone", id="one unit"),
         pytest.param(table(",", heading="x [um],h [um]"), UNITS, "unit_x", 'says "um" in line 1', id="contradiction"),
         pytest.param(table(",", heading="x [px],h [um]"), UNITS, "unit_x", "'px' in line 1", id="pixels"),
-        pytest.param(table(",", heading="x [mm],h [Mm]"), {}, "unit_h", "'Mm' in line 1", id="another unit"),
     ],
 )
 def test_wrong_file_is_refused(text, values, key, problem, tmp_path):
     refusal = refusal_of(tmp_path, text, **values)
-    assert (refusal.key, problem in refusal.problem) == (key, True), refusal
+    assert (refusal.path, problem in refusal.found) == (f"profile.{key}", True), refusal
 
 
 @pytest.mark.parametrize("delimiter", ["\t", "\t\t", "\t \t", " \t"])
@@ -178,14 +166,14 @@ def test_tabs_part_columns(delimiter, end, begin, tmp_path):
     columns = [x_column, x_column + delimiter.count("\t")]
     width = columns[1] + end.count("\t")
     if width > 3 or (width == 3 and columns != [1, 2]):
-        assert f"the file has {max(width - 1, columns[1])} columns" in refusal_of(tmp_path, text, **UNITS).problem
+        assert f"the file has {max(width - 1, columns[1])} columns" in refusal_of(tmp_path, text, **UNITS).found
     scan = scan_of(tmp_path, text, columns=columns, **UNITS)
     np.testing.assert_allclose([scan.x, scan.h], [X * 1e-3, H * 1e-6], rtol=1e-9, atol=1e-15)
 
 
 def test_whole_numbers_between_commas_are_columns_if_the_scene_says_so(tmp_path):
     text = "".join(f"{k},{k * k % 7},{k * k % 5}\n" for k in range(COUNT))
-    assert refusal_of(tmp_path, text, columns=[1, 2], **UNITS).key == "decimal"
+    assert refusal_of(tmp_path, text, columns=[1, 2], **UNITS).path == "profile.decimal"
     scan = scan_of(tmp_path, text, columns=[1, 2], valid_column=0, decimal=".", **UNITS)
     np.testing.assert_allclose(scan.h, np.arange(COUNT) ** 2 % 7 * 1e-6, rtol=1e-12)
 
@@ -201,7 +189,10 @@ def test_number_above_the_heights_that_equals_a_height_is_asked_for(text, skippe
     lines = f"points 12345;nothing seen {text}\n\n" * skipped + name + "\n"
     lines += "".join(f"{x};{k};{height}\n" for k, (x, height) in enumerate(zip(X, h, strict=True)))
     refusal = refusal_of(tmp_path, lines, columns=[1, 3], **keys)
-    assert (refusal.key, f": {value:g}, as {(h == value).sum()} heights" in refusal.problem) == ("missing_value", True)
+    assert (refusal.path, f": {value:g}, as {(h == value).sum()} heights" in refusal.found) == (
+        "profile.missing_value",
+        True,
+    )
     for missing in (value, "none", 99.0):
         scan = scan_of(tmp_path, lines, columns=[1, 3], missing_value=missing, **keys)
         np.testing.assert_allclose(scan.h, np.where(h == missing, np.nan, h) * 1e-6, rtol=1e-12)
@@ -209,7 +200,7 @@ def test_number_above_the_heights_that_equals_a_height_is_asked_for(text, skippe
 
 def test_lines_above_the_numbers_are_shown_with_what_skips_them(tmp_path):
     refusal = refusal_of(tmp_path, "ncols 40\n\nNODATA_value -9999\n" + table(";", heading="x [mm];h [um]"))
-    assert refusal.problem == "lines 1 to 4 ('ncols 40', 'NODATA_value -9999', 'x [mm];h [um]') are not numbers"
+    assert refusal.found == "lines 1 to 4 ('ncols 40', 'NODATA_value -9999', 'x [mm];h [um]') are not numbers"
     assert (
         "if no samples stand there, skip_lines = 3, and what the lines say in unit_x, unit_h, spacing, columns, missing"
         in refusal.allowed
@@ -224,13 +215,13 @@ def test_comments_above_a_heading_are_read_over(heading, tmp_path):
     np.testing.assert_allclose(scan.h, H * 1e-6, rtol=1e-12)
     assert (scan.facts["unit_x"], scan.facts["skipped"]) == ("mm", "# Instrument 7 | % x [nm];h [nm]")
     refusal = refusal_of(tmp_path, comments + "Operator\n" + table(";", heading=heading))
-    assert (refusal.key, "'Operator'" in refusal.problem) == ("file", True)
+    assert (refusal.path, "'Operator'" in refusal.found) == ("profile.file", True)
 
 
 def test_number_in_a_comment_that_equals_a_height_is_asked_for(tmp_path):
     lines = "# no data: -9999\nx [mm];h [um]\n" + table(";", h=np.where(H[3] == H, -9999, H))
     refusal = refusal_of(tmp_path, lines)
-    assert (refusal.key, "line 1 ('# no data: -9999'): -9999" in refusal.problem) == ("missing_value", True)
+    assert (refusal.path, "line 1 ('# no data: -9999'): -9999" in refusal.found) == ("profile.missing_value", True)
 
 
 @pytest.mark.parametrize("sign", "\u2212\u2013\uff0d")
@@ -239,34 +230,22 @@ def test_minus_signs_of_unicode_are_told(sign, place, tmp_path):
     lines = table(h=-np.abs(H) - 1).splitlines()
     lines[place] = lines[place].replace("-", sign)
     refusal = refusal_of(tmp_path, "\n".join(lines), **UNITS)
-    assert f"line {place + 1} (" in refusal.problem and f"(U+{ord(sign):04X})" in refusal.problem
+    assert f"line {place + 1} (" in refusal.found and f"(U+{ord(sign):04X})" in refusal.found
     assert 'the hyphen "-"' in refusal.allowed
 
 
 def test_lines_are_counted_as_editors_do(tmp_path):
     """A form feed and the byte 0x85 end no line, but are no numbers either."""
     refusal = refusal_of(tmp_path, "a\x0cb\x85c\x1c\u2028d\r\ne\r" + table(), skip_lines=0, **UNITS)
-    assert refusal.problem.startswith("lines 1 to 2 (")
+    assert refusal.found.startswith("lines 1 to 2 (")
     assert scan_of(tmp_path, b"a\x0cb\x85c\r\ne\r" + table().encode(), skip_lines=2, **UNITS).place(0) == "line 3"
-    assert "line 2 (" in refusal_of(tmp_path, "0 1\n1\x0c2\n" + table(), **UNITS).problem
-
-
-@pytest.mark.parametrize("delimiter", ["\t", ";", " "])
-def test_commas_that_may_part_thousands_are_not_guessed(delimiter, tmp_path):
-    """All commas before three decimals: told; read as stated; one number that can have no thousands settles it."""
-    cells = ["1,200", "-12,345", "950"]
-    text = "".join(f"{k}{delimiter}{cell}\n" for k, cell in enumerate(cells))
-    refusal = refusal_of(tmp_path, text, **UNITS)
-    assert (refusal.key, "line 1" in refusal.problem, "1.200 or 1200" in refusal.problem) == ("decimal", True, True)
-    np.testing.assert_allclose(scan_of(tmp_path, text, decimal=",", **UNITS).h, np.array([1.2, -12.345, 950]) * 1e-6)
-    for settled in ("0,123", "1,25", "1234,500"):
-        assert scan_of(tmp_path, f"{text}3{delimiter}{settled}\n", **UNITS).h[0] == pytest.approx(1.2e-6)
+    assert "line 2 (" in refusal_of(tmp_path, "0 1\n1\x0c2\n" + table(), **UNITS).found
 
 
 def test_many_bad_lines_are_counted(tmp_path):
     with pytest.raises(ScanFileError) as caught:
         scan_of(tmp_path, table() + "1 high\n" * 10, **UNITS)
-    assert [refusal.problem for refusal in caught.value.refusals][-1] == "and 7 more lines like that"
+    assert [refusal.found for refusal in caught.value.mistakes][-1] == "and 7 more lines like that"
 
 
 def test_many_points_are_read_at_once(tmp_path):

@@ -151,20 +151,6 @@ def test_pressures_of_another_order_are_named(targets, all_of_it):
     assert ("all touches" in message) == all_of_it
 
 
-def test_missing_unit_is_refused_by_name(folder):
-    with pytest.raises(SceneError) as caught:
-        parse_scene(WAVE | {"profile": {"kind": "samples", "file": "scan.csv", "unit_x": "mm"}}, folder)
-    assert [mistake.path for mistake in caught.value.mistakes] == ["profile.unit_h"]
-
-
-def test_unit_of_the_file_is_resolved(tmp_path):
-    columns = np.column_stack([X, ROUGH.height(X)])
-    np.savetxt(tmp_path / "scan.csv", columns, delimiter=",", fmt="%.12g", header="x [mm],h [mm]")
-    scene = parse_scene(WAVE | {"profile": {"kind": "samples", "file": "scan.csv"}}, tmp_path)
-    assert (scene.resolved()["profile"]["unit_x"], scene.profile.unit_h) == ("mm", "mm")
-    assert scene.profile.period == pytest.approx(0.01, rel=1e-12)
-
-
 def test_work_beyond_sense_is_refused():
     profile = {"kind": "self_affine", "period": 0.01, "hurst": 0.8, "rms_height": 1e-5, "harmonics": 20_000}
     path = {"control": "separation", "start": 3e-5, "stop": 1e-5, "count": 100_000}
@@ -193,14 +179,6 @@ def test_units_that_the_file_states_are_not_doubted(unit_x, unit_h, about, by_fi
     found = said(parse_scene({**WAVE, "profile": profile}, tmp_path))
     assert about & set(found)
     assert any("unit_" in message and '"?' in message for message in found.values()) != by_file
-
-
-def test_the_share_of_slope_is_that_of_the_cut(folder):
-    """One definition: the slope after the cut over that before it is the group."""
-    scene = scan_scene(folder, harmonics=10)
-    cut = scene.preparation()[-1]
-    assert cut["rms_slope"][1] / cut["rms_slope"][0] == pytest.approx(cut["slope_share_kept"], rel=1e-12)
-    assert cut["rms_slope"][1] == pytest.approx(groups_of(scene)["rms_slope"], rel=1e-12)
 
 
 def test_all_harmonics_are_for_scans():

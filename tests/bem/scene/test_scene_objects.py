@@ -71,7 +71,7 @@ def test_a_scene_or_tables_are_needed(scene, tables):
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"layers": bem.Layer(1e-3)}, 'did you mean "layer"'),
+        ({"layers": bem.Layer(1e-3)}, '"layer", by its name'),
         ({"layer": bem.Solid(1e6, 0.5)}, "layer.youngs_modulus .* is unknown"),
         ({"profile": None}, r"\[profile\] is missing"),
         ({"loading": {"control": "separation", "targets": np.array([np.nan])}}, r"loading.targets\[0\] = NaN"),

@@ -9,10 +9,10 @@ from bem.elastic.layer import Layer
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 from bem.loading.complete_contact import complete_contact
-from bem.observables.observables import complete_contact_fields, contact_fields
 from bem.observables.shapes import OUTSIDE, complete_contact_shape, separated_shape, shape
 from bem.problem import Problem, pose
 from bem.scene.scene_tables import OUTPUTS
+from bem.stored_fields import complete_contact_fields, contact_fields
 
 ALL = OUTPUTS
 NOTHING = PatchPressure(np.empty(0), np.empty(0), ())
@@ -148,11 +148,6 @@ def test_complete_contact_follows_the_profile():
     np.testing.assert_allclose(found.pressure, 3.0 + np.cos(found.x), atol=1e-14)
 
 
-def test_shape_of_nothing_is_refused():
-    with pytest.raises(ValueError, match="without patches"):
-        shape(WAVE, NOTHING, 0.0)
-
-
 SCENE = """
 [solid]
 youngs_modulus = 2.0e6
@@ -209,14 +204,6 @@ def test_profile_spectrum_gives_the_rms_height(fields):
     q0 = 2 * np.pi / 0.02
     assert fields["q"][0] == pytest.approx(q0, rel=1e-14)
     assert np.sqrt(2 * q0 * np.sum(fields["C_h"])) == pytest.approx(3e-5, rel=1e-13)
-
-
-def test_tail_is_that_of_the_stress_intensities(problem, rough, fields):
-    """2 E* / (pi period) sum w_e with w_e = K_e^2 / (2 E*), in Pa^2."""
-    _, state = rough
-    intensity = state.stress_intensity * problem.scales.stress_intensity
-    expected = np.sum(intensity**2) / (np.pi * 0.02)
-    assert fields["tail_coefficient_3"] == pytest.approx(expected, rel=3e-14)  # measured 9e-15
 
 
 def test_only_what_is_asked_for_is_stored(problem, rough):
