@@ -155,7 +155,8 @@ class _Run:
         if self.scene.loading.initial != "complete_contact":
             return Separated(min(0.0, first) - 1.0)
         fixed = self.problem.control.load_weight == 0
-        return Complete(self.problem.profile.max_height if fixed else first + 1.0)
+        tension = -float(np.min(self.complete.pressure.valleys[1]))  # no flaw opens under a pressure that leaves none
+        return Complete(self.problem.profile.max_height if fixed else max(first, 2 * np.pi * tension) + 1.0)
 
     def _standing(self) -> AnyPoint:
         """Return the point from which the path continues: the last state, from its stored numbers."""
@@ -243,7 +244,8 @@ class _Run:
                 return True
             if self._lost_under_load(point, goal.value):
                 self._keep(point)
-                raise missed.came_apart(self.recorder.target_of(before))
+                at = point.events[-1].at.value if point.events else before.value
+                raise missed.came_apart(self.problem.mean_pressure(at))
             if not point.last and point.value != goal.value and self._is_far(point, spacing):
                 between = self._refined(point, direction)
                 self._keep(between)

@@ -24,7 +24,7 @@ wave, placed at random on the remaining contact,
 with the two edges of one patch in each period 2 pi/q_0, and the shares w_m of the slope variance, so that one line has
 one patch.  p(A) has a least value, the pull-off load (where negative), and a largest, above which contact is complete.
 
-k = 1.907 +- 0.106 and c = 0.764 +- 0.072 are fitted by validation/fits/wet_area.py on pairs of boundary-element
+k = 1.907 +- 0.106 and c = 0.764 +- 0.072 are fitted by validation/fits/areas.py on pairs of boundary-element
 ensembles, with and without adhesion on the same phases (16 spectra, 111 realisations, seed root 31; errors by a
 jackknife over the spectra; domain and hold-out errors: fitted_area.py).  Sources: K. L. Johnson, Int. J. Solids Struct.
 32 (1995) 423; K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324 (1971) 301; the rest is derived here.

@@ -32,7 +32,6 @@ ONLY_IN = {
     "meshio": ("fem_reference/",),
     "matplotlib": (
         "validation/report/",
-        "validation/command_line/fem_figure.py",
         "validation/command_line/examples/guide/map.py",
         "bem/scene/plots.py",
         "bem/scene/result_views.py",

@@ -30,27 +30,12 @@ from validation.challenge import judge as challenge
 from validation.plugin import verify
 from validation.plugin.content import SCHEMA
 from validation.report.pages import PAGE, ReportError
-from validation.report.pdf import write_pdf
 from validation.report.run_page import write_run_page
 from validation.report.run_words import outcome, succeeded
 from validation.report.verification_page import REPORT, page_of_file
-from validation.studies.own_scene import BUDGET, SEEDS
+from validation.studies.own_scene import BUDGET
 
-INSTEAD = {  # of commands of earlier releases
-    "stability": "linecontact verify --only hard, and python -m validation.cases.random_judge for random scenes",
-    "convergence": "linecontact verify --only convergence",
-    "work-precision": "linecontact verify --only cost",
-    "faults": "python -m validation.studies.mutants",
-    "maps": "linecontact example guide-maps",
-    "baseline": "linecontact verify --only CASE --store --reason TEXT",
-}
-
-
-class UsageError(ValueError):
-    """A command that cannot be carried out as it was written."""
-
-
-REFUSED = (ReportError, CorruptResultError, SceneError, FolderError, UsageError)
+REFUSED = (ReportError, CorruptResultError, SceneError, FolderError)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -106,7 +91,7 @@ def _verify(options: argparse.Namespace) -> int:
 
 
 def _report(options: argparse.Namespace) -> int:
-    """Render the page of a run or of a verification again; with --pdf print the page."""
+    """Render the page of a run or of a verification again."""
     folder: Path = options.folder if options.folder.name else options.folder.absolute()  # "." has no name
     if not (folder / REPORT).exists() and (folder / RESULT_FILE).exists():
         result = write_run_page(folder)
@@ -118,8 +103,6 @@ def _report(options: argparse.Namespace) -> int:
         write_atomically(folder / PAGE, page_of_file(content))
         words, code = f"{content['headline']};", FAILED if content["failed"] else DONE
     print(f"{words} report: {folder / PAGE}")
-    if options.pdf:
-        print(write_pdf(folder))
     return code
 
 
@@ -133,18 +116,13 @@ def _replicate(options: argparse.Namespace) -> int:
 def _study(options: argparse.Namespace) -> int:
     """Study a scene."""
     module = import_module("validation.studies.own_scene")
-    given = {key: value for key in ("seeds", "budget") if (value := getattr(options, key)) is not None}
-    plan = module.Options(jobs=options.jobs, quick=options.quick, overwrite=options.overwrite, **given)
+    given = {name: getattr(options, name) for name in ("quick", "jobs", "overwrite", "budget")}
     with locked(options.out):
-        code = int(module.run(options.scene, options.out, plan, say))
+        code = int(module.run(options.scene, options.out, say, **given))
         if code == DONE and (options.out / RESULT_FILE).exists():
             write_run_page(options.out)  # with the uncertainty of the input
             print(options.out / PAGE)
     return code
-
-
-def _gone(options: argparse.Namespace) -> int:
-    raise UsageError(f"baseline: gone; use {INSTEAD['baseline']}")
 
 
 def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], run_name: str = "run") -> None:
@@ -160,13 +138,11 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
 
     report = commands.add_parser("report", help="render the page of a run, or of a verification, again")
     report.add_argument("folder", type=Path)
-    report.add_argument("--pdf", action="store_true", help="print it to report.pdf too, with bookmarks (by Chromium)")
     report.set_defaults(command=_report, perform=perform)
 
     paper = commands.add_parser("replicate", help="the results of the paper from an ensemble, as a report")
     paper.add_argument("--out", type=Path, required=True, help="folder of the report; realisations there stay")
     paper.add_argument("--jobs", type=positive, default=cores, help=f"worker processes (default: {cores})")
-    paper.add_argument("--executor", type=_no_executor, help=argparse.SUPPRESS)
     paper.add_argument("--quick", action="store_true", help="few realisations with few harmonics: shows that it runs")
     paper.set_defaults(command=_replicate, perform=perform)
 
@@ -180,37 +156,16 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
         "seconds of fewer and more digits.  In the folder of a run, the page of the run takes the +- over.  It takes "
         "some ten times as long as the scene.",
     )
-    study.add_argument("name", type=_study_name, metavar="scene", help="the word scene")
+    study.add_argument("name", choices=["scene"], metavar="scene", help="the word scene")
     study.add_argument("scene", type=Path, metavar="SCENE", help="scene file (TOML)")
-    study.add_argument("--seeds", type=_natural, metavar="N", help=f"realisations besides its own (default: {SEEDS})")
-    study.add_argument("--budget", type=positive, metavar="SECONDS", help=f"CPU seconds (default: {BUDGET:g})")
+    study.add_argument(
+        "--budget", type=positive, default=BUDGET, metavar="S", help="CPU seconds (default: %(default)s)"
+    )
     study.add_argument("--overwrite", action="store_true", help="replace the study of another scene")
     study.add_argument("--quick", action="store_true", help="fewer settings: a first +- in a third of the time")
     study.add_argument("--jobs", type=positive, default=1, help="worker processes (default: 1)")
     study.add_argument("--out", type=Path, required=True, help="folder of the study, perhaps that of the run")
     study.set_defaults(command=_study, perform=perform)
-
-    gone = commands.add_parser("baseline")
-    gone.add_argument("words", nargs=argparse.REMAINDER)
-    gone.set_defaults(command=_gone, perform=perform)
-
-
-def _no_executor(text: str) -> None:
-    raise argparse.ArgumentTypeError(f"{text}: no executors; --jobs N solves in N processes of this machine")
-
-
-def _study_name(name: str) -> str:
-    """Return the only study, "scene"; refuse others, of earlier releases with the command that replaces each."""
-    if name != "scene":
-        instead = INSTEAD.get(name, "linecontact study scene SCENE --out DIR")
-        raise argparse.ArgumentTypeError(f"study {name}: no such study; use {instead}")
-    return name
-
-
-def _natural(text: str) -> int:
-    if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"{text!r}: an integer >= 0 is needed")
-    return int(text)
 
 
 if __name__ == "__main__":

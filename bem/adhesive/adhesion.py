@@ -47,13 +47,7 @@ class Adhesion:
 
 @dataclass(frozen=True, eq=False)
 class UniformLaw:
-    """Equal work of adhesion everywhere, dimensionless.
-
-    Examples
-    --------
-    >>> float(UniformLaw(0.25).critical_stress_intensity(np.zeros(1))[0])
-    1.0
-    """
+    """Equal work of adhesion everywhere, dimensionless."""
 
     work: float
 
@@ -73,10 +67,6 @@ class UniformLaw:
     def work_curvature(self, x: FloatArray) -> FloatArray:
         """Return d2w/dx2 at the positions x, shape of x."""
         return np.zeros(x.shape)
-
-    def critical_stress_intensity(self, x: FloatArray) -> FloatArray:
-        """Return K = 2 sqrt(w) at the positions x, shape of x."""
-        return np.asarray(2 * np.sqrt(self.work_of_adhesion(x)))
 
     def energy(self, patches: Patches) -> float:
         """Return U_ad = -int w dx over the patches."""

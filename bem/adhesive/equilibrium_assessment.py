@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from bem.adhesive.equilibrium import Balance, System, balance
-from bem.elastic.collocation import Evaluation, finer
+from bem.elastic.collocation import finer
 from bem.loading.assessment import UNKNOWN, Assessment, Quantities, quantities_of, stiffened, with_left_out
 
 
@@ -37,7 +37,8 @@ def assess_equilibrium(system: System, forces: Balance, value: float, tolerance:
     if corrected.is_ordered:
         exact = balance(system, corrected, state.penetration, value, tolerance, resolution)
         correction = _of_equilibrium(exact).minus(_of_equilibrium(forces))
-        correction = replace(correction, stress_intensity=_most_changed(exact.state, state))
+        change = np.abs(exact.state.stress_intensity - state.stress_intensity)  # that of the largest K may vanish
+        correction = replace(correction, stress_intensity=float(np.max(change)))
         correction = stiffened(correction, system.elastic, state, forces.stiffness)
     return Assessment(
         work=forces.work,
@@ -48,14 +49,6 @@ def assess_equilibrium(system: System, forces: Balance, value: float, tolerance:
         stable_at_fixed_load=forces.stable_at_fixed_load,
         correction=correction,
     )
-
-
-def _most_changed(exact: Evaluation, state: Evaluation) -> float:
-    """Return the largest change of K of any edge.
-
-    The change at the edge of the largest K may be zero by chance, because all K are nearly equal.
-    """
-    return float(np.max(np.abs(exact.stress_intensity - state.stress_intensity)))
 
 
 def _of_equilibrium(forces: Balance) -> Quantities:

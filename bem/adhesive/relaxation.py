@@ -28,8 +28,8 @@ from bem.loading.control import DisplacementControl
 from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
 
 LARGEST_STEP = 0.4  # step scales: largest trust radius; below 0.7, or the two edges of a gap may cross
-LOCAL_RESIDUAL = 1e-2  # residual in the field of frozen patches
-NEIGHBOURS = 4
+LOCAL_RESIDUAL = 1e-2  # speed: residual in the field of frozen patches
+NEIGHBOURS = 4  # speed: patches on each side that move first; 2: work -1.2 %, 8: same
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,4 +244,4 @@ def _frozen_field(
     frozen = np.all(np.abs((apart + np.pi) % TWO_PI - np.pi) > patches.half_width[members], axis=1)
     keep = np.repeat(frozen, state.resolution.modes)
     charges = state.skeleton + (penetration - state.penetration) * state.skeleton_rate
-    return system.elastic.field_of_charges(state.skeleton_nodes()[keep], charges[keep], members.size)
+    return system.elastic.field_of_charges(state.skeleton_nodes()[keep], charges[keep])

@@ -25,7 +25,6 @@ from bem.geometry.profile import EQUAL_HEIGHTS
 from bem.loading.increments import Accuracy
 
 LEAST_RATIO, LARGEST_RATIO = 0.1, 2.5  # accepted actual over predicted decrease
-LEAST_INTENSITY = 0.3  # of the critical K: edges below move outward by so much of their step scale, at most
 
 DescentStatus = Literal["converged", "separated", "complete_contact", "touched", "not_converged", "ill_conditioned"]
 StrideEnd = DescentStatus | Literal["closing", "vanishing"]
@@ -150,7 +149,7 @@ class Walk:
         if self.gone.size:
             return "closing"
         if not forces.all_tensile:
-            wider = _expanded(self.system, forces)
+            wider = _expanded(self.system, forces, self.steps.largest)
             if wider is None or not self._is_free(wider):
                 return "not_converged"
             self.patches, self.penetration, self.forces = wider, forces.state.penetration, None
@@ -232,12 +231,15 @@ def step_scale(system: System, forces: Balance) -> FloatArray:
     return np.minimum(forces.state.patches.edge_scale, np.pi / system.elastic.profile.max_order)
 
 
-def _expanded(system: System, forces: Balance) -> Patches | None:
-    """Move edges with too small a K outward by Newton on K; return None if no space is left."""
+def _expanded(system: System, forces: Balance, most: float) -> Patches | None:
+    """Move edges with less than a part `most` of the critical K outward by Newton on K; None if no space is left.
+
+    No edge moves by more than this part of its step scale.
+    """
     state, scale = forces.state, step_scale(system, forces)
-    least = LEAST_INTENSITY * 2 * np.sqrt(forces.work)
+    least = most * 2 * np.sqrt(forces.work)
     slope = np.diagonal(forces.jacobian)
     wanted = (least - state.stress_intensity) / np.where(slope > 0, slope, np.inf)
-    step = np.where(state.stress_intensity < least, np.clip(wanted, 0.02 * scale, LEAST_INTENSITY * scale), 0.0)
+    step = np.where(state.stress_intensity < least, np.clip(wanted, 0.02 * scale, most * scale), 0.0)
     moved = state.patches.moved(step)
     return moved if moved.is_ordered else None

@@ -46,7 +46,7 @@ def hessian_change_times(
         jacobian += fields.jacobian_change_times(outward, x)
     result = (motion.stronger * (forces.jacobian @ x) + forces.state.stress_intensity * jacobian) / 2
     if outward is not None:
-        result -= motion.work_bent(outward) * x
+        result -= system.law.work_curvature(edge_positions(forces.state.patches)) * outward * x
     if system.control.load_weight:
         result -= forces.load_gradient * (motion.carried @ x) + motion.carried * (forces.load_gradient @ x)
     return np.asarray(result)
@@ -79,10 +79,6 @@ class _Motion:
         """Change of K, (2 L,)."""
         growth = self.deeper * self.rate
         return growth if self.outward is None else growth + self.forces.jacobian @ self.outward
-
-    def work_bent(self, outward: FloatArray) -> FloatArray:
-        """Return the change of dw/de, (2 L,)."""
-        return self.system.law.work_curvature(edge_positions(self.forces.state.patches)) * outward
 
     @cached_property
     def carried(self) -> FloatArray:

@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 
 from bem.adhesive.equilibrium import Balance, System
 from bem.geometry.arrays import FloatArray, IntArray
-from bem.geometry.patches import Patches
+from bem.geometry.patches import SHUT_GAP, Patches
 
 ABOUT_TO_GO = 0.02  # of the shortest wave, for a gap; of the width at which an isolated contact pulls off, for a patch
-SHUT_GAP = 1e-7  # of the period
 LAST_GAP = 2e-4  # of the period: the only gap left, when it closes
 TIED = 1e-3  # relative difference of what vanishes or touches at the same instant
 

@@ -83,9 +83,9 @@ class Elastic:
         kernel = None if self.compliance is None else self.compliance.kernel
         return kernel if kernel is not None and kernel.columns else None
 
-    def field_of_charges(self, position: FloatArray, charge: FloatArray, calls: int = 1) -> Field:
+    def field_of_charges(self, position: FloatArray, charge: FloatArray) -> Field:
         """Return the field of charges outside contact, (n,) each, as a function of x: -pi times the displacement."""
-        logarithmic, kernel = LogarithmicPotential(position, charge, calls), self.kernel
+        logarithmic, kernel = LogarithmicPotential(position, charge), self.kernel
         if kernel is None:
             return logarithmic
         return lambda x: logarithmic(x) + kernel.field(x, position, charge)

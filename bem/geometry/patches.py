@@ -17,6 +17,7 @@ from bem.geometry.arrays import FloatArray
 from bem.geometry.minima import OFFSETS, refined
 
 TWO_PI = 2 * np.pi
+SHUT_GAP = 1e-7  # periods: a gap too narrow to be evaluated
 POSITION_ROUNDING = 3 * TWO_PI * float(np.finfo(float).eps)  # of center, edge and point, each rounded; measured 1.1e-15
 CHARGE_ROUNDING = 1e-14  # of charges of order 1 per node, and of heights, times a mean pressure above 1; measured 4e-15
 

@@ -23,7 +23,7 @@ from bem.elastic.gap import gap_field, low_minima
 from bem.elastic.hierarchical import IllConditionedSystemError, if_solvable
 from bem.elastic.sensitivities import own_sensitivity
 from bem.geometry.arrays import FloatArray
-from bem.geometry.patches import CHARGE_ROUNDING, TWO_PI, Patches, PatchPressure, ordered
+from bem.geometry.patches import CHARGE_ROUNDING, SHUT_GAP, TWO_PI, Patches, PatchPressure, ordered
 from bem.loading.control import Control
 from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
 from bem.nonadhesive.tension import dips, nodes, under_tension
@@ -259,7 +259,7 @@ def _joined(elastic: Elastic, patches: Patches, closed_gap: float, tolerance: fl
     if np.all(closed):
         closed[np.argmax(patches.gap_after)] = False
         patches = patches.merged_at(closed)
-        return None if patches.gap_after[0] < 1e-7 * TWO_PI else patches
+        return None if patches.gap_after[0] < SHUT_GAP * TWO_PI else patches
     return patches.merged_at(closed)
 
 

@@ -209,7 +209,7 @@ class LimitPoints:
         """Return the point where a symmetry breaks, if the profile has it and nothing else turned unstable before."""
         soft = does_no_work(at.balance, neutral.scale, neutral.modes) & (neutral.values < NEUTRAL)
         modes = neutral.modes * neutral.scale[:, None]
-        pushed = np.any(_forces(at.balance, modes[:, soft & (neutral.values < NEUTRAL)]) > LOCATED)
+        pushed = np.any(_forces(at.balance, modes[:, soft]) > LOCATED)
         behind = (at.numbers.value - span.first.value) * self.direction < -LOCATED
         if not soft[0] or np.any(neutral.values[~soft] <= 0) or pushed or behind:
             return Refused.UNCLEAR

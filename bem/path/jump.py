@@ -2,8 +2,8 @@
 
 A branch ends where it folds, where a symmetry breaks, or where a gap closes; all are located (fold.py, touch.py), so
 that neither the jump nor its numbers depend on the steps.  The jump follows the forces at the value of the control at
-which the branch ends (relaxation.py): from a fold along its mode until a force is felt, which grows as the square of
-the motion, from a broken symmetry along a branch that begins there, or on both sides of its mode.  The energy released
+which the branch ends (relaxation.py): from a fold pushed along its mode, where the force grows as the square of the
+motion, from a broken symmetry along a branch that begins there, or on both sides of its mode.  The energy released
 is the difference of the potential of two equilibria, each located with its error.  A jump that leaves all patches in
 place is an event if it releases more than the error stated.  Dimensionless.
 """
@@ -16,22 +16,22 @@ from typing import Literal
 import numpy as np
 
 from bem.adhesive.branch import after_step, moving_patches, numbers_of, outward_motion, unstable_patches
-from bem.adhesive.equilibrium import Balance, System, balance
+from bem.adhesive.equilibrium import Balance, System
 from bem.adhesive.relaxation import NO_CAUSE, Cause, Relaxed, fall, interpenetration
+from bem.adhesive.vanishing import TIED
 from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima
 from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import Patches
 from bem.loading.complete_contact import CompleteContact
-from bem.loading.increments import MAXIMUM_ITERATIONS, SAFETY, Increments
+from bem.loading.increments import FINE, MAXIMUM_ITERATIONS, SAFETY, Increments
 from bem.loading.path_events import EventNumbers, PathEvent, path_events
 from bem.loading.points_without_edges import Complete, Failed, Separated
 from bem.path.fold import LimitPoint
-from bem.path.locating import OFF, VERIFIED, AtControl, Located, Refused, Start, locate
+from bem.path.locating import OFF, AtControl, Located, Refused, Start, locate
 from bem.path.opening import complete_potential
 from bem.path.points_with_edges import Equilibrium, Point
 from bem.path.stand import LONGEST_MOTION
-from bem.path.symmetry import EQUAL
 from bem.path.touch import Touch
 
 NEARLY = 1e-3  # speed: residual from which on Newton goes on, where it is not far from the end of a descent
@@ -67,14 +67,12 @@ class Jumps:
         return self.behind(at.numbers, at.error, landed, landed.changes)
 
     def from_fold(self, limit: LimitPoint) -> Point | None:
-        """Return the state behind a fold; None where no force is felt along its mode that leads on."""
+        """Return the state behind a fold; None where edges pushed along its mode fall back to it."""
         at, mode = limit.at, limit.modes[:, 0]
         state, patches, work = at.balance.state, at.patches, at.balance.work
         length = np.sqrt(np.array(FORCES) * float(work @ np.abs(mode)) / limit.bend)
         longest = LONGEST_MOTION / float(np.max(np.abs(mode) / patches.edge_scale))
         for part in np.minimum(length, longest):
-            if not self._is_felt(patches.moved(part * mode), state.penetration, at.numbers.value, mode):
-                continue
             landed = self._landed(state, patches.moved(part * mode), at.numbers.value, moving_patches(patches, mode))
             if self._returned(patches, landed, part * mode):
                 continue
@@ -150,16 +148,13 @@ class Jumps:
         released = at.potential - after.potential
         doubt = error.potential + uncertain + self._moved_by_error(at, error, after.penetration, after.load)
         happened = surely or not np.isfinite(doubt) or released > SAFETY * doubt
-        stated = doubt + self._coarseness(balance)
+        tolerance = self.increments.way.tolerance
+        coarse = (OFF * tolerance) ** 2 if tolerance > FINE.tolerance else 0.0  # energies err by the square
+        stated = doubt + coarse * balance.state.elastic_energy
         events = path_events(changes, at, error, released, stated) if happened else ()
         if landed.status != "converged":
             return _failed(landed, events)
         return Equilibrium(value, balance, patches, after.load, events=events)
-
-    def _coarseness(self, balance: Balance) -> float:
-        """Return the error of a difference of energies by coarse evaluations: of second order in their errors."""
-        tolerance = self.increments.way.tolerance
-        return (OFF * tolerance) ** 2 * balance.state.elastic_energy if tolerance > VERIFIED else 0.0
 
     def _minimum(self, balance: Balance, value: float) -> Located | None:
         """Return the stable equilibrium in which a jump ended, with its errors; None where there is none."""
@@ -169,14 +164,6 @@ class Jumps:
             return None
         moved = outward_motion(balance.state.patches, located.patches) / balance.state.patches.edge_scale
         return located if np.max(np.abs(moved)) <= LONGEST_MOTION else None
-
-    def _is_felt(self, patches: Patches, penetration: float, value: float, motion: FloatArray) -> bool:
-        """Return whether the force on edges along a motion exceeds its error."""
-        if not patches.is_ordered:
-            return False
-        forces = balance(self.system, patches, penetration, value, self.increments.way.tolerance)
-        force = -float(forces.gradient @ motion) / float(forces.work @ np.abs(motion))
-        return force > SAFETY * self.increments.way.residual
 
     def _returned(self, start: Patches, landed: Landed, outward: FloatArray) -> bool:
         """Return whether edges that were pushed outward fell back to an equilibrium."""
@@ -263,5 +250,5 @@ def _failed(landed: Landed, events: tuple[PathEvent, ...] = ()) -> Failed:
 def leading_patch(patches: Patches, outward: FloatArray) -> float:
     """Return the centre of the patch that grows or shrinks most in a motion; of two alike, of the one that shrinks."""
     growth = (outward / patches.edge_scale).reshape(2, -1).sum(axis=0)
-    leading = int(np.argmax(np.abs(growth) * np.where(growth < 0, 1 + EQUAL, 1.0)))
+    leading = int(np.argmax(np.abs(growth) * np.where(growth < 0, 1 + TIED, 1.0)))
     return float(patches.center[leading])

@@ -27,8 +27,8 @@ from bem.path.points_with_edges import Equilibrium, Stretch
 from bem.path.span import Span
 from bem.path.stand import SHORT, Stand, stand_near
 
-LOAD_ACCURACY = 1e-11  # of the load, or of a load of 1e-3
-DIGITS = 64  # spacings of the control, by which it misses a load in a narrow gap; 26 at most
+LOAD_ACCURACY = LOCATED / 100  # of the load, or of a load of 1e-3
+DIGITS = 64  # derived: spacings of the control, by which rounding misses a load in a narrow gap; 26 at most
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,13 +23,12 @@ from bem.elastic.collocation import Resolution, finer, resolve
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
-from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
+from bem.loading.increments import FINE, MAXIMUM_ITERATIONS, Accuracy
 from bem.loading.path_events import EventNumbers
 from bem.path.stand import LONGEST_MOTION, SHORT, Row, bordered, missing, unit_of
 
 LAST = 1e-5  # units: the last step, behind which LAST^2 = 1e-10 is missing
 LOCATED = 1e-9  # largest remainder of zero: rms heights, works of adhesion, eigenvalues
-VERIFIED = 1e-8  # tolerance of evaluations up to which a located equilibrium is evaluated once more, finer
 OFF = 0.3  # of the tolerance: error of K, of a gap and of the load by an evaluation; measured .03, .2 on thin layers
 FINER_MODES = 1e-2  # of the tolerance, for which a finer evaluation has the modes
 
@@ -158,6 +157,9 @@ def locate(
     """
     before: EventNumbers | None = None
     place, last = start, np.inf
+    short = max(np.sqrt(tolerance), LAST)  # its square, which is missing, is no more than an evaluation is off
+    if held is not None:  # the control hardly acts on the eigenvalue
+        short = LAST
     for _ in range(MAXIMUM_ITERATIONS):
         asked = on.asked(system.sloped)
         if before is None:
@@ -172,12 +174,12 @@ def locate(
             return step
         if step.size >= last:
             return Refused.DIVERGED
-        if tolerance > VERIFIED and step.size <= np.sqrt(tolerance):
+        if tolerance > FINE.tolerance and step.size <= short:
             return _unverified(system, balance, place.value, on, step, tolerance)
         numbers, last = after_step(system, balance, place.value, step.motion, step.change), step.size
         if before is not None and step.size <= LAST:
             return Located(balance, numbers, numbers.apart(before, system.control.force(balance.state)), step.motion)
-        if before is None and step.size <= SHORT:
+        if before is None and step.size <= short:
             before, last = numbers, np.inf
         place = step.end(balance, place.value)
     return Refused.DIVERGED

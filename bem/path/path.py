@@ -37,7 +37,7 @@ from bem.path.locating import LOCATED, AtControl, Condition, InPlane, Located, R
 from bem.path.opening import Flaw
 from bem.path.points_with_edges import Equilibrium, Point, Stretch
 from bem.path.span import Span
-from bem.path.stand import Stand
+from bem.path.stand import LONGEST_STEP, SHORT, Stand
 from bem.path.steps import (
     SHORTER,
     SHORTEST_STEP,
@@ -53,9 +53,7 @@ from bem.path.tension import LeastLoad, behind_jump, turn_of_load
 from bem.path.touch import Touch
 
 FIRST = 0.5  # speed: of the longest step: the first one of a branch
-LONGEST_STEP = 0.4  # units: the motion of the edges in a step
-PER_INCREMENT = 9.0  # units per rms height of `accuracy.max_increment`: a step, if that is less than the longest
-NATURAL = 1e-7, 1e-6, 1e-5, 1e-4  # of the unit of the control: steps of it where none along the curve is left
+NATURAL = 1e2 * LOCATED, 1e3 * LOCATED, 1e4 * LOCATED, 1e5 * LOCATED  # steps of the control where no other is left
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,14 +197,15 @@ class Path:
         if control.load_weight:  # a stiff contact hardly moves
             growth_of_control = control.penetration_weight + control.load_weight * point.balance.stiffness
             largest = max(largest, self.increments.deepest * growth_of_control)
-        longest = min(LONGEST_STEP, PER_INCREMENT * self.increments.deepest)
+        longest = LONGEST_STEP * min(1.0, self.increments.deepest / Increments.deepest)
         return Way(direction, end, longest, largest, self.increments.way.tolerance)
 
     def _along(self, point: Equilibrium, goal: float) -> Iterator[Point]:
         """Yield points along the curve of a state, to the goal or to the point behind the first end of the branch."""
         direction, closing, end = self.direction(point, goal), self.bare.closing_value, goal
         if direction > 0 and goal >= closing:
-            end = closing - self.last_increment(point.value, point.patches.count, closing)
+            one_gap, way_left = point.patches.count == 1, closing - point.value
+            end = closing - (self.increments.smallest if one_gap else max(way_left / 2, LOCATED))
             if point.value >= end - LOCATED * self.increments.smallest:
                 yield self.bare.closed(point.state.patches, goal)
                 return
@@ -215,7 +214,7 @@ class Path:
         if at is None:
             yield Failed(point.value, "not_converged")
             return
-        length, load, again = FIRST * way.longest, point.load, True
+        length, load = FIRST * way.longest, point.load
         while True:
             ahead = predicted(at, length, way)
             tried = float(np.max(np.abs(ahead[0] / at.unit)))
@@ -223,16 +222,15 @@ class Path:
                 yield self._by_control(at, way)
                 return
             span = step_from(self.system, at, ahead, way)
-            if span is Refused.MISFIT and again:
-                refined, again = evaluated_at_itself(self.system, at, way), False
-                at = at if isinstance(refined, Refused) else refined
-                continue
             branch_end = (
                 span if isinstance(span, Refused) else BranchEnds(self.system, self.increments).first(span, way)
             )
             if isinstance(span, Refused) or isinstance(branch_end, Refused):
                 self.effort.rejected += 1
                 length = tried / SHORTER
+                if span is Refused.MISFIT and at.off > SHORT:
+                    refined = evaluated_at_itself(self.system, at, way)
+                    at = at if isinstance(refined, Refused) else refined
                 continue
             self.effort.accepted += 1
             self.effort.unknowns = max(self.effort.unknowns, span.last.balance.state.unknowns)
@@ -241,14 +239,8 @@ class Path:
                 return
             self._note_turn(span, 1.0, way)
             yield from self._stretches(span, 1.0, Equilibrium.near(span.last), load)
-            at, length, again = span.last, min(way.longest, tried * growth(span)), True
+            at, length = span.last, min(way.longest, tried * growth(span))
             load = at.numbers.load
-
-    def last_increment(self, value: float, patches: int, closing: float) -> float:
-        """Return the increment before complete contact: the smallest; half the way, where several gaps are left."""
-        if patches == 1:
-            return self.increments.smallest
-        return max((closing - value) / 2, LOCATED)
 
     def _stretches(self, span: Span, reach: float, point: Equilibrium, load: float) -> Iterator[Equilibrium]:
         """Yield a point on a span with the stretch to it from a load, after a point where the load turns before."""

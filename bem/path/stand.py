@@ -34,7 +34,8 @@ from bem.geometry.patches import Patches
 from bem.loading.path_events import EventNumbers
 
 PINNED = 0.4  # of the shortest wave that may pin an edge: its unit of length, if its edge scale is not less
-LONGEST_MOTION = 0.2  # units: a motion of the edges along the curve, in a step or by Newton
+LONGEST_STEP = 0.4  # units: the motion of the edges in a step
+LONGEST_MOTION = LONGEST_STEP / 2  # of the edges by Newton
 SHORT = 5e-4  # units, or of a gap: a motion in which everything is linear but for a part of its square
 SOFTENING = 60.0  # times the work of adhesion: largest loss of stiffness per unit in a motion by a unit; measured 39
 MODES = 8  # lowest modes that are looked at; more turn within a step only among equal patches
@@ -55,25 +56,16 @@ def unit_of(system: System, balance: Balance) -> FloatArray:
     return np.minimum(scale, PINNED * system.pinning.shortest(balance.work, scale))
 
 
-def imbalance_by_edges(system: System, balance: Balance, unit: FloatArray) -> FloatArray:
-    """Return d(K - 2 sqrt(w)) by outward motions in units at a given control, (2 L, 2 L)."""
-    control = system.control
-    matrix = balance.jacobian.copy()
-    if control.load_weight > 0:
-        share = control.load_weight * control.rate(balance.state)
-        matrix -= np.outer(share * balance.state.stress_intensity_rate, balance.load_gradient)
-    matrix.flat[:: balance.work.size + 1] -= balance.work_gradient / np.sqrt(balance.work)
-    matrix *= unit
-    return matrix
-
-
 def bordered(system: System, balance: Balance, unit: FloatArray, row: Row) -> FloatArray:
     """Return the matrix of the bordered system, motions in units, (2 L + 1, 2 L + 1)."""
-    state, n = balance.state, balance.work.size
+    state, control, n, root = balance.state, system.control, balance.work.size, np.sqrt(balance.work)
     matrix = np.empty((n + 1, n + 1))
-    matrix[:n, :n] = imbalance_by_edges(system, balance, unit)
-    matrix[:n, n] = state.stress_intensity_rate * system.control.rate(state)
-    matrix[:n] /= np.sqrt(balance.work)[:, None]
+    matrix[:n, :n], matrix[:n, n] = balance.jacobian, state.stress_intensity_rate * control.rate(state)
+    if control.load_weight > 0:
+        matrix[:n, :n] -= np.outer(control.load_weight * matrix[:n, n], balance.load_gradient)
+    matrix.flat[: n * (n + 1) : n + 2] -= balance.work_gradient / root
+    matrix[:n, :n] *= unit
+    matrix[:n] /= root[:, None]
     matrix[n, :n], matrix[n, n] = row.by_edges * unit, row.by_control
     return matrix
 

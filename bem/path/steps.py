@@ -1,8 +1,8 @@
 """Steps along a branch: predicted to second order, corrected in the plane of the step, judged by its misfit.
 
 A step is accepted if K > 0 at its end, the Newton step that is left is short, and the chord agrees with the derivatives
-at both ends (stand.py); where it does not, both ends are evaluated again more finely before a shorter step is tried,
-because the error of an evaluation turns the tangent of a soft motion.
+at both ends (stand.py).  Where it nearly does, the end is evaluated again more finely before a shorter step is tried,
+and then the start, because what Newton left there turns the tangent of a soft motion.
 
 The Newton step and the misfit are of third order in the length of the step, which grows or shrinks with the cube root
 of the ratio of the Newton step to the step it should be (pacopy's and AUTO's control does the same by the count of
@@ -28,6 +28,7 @@ MISFIT = 0.06  # of the chord, and of the rise of the control: largest disagreem
 GOOD = MISFIT / 2  # units: the Newton step that a prediction should leave
 SHORTER = 3.0  # times: a step that is refused is repeated
 LONGER = SHORTER**0.5  # times the last step: the next, at most
+BENT = 2 * MISFIT  # of a step: its second order, at most
 SHORTEST_STEP = 1e-6  # limit: units: a step that is not tried is shorter
 PAST = GOOD  # units: how far a step may go past where the control turns
 BEYOND = 1 + ON_SPAN  # times the way to where the control turns, or to its last value: both then lie on the span
@@ -81,8 +82,9 @@ def step_from(system: System, at: Stand, ahead: tuple[FloatArray, float], way: W
     if stand.off > tried / SHORTER:
         return Refused.DIVERGED
     span = Span.between(at, stand)
-    fits = span is not None and span.misfit <= MISFIT
-    if not fits or not stand.is_clear:
+    if span is None or span.misfit > SHORTER * MISFIT:
+        return Refused.MISFIT
+    if span.misfit > MISFIT or not stand.is_clear:
         refined = evaluated_at_itself(system, stand, way)
         if isinstance(refined, Refused):
             return refined
@@ -125,7 +127,8 @@ def predicted(at: Stand, length: float, way: Way) -> tuple[FloatArray, float]:
     def at_parameter(h: float) -> tuple[FloatArray, float]:
         return h * at.rate + h**2 / 2 * at.bend, h * at.control_rate + h**2 / 2 * at.control_bend
 
-    h = length / at.speed
+    bent = float(np.max(np.abs(at.bend / at.unit)))
+    h = min(length / at.speed, 2 * BENT * at.speed / bent if bent > 0 else np.inf)
     for _ in range(3):
         h *= min(1.0, length / float(np.max(np.abs(at_parameter(h)[0] / at.unit))))
     rate, bend = at.control_rate * way.direction, at.control_bend * way.direction

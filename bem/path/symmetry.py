@@ -13,13 +13,12 @@ import numpy as np
 
 from bem.adhesive.branch import outward_motion
 from bem.adhesive.equilibrium import System
+from bem.adhesive.vanishing import TIED
 from bem.geometry.arrays import FloatArray
 from bem.path.fold import LimitPoint
 from bem.path.locating import InPlane, Refused, Start, locate
 from bem.path.stand import LONGEST_MOTION, Stand, stand_near, unit_of
 from bem.path.steps import SHORTER, Way, shorter_steps
-
-EQUAL = 1e-6  # relative difference of patches that are equal
 
 
 def alone(limit: LimitPoint) -> FloatArray:
@@ -32,7 +31,7 @@ def alone(limit: LimitPoint) -> FloatArray:
     shrink, slide = -(left + right), right - left
     single = max(shrink, slide, key=np.linalg.norm)
     share = np.linalg.norm(single, axis=1)
-    first = int(np.flatnonzero(share >= (1 - EQUAL) * share.max())[0])
+    first = int(np.flatnonzero(share >= (1 - TIED) * share.max())[0])
     return np.asarray(unit @ single[first])
 
 

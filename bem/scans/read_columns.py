@@ -72,10 +72,9 @@ def _columns(table: TextTable, values: Mapping[str, Any]) -> tuple[int | None, i
     width, flag = table.values.shape[1], values.get("valid_column", 0)
     used = list(values.get("columns", [column for column in range(1, width + 1) if column != flag]))
     if len(used) > 2:
-        allowed = (
-            "columns = [1, 2] for x and h in these columns; valid_column for a column that marks missing heights; "
-        )
-        allowed += f'row = 0, 1, .. for one of {TEXT_LINES}, or row = "mean", where they are a map'
+        allowed = "columns = [1, 2] for x and h in these columns, [1, 3] for one scan line x y h; valid_column for a "
+        allowed += f"column that marks missing heights; row = 0, 1, .. for one of {TEXT_LINES}, or row = "
+        allowed += '"mean", where they are a map'
         problem = f"is needed: the file has {width} columns, in line {table.lines[0]} {table.rows[0][:40]!r}"
         raise refused("columns", problem, allowed)
     if max(used) > width or flag in used or len(set(used)) < len(used):

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.polynomial import polynomial
 
 from bem.adhesive.equilibrium import edge_positions
+from bem.adhesive.relaxation import NEIGHBOURS
 from bem.elastic.collocation import Evaluation, evaluate
 from bem.elastic.far_field import Charges, far_fields
 from bem.elastic.hierarchical import if_solvable
@@ -31,6 +32,7 @@ from bem.loading.crew import Crew
 from bem.loading.path_events import EventNumbers, PathEvent, PathStatus
 from bem.loading.points_without_edges import PathPoint
 from bem.path.path import Path
+from bem.path.stand import LONGEST_MOTION
 from bem.windows.landing import Departure, Landing, Release, landed
 from bem.windows.windows import Window, in_core, seams, wider, windows_of
 
@@ -38,8 +40,7 @@ WIDER = 3, 7  # limit: patches of buffer more, for a window whose path fails
 ALIKE = 0.1  # residual of joined windows, beyond which a window felt events of another too late: a shorter step
 JOINED = 0.5  # limit: of the shortest step: residual beyond which windows do not fit
 ROUNDS = 5  # limit: of windows that follow one another's events in it
-BESIDE = 8  # edges next to an event, by which the far field of its window is judged
-PREDICTED = 0.15  # edge scales that edges are moved at most to predict the far field at the end of a step
+BESIDE = 2 * NEIGHBOURS  # edges next to an event, by which the far field of its window is judged
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +129,7 @@ class Spreading:
     def _joined(self, point: Spread, value: float, error: float) -> Joined | None:
         """Return all windows joined after a step, each followed in the far field of the state before."""
         change = value - point.value
-        charges, most = charges_of(point.state), PREDICTED * point.patches.edge_scale
+        charges, most = charges_of(point.state), LONGEST_MOTION * point.patches.edge_scale
         charges_ahead = charges_moved_in(point.state)
         if change:
             motion = np.clip(change * point.rate, -most, most)

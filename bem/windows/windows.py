@@ -19,7 +19,7 @@ from bem.geometry.patches import TWO_PI, Patches
 
 CORE_PATCHES = 24  # speed: patches in the core of a window, more or less
 BUFFER = 2  # least number of patches beside the core
-CHOICE = 4  # gaps, of which the widest is where a window ends, or a core
+CHOICE = 2 * BUFFER  # gaps, of which the widest is where a window ends, or a core
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,10 +49,6 @@ class Window:
     def edges(self, values: FloatArray) -> FloatArray:
         """Return the values at the edges of the window, (2 n,), from the values at all edges."""
         return np.asarray(values.reshape(2, -1)[:, self.members].ravel())
-
-    def put(self, values: FloatArray, into: FloatArray) -> None:
-        """Write the values at the edges of the core, from the window, into the values at all edges."""
-        into.reshape(2, -1)[:, self.members[self.core]] = values.reshape(2, -1)[:, self.core]
 
 
 def windows_of(patches: Patches) -> list[Window]:

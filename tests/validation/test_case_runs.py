@@ -5,8 +5,10 @@ Cases are written into a folder and run in this process, without the solver; wor
 
 import csv
 import json
+import re
 import subprocess
 import textwrap
+from pathlib import Path
 
 import pytest
 
@@ -48,6 +50,18 @@ def case(body, name="test_one"):
 
 def verdicts(result):
     return [row["verdict"] for row in result.report["rows"]]
+
+
+def test_the_case_of_the_page_passes_and_fails_as_the_page_says(run, pytester):
+    page = (Path(__file__).parents[2] / "validation" / "README.md").read_text("utf-8")
+    code = re.search(r"```python\n(.*?)```", page, re.DOTALL)[1]
+    (pytester.path / "test_own_wave.py").write_text(code)
+    run.again().assert_outcomes(passed=2)
+    (pytester.path / "test_own_wave.py").write_text(code.replace("* 50e-6 /", "* 51e-6 /"))
+    result = run.again()
+    result.assert_outcomes(failed=2)
+    said = re.search(r"```\n(1 of 2 rows.*?)\n```", page, re.DOTALL)[1].splitlines()
+    result.stdout.fnmatch_lines([said[0], f"*{said[1]}", *(f"*{line}*" for line in said[2:4])])
 
 
 def test_a_case_that_agrees_passes_and_its_row_is_in_the_report(run):

@@ -8,7 +8,7 @@ from rough_surfaces import cut_edges, short_waved
 
 from bem.geometry.profile import Profile
 from validation.references.closed_forms import Sinusoid
-from validation.references.dense import SmoothKernel, dense_nodes, evaluate_dense
+from validation.references.dense import LayerKernel, dense_nodes, evaluate_dense
 
 AMPLITUDE = 1.3
 
@@ -219,7 +219,7 @@ def test_too_few_nodes_show_in_the_coefficients(rough_state):
 def test_smooth_kernel_of_one_mode_softens_that_mode():
     """S = -2 (c - 1) cos x scales the compliance of mode 1 by c; near complete contact D cos x takes sigma_1 = D/c."""
     ratio = 0.8
-    kernel = SmoothKernel(lambda x: -(ratio - 1) * np.cos(x), lambda x: (ratio - 1) * np.sin(x))
+    kernel = LayerKernel(np.array([1.0]), np.array([1 - ratio]))
     half = np.pi * 0.4
     left, right = np.array([-half]), np.array([half])
     case = Wave(0.4)
@@ -235,7 +235,7 @@ def test_smooth_kernel_of_one_mode_softens_that_mode():
 
 
 def test_smooth_kernel_derivatives_are_exact():
-    kernel = SmoothKernel(lambda x: 0.2 * np.cos(2 * x), lambda x: -0.4 * np.sin(2 * x))
+    kernel = LayerKernel(np.array([2.0]), np.array([0.2]))
     profile = rough()
     left, right, penetration = cut_edges(profile, 0.4)
     nodes = dense_nodes(profile, left, right)

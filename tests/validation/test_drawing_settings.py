@@ -11,7 +11,7 @@ from types import SimpleNamespace
 
 from bem.scene import plots
 from validation.harness.schema import Figure, Panel, Series
-from validation.report.figures import canvas_of, save
+from validation.report.figures import svg_of
 
 error = SimpleNamespace(mean_pressure=0.0)
 states = [
@@ -22,7 +22,7 @@ folder = Path(sys.argv[1])
 plots.curves(states).savefig(folder / "curves.png")
 series = Series(label="mean_pressure", x=[1.0, 2.0], y=[1.0, 4.0])
 panel = Panel(xlabel="x", ylabel="$p$", series=[series])
-save(canvas_of(Figure(id="figure", caption="A figure.", solution=panel)), folder / "figure.svg")
+(folder / "figure.svg").write_text(svg_of(Figure(id="figure", caption="A figure.", solution=panel), "a"), "utf-8")
 """
 RC = """
 text.usetex: True

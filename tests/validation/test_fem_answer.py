@@ -36,9 +36,7 @@ def test_a_second_contact_is_found_where_the_profile_enters(answered):
     assert all(0 < state["error_estimate"]["mean_pressure"] < 1e-2 * abs(state["mean_pressure"]) for state in states)
 
 
-def test_figure_and_fields_are_written(answered):
-    assert (answered / "mesh.png").read_bytes().startswith(b"\x89PNG")
-    assert "<svg" in (answered / "mesh.svg").read_text()
+def test_fields_are_written(answered):
     fields = meshio.read(answered / "fields.vtu")
     assert fields.cell_data["stress"][0].shape[1] == 9
 

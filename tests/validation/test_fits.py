@@ -2,22 +2,21 @@
 
 import csv
 import json
-from argparse import Namespace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import bem
-import persson
 from persson.contact_slope import COEFFICIENTS as DRY
 from persson.contact_slope import contact_fractions
-from validation.fits import dry_area, wet_area
-from validation.fits.ensembles import Group, areas_of, read_plan, rms, scene_of
-from validation.references.paper_problem import MODULUS, POISSON_RATIO, RMS_SLOPE, YOUNGS_MODULUS
+from validation.fits.areas import Means, fit_dry, fit_wet, means_of
+from validation.fits.ensembles import Group, areas_of, read_plan, scene_of
+from validation.references.paper_problem import MODULUS, RMS_SLOPE
 
-WHOLE = Namespace(realisations=10**6, highest_order=10**6, seed=None)
-SOLID = {"youngs_modulus": YOUNGS_MODULUS, "poisson_ratio": POISSON_RATIO}
+
+def rms(values):
+    return np.sqrt(np.mean(values**2))
 
 
 def hold_out(law):
@@ -25,13 +24,10 @@ def hold_out(law):
     cells = []
     with (Path(__file__).parent / f"hold_out_{law}.csv").open(newline="") as file:
         for row in csv.DictReader(file):
-            lines = Group(row["spectrum"], json.loads(row["parameters"]), ()).lines
-            work = float(row["theta"]) * MODULUS * lines.full_contact_energy or None
-            area = persson.contact_area(lines, float(row["load"]) * RMS_SLOPE * MODULUS, work_of_adhesion=work, **SOLID)
-            ensemble = float(row["area"])
-            inside = area.status == "in_domain"
-            cells.append((np.log(area.contact_fraction / ensemble), float(row["error"]), inside, ensemble))
-    return np.array(cells).T
+            group, numbers = Group(row["spectrum"], json.loads(row["parameters"]), ()), ("load", "area", "error")
+            load, area, error = (np.array([float(row[name])]) for name in numbers)
+            cells.append(Means(group, float(row["theta"]), load, area, error, area, error).judged())
+    return np.concatenate(cells, axis=1)
 
 
 def test_dry_law_meets_its_hold_out():
@@ -62,32 +58,32 @@ DRY_GROUPS = (
 
 def test_dry_fit_recovers_the_coefficients_of_its_data():
     loads, truth = np.array([0.016, 0.06, 0.15]), DRY | {"c": 1.07, "D_0": 0.84, "a_0": 0.12}
-    observed = [(g, contact_fractions(g.lines, loads * RMS_SLOPE, truth), np.full(3, 0.01)) for g in DRY_GROUPS]
-    assert dry_area.fit(observed, loads) == pytest.approx(truth, rel=1e-8)  # 3e-12
+    areas = [contact_fractions(group.lines, loads * RMS_SLOPE, truth) for group in DRY_GROUPS]
+    means = [Means(g, 0.0, loads, a, 0.01 + 0 * a, a, 0 * a) for g, a in zip(DRY_GROUPS, areas, strict=True)]
+    assert fit_dry(means) == pytest.approx(truth, rel=1e-8)  # 3e-12
 
 
 def test_wet_fit_recovers_the_coefficients_whatever_the_dry_area():
-    loads, truth, pairs = np.array([0.03, 0.06, 0.1, 0.15]), {"k": 2.1, "c": 0.6}, []
+    loads, truth, means = np.array([0.03, 0.06, 0.1, 0.15]), {"k": 2.1, "c": 0.6}, []
     for hurst in (0.4, 0.8):
         group = Group("self-affine", [hurst, 40], [3])
         dry = 1.1 * contact_fractions(group.lines, loads * RMS_SLOPE)
         for theta in (0.01, 0.1):
-            empty = wet_area.Pair(group, theta, loads, dry, dry, 0 * dry, 0 * dry)
-            wet = empty.law_on_the_dry_area(truth)
-            pairs.append(wet_area.Pair(group, theta, loads, dry, wet, 0 * dry, 0 * dry))
-    assert wet_area.fit(pairs) == pytest.approx(truth, rel=1e-7)  # 3e-8
+            wet = Means(group, theta, loads, dry, 0 * dry, dry, 0 * dry).wet_law(truth)
+            means.append(Means(group, theta, loads, wet, 0 * dry, dry, 0 * dry))
+    assert fit_wet(means) == pytest.approx(truth, rel=1e-7)  # 3e-8
 
 
 def test_jackknife_is_the_standard_error_of_a_mean():
     wet = 1 + 0.01 * np.random.default_rng(1).standard_normal((40, 2))
-    pair = wet_area.pair_of(DRY_GROUPS[0], 0.1, np.array([0.1, 0.2]), np.ones((40, 2)), wet)
-    assert pair.wet_error == pytest.approx(wet.std(0, ddof=1) / np.sqrt(40), rel=0.02)
-    assert pair.ratio_error == pytest.approx(pair.wet_error, rel=1e-12)
+    means = means_of(DRY_GROUPS[0], 0.1, np.array([0.1, 0.2]), wet, np.ones((40, 2)))
+    assert means.error == pytest.approx(wet.std(0, ddof=1) / np.sqrt(40), rel=0.02)
+    assert means.ratio_error == pytest.approx(means.error, rel=1e-12)
 
 
 @pytest.mark.parametrize("law", ["dry", "wet"])
 def test_fit_and_hold_out_share_nothing(law):
-    fit, held = (read_plan(law, part, WHOLE) for part in ("fit", "hold_out"))
+    fit, held = (read_plan(law, part) for part in ("fit", "hold_out"))
     assert not {group.name for group in fit.groups} & {group.name for group in held.groups}
     assert not set(fit.seed_roots) & set(held.seed_roots)
     assert not set(fit.loads) & set(held.loads)
@@ -101,4 +97,4 @@ def test_realisations_share_slope_and_phases_and_adhesion_enlarges_the_contact()
         assert dry.profile == wet.profile
         energy = group.lines.full_contact_energy * MODULUS
         assert wet.adhesion.work_of_adhesion / energy == pytest.approx(0.04, rel=1e-12)
-        assert np.all(areas_of(loads, 0.04, (group, 1, 0)) > areas_of(loads, 0.0, (group, 1, 0)))
+        assert np.all(areas_of((loads, 0.04), (group, 1, 0)) > areas_of((loads, 0.0), (group, 1, 0)))

@@ -1,47 +1,24 @@
-"""Comparison of paths: a difference of each kind is counted as what it is."""
+"""Comparison of paths of random scenes at other increments: the same scenes again, one line for each difference."""
 
-from dataclasses import replace
+import json
 
-import pytest
-
-from validation.studies.path_comparison import compare, scenes, solved
-
-
-@pytest.fixture(scope="module")
-def result():
-    """A random scene with events, solved."""
-    _, tables, folder = next(iter(scenes(57, 1)))
-    result = solved(tables, folder, 1.0, None)
-    assert result.events
-    assert len(result.targets) > 1
-    return result
+from validation.command_line import path_comparison
+from validation.command_line.path_comparison import scenes
 
 
-def test_a_result_is_like_itself(result):
-    differences = {key for key, count in compare(result, result).items() if count}
-    assert differences == {"targets", "events"}
+def test_scenes_of_a_seed_are_the_same_and_have_adhesion():
+    (first, one), (second, two) = scenes(57, 2)
+    assert [name for name, _ in scenes(57, 2)] == [first, second]
+    assert first != second
+    assert all("adhesion" in tables and "output" not in tables for tables in (one, two))
 
 
-@pytest.mark.parametrize("change", [{"n_patches": 77}, {"status": "separated"}, {"contact_fraction": 0.9}])
-def test_a_target_on_another_branch_is_counted(result, change):
-    last = result.targets[-1]
-    states = tuple(replace(state, **change) if state is last else state for state in result.states)
-    assert compare(result, replace(result, states=states))["on another branch"] == 1
-
-
-def test_an_event_that_is_absent_or_added_is_counted(result):
-    fewer = replace(result, events=result.events[1:])
-    assert compare(result, fewer)["events absent"] == 1
-    assert compare(fewer, result)["events added"] == 1
-
-
-@pytest.mark.parametrize(("errors", "beyond"), [(1.0, (0, 0)), (5.0, (1, 0)), (50.0, (1, 1))])
-def test_an_event_beyond_its_errors_is_counted(result, errors, beyond):
-    """The errors of both events count, so that one error of each is within them."""
-    last = result.events[-1]
-    own = 1e-6 * max(event.penetration for event in result.events)
-    wide = replace(last, error_estimate=replace(last.error_estimate, penetration=own))
-    moved = replace(wide, penetration=last.penetration + 1.999 * errors * own)
-    first, second = (replace(result, events=(*result.events[:-1], event)) for event in (wide, moved))
-    count = compare(first, second)
-    assert (count["beyond their errors"], count["beyond ten errors"]) == beyond
+def test_differences_are_counted_by_setting(tmp_path, monkeypatch, capsys):
+    words = ["path_comparison", "--count", "1", "--tolerances", "1e-6", "--out", str(tmp_path)]
+    monkeypatch.setattr("sys.argv", words)
+    code = path_comparison.main()
+    ((setting, counts),) = json.loads((tmp_path / "comparison.json").read_text()).items()
+    assert setting == "increment 1, tolerance 1e-06"
+    assert counts["numbers"] > 3
+    assert code == int(bool(counts["apart"] or counts["other"]))
+    assert "DIFFERS" not in capsys.readouterr().out

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from validation.harness import provenance as module
-from validation.harness.provenance import provenance, sources_digest, versions, working_tree
+from validation.harness.provenance import fingerprint, provenance, versions
 
 needs_git = pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
 
@@ -61,14 +61,12 @@ def test_package_that_is_absent_is_said_to_be(monkeypatch):
 
 
 def test_outside_a_checkout_the_commit_is_not_known(tree):
-    assert working_tree() is None
     assert provenance()["commit"] == "not a checkout"
 
 
 @needs_git
 def test_clean_checkout_has_a_commit(checkout):
-    commit, changed = working_tree()
-    assert (len(commit), changed) == (40, False)
+    assert len(provenance()["commit"]) == 40
 
 
 @needs_git
@@ -78,27 +76,26 @@ def test_clean_checkout_has_a_commit(checkout):
 )
 def test_changed_sources_are_told_from_changed_stored_errors(checkout, name, changed):
     (checkout / name).write_text("two")
-    assert working_tree()[1] is changed
     assert provenance()["commit"].endswith("with changes") is changed
 
 
 @needs_git
 def test_without_git_the_commit_is_not_known(checkout, monkeypatch):
     monkeypatch.setenv("PATH", "")
-    assert working_tree() is None
+    assert provenance()["commit"] == "not a checkout"
 
 
 @pytest.mark.parametrize(
-    ("name", "moves"),
-    [("bem/solver.py", True), ("bem/new.toml", True), ("validation/cases/stored.csv", False), ("bem/n.pyc", False)],
+    ("name", "moves"), [("bem/solver.py", True), ("bem/new.toml", True), ("bem/n.pyc", False), ("report/a.json", False)]
 )
-def test_digest_follows_sources_only(tree, name, moves):
-    before = sources_digest()
+def test_fingerprint_follows_sources_only(tree, name, moves):
+    (tree / "report").mkdir()
+    before = fingerprint([tree], tree / "report")
     (tree / name).write_text("two")
-    assert (sources_digest() != before) is moves
+    assert (fingerprint([tree], tree / "report") != before) is moves
 
 
-def test_digest_follows_names(tree):
-    before = sources_digest()
+def test_fingerprint_follows_names(tree):
+    before = fingerprint([tree])
     (tree / "bem" / "solver.py").rename(tree / "bem" / "solve.py")
-    assert sources_digest() != before
+    assert fingerprint([tree]) != before

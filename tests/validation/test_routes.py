@@ -3,15 +3,7 @@
 import numpy as np
 import pytest
 
-from validation.harness.route import Problem
-from validation.routes import boundary_elements
-
-
-def wave(**changed):
-    """A wave of 1 um on a period of 1 mm."""
-    solid, profile = {"youngs_modulus": 1e6, "poisson_ratio": 0.3}, {"orders": (1,), "amplitudes": (1e-6,)}
-    known = solid | profile | {"period": 1e-3, "phases": (0.0,), "targets": (3e6,), "asked": {}}
-    return Problem(id="wave", control="mean_pressure", **(known | changed))
+from validation.routes.boundary_elements import solve
 
 
 def test_pressure_of_complete_contact_with_a_thin_layer_follows_the_profile():
@@ -20,9 +12,15 @@ def test_pressure_of_complete_contact_with_a_thin_layer_follows_the_profile():
     What the layer carries over is of the order (q d)^2 = 4e-5; measured 2.8e-6.
     """
     points, layer = [0.0, 2e-4, 5e-4], 1e-6
-    asked = {"contact_fraction": {}, "pressure_at": {"target": 1, "points": points}}
-    found = boundary_elements.solve(wave(thickness=layer, asked=asked), 1e-6)
-    assert found["contact_fraction"] == [1.0]
+    wave = {
+        "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.3},
+        "profile": {"period": 1e-3, "orders": [1], "amplitudes": [1e-6], "phases": [0.0]},
+        "layer": {"thickness": layer},
+        "path": {"control": "mean_pressure", "targets": [3e6]},
+        "asked": {"contact_fraction": {}, "pressure_at": {"target": 1, "points": points}},
+    }
+    answers = solve(wave, 1e-6)
+    assert answers["contact_fraction"] == [1.0]
     springs = 1e6 * 0.7 / (1.3 * 0.4) / layer
     expected = 3e6 + springs * 1e-6 * np.cos(2 * np.pi * np.array(points) / 1e-3)
-    assert found["pressure_at"] == pytest.approx(expected, abs=8e-6 * springs * 1e-6)
+    assert answers["pressure_at"] == pytest.approx(expected, abs=8e-6 * springs * 1e-6)

@@ -97,14 +97,7 @@ def test_complete_contact_under_a_given_separation_has_distributions_without_a_p
 
 
 def test_distributions_that_were_asked_for_are_drawn(pressed, adhesive):
-    widths, pressures = distributions_of(pressed)
-    assert [series.label for series in widths.solution.series] == [
-        f"{what} at {pressure} kPa, loading" for pressure in ("2.00", "10.0") for what in ("contacts", "gaps")
-    ]
-    contacts = widths.solution.series[0]
-    state = pressed.targets[0]
-    widest = max(b - a for a, b in state.edges)
-    assert max(contacts.x) == pytest.approx(1e3 * widest, rel=1e-6)  # mm
+    (pressures,) = distributions_of(pressed)
     assert [series.label for series in pressures.solution.series] == ["at 10.0 kPa, loading"]
     assert list(distributions_of(adhesive)) == []
 

@@ -18,7 +18,6 @@ from bem.scene.result import LargestTension, TensionError
 from bem.scene.result_file import write_result
 from validation.command_line.front_door import main
 from validation.report import run_page
-from validation.report.figures import svg_of
 from validation.report.path_states import path_of
 from validation.report.run_figures import figures_of
 from validation.report.run_page import render_run
@@ -73,7 +72,7 @@ def test_in_a_browser(page, result, tmp_path, width):
     assert width < 1000 or found["hidden"] == 0  # all columns of the answer
     assert min(found["verdict"]) >= 0  # on the first screen, all of it
     assert min(found["answer"]) >= 0  # and the first row of the answer
-    assert len(found["figures"]) == 7  # five that move; the area and the estimated errors
+    assert len(found["figures"]) == 6  # five that move, and the area
     for role, name, description, drawn in found["figures"]:
         assert (role, drawn) == ("img", True)
         assert len(name) > 10
@@ -171,17 +170,6 @@ def test_the_answer_of_the_page_is_that_of_the_terminal_a_line_for_each_quantity
     table = page.partition('answer">')[2].partition("</table>")[0]
     lines = [re.findall(r"<t[hd][^>]*>([^<]*)</t", line) for line in table.split("<tr>")[1:]]
     assert [(html.unescape(head), [*map(html.unescape, texts)]) for head, *texts in lines] == answer(result)
-
-
-def test_errors_along_the_path_need_two_states_and_count_them_in_whole_numbers(result):
-    def errors(states):
-        return [figure for figure in figures_of(replace(result, states=states), []) if figure.id == "errors"]
-
-    assert errors(result.states[:1]) == []
-    (figure,) = errors(result.states[1:4])
-    texts = re.findall("<text[^>]*>([^<]*)</text>", str(svg_of(figure, "errors")))
-    assert {"1", "2", "3"} <= set(texts)
-    assert not [text for text in texts if "." in text]
 
 
 def test_what_a_later_version_adds_is_shown(result):

@@ -30,12 +30,11 @@ def test_what_a_result_stores_is_drawn(tmp_path):
         tmp_path,
     )
     result = bem.solve(scene)
-    figure = preparation_figure(result.fields, result.profile_preparation)
+    figure = preparation_figure(result.fields)
     before, after = figure.solution.series
     assert (figure.solution.xlabel, figure.solution.ylabel) == ("x / mm", "height / µm")
     assert (len(before.x), len(after.x)) == (4000, 4000)
     assert (before.x[-1], after.x[-1]) == pytest.approx((9.999, 19.999), rel=1e-3)  # the mirrored line is twice as long
-    assert "missing heights interpolated: 1; a line subtracted; mirrored; 10 of 9999 harmonics" in figure.caption
     assert "as prepared" in svg_of(figure, "a")
 
 
@@ -67,9 +66,6 @@ def test_spectrum_is_drawn_with_its_floor_and_the_cuts(tmp_path):
     assert (short.x, long.x) == (pytest.approx([100] * 2), pytest.approx([2000] * 2))
     assert cut.x[0] == pytest.approx(11200 / result.scene["profile"]["harmonics"])
     assert suggested.x[0] == pytest.approx(1e6 * facts["suggested_cutoff"])
-    assert "a noise floor of 20.2 nm rms; the profile falls below it at " in figure.caption
-    above = preparation_figure(result.fields, result.profile_preparation)
-    assert "mirrored; Gaussian filter cutoff_short 100 µm, cutoff_long 2 mm; " in above.caption
     assert [figure.id for figure in figures_of(result, [])][-2:] == ["preparation", "spectrum"]
     assert "noise floor" in svg_of(figure, "a")
 
@@ -77,7 +73,6 @@ def test_spectrum_is_drawn_with_its_floor_and_the_cuts(tmp_path):
 def test_spectrum_without_a_floor_is_drawn_without(tmp_path):
     result = noisy_result(tmp_path, 0.0, harmonics=50)
     figure = spectrum_figure(result.fields, result.profile_preparation)
-    assert "no floor: in the octave of the shortest waves the density goes as the power 2." in figure.caption
     assert [series.label for series in figure.solution.series] == [
         "power spectrum of the scan",
         "harmonics end, 112 µm",
@@ -88,5 +83,5 @@ def test_result_stored_without_a_spectrum_is_drawn_as_before(tmp_path):
     result = noisy_result(tmp_path, 0.0, harmonics=20)
     fields = {name: values for name, values in result.fields.items() if name not in ("scan_wavelength", "scan_density")}
     steps = [step for step in result.profile_preparation if step["step"] != "spectrum"]
-    assert preparation_figure(fields, steps) is not None
+    assert preparation_figure(fields) is not None
     assert spectrum_figure(fields, steps) is None

@@ -1,8 +1,7 @@
-"""The command line: exit codes, reports rendered again, and what is said of commands that are gone."""
+"""The command line: exit codes, and reports rendered again."""
 
 import json
 import os
-import sys
 
 import pytest
 
@@ -64,21 +63,6 @@ def test_a_tampered_report_is_one_sentence(report, capsys, change):
     (report / "report.json").write_text(json.dumps(content | change))
     assert main(["report", str(report)]) == 2
     assert "not as a report is written" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (("study", "stability", "--out", "x"), "use linecontact verify --only hard"),
-        (("study", "faults", "--out", "x"), "use python -m validation.studies.mutants"),
-        (("study", "scene", "--out", "x"), "required: SCENE"),
-        (("baseline", "check"), "use linecontact verify --only CASE --store --reason TEXT"),
-    ],
-)
-def test_commands_that_are_gone_say_what_to_write_instead(capsys, words, message):
-    with pytest.raises(SystemExit) as ended:
-        sys.exit(main(list(words)))
-    assert (ended.value.code, message in capsys.readouterr().err) == (2, True)
 
 
 def test_the_report_of_rows_names_where_their_answers_are(tmp_path, capsys):

@@ -7,12 +7,11 @@ import subprocess
 from shutil import which
 
 import pytest
-from browser import BROWSER
+from browser import BROWSER, QUIET
 from devtools import tab
 
 from validation.plugin.rows import Code, Quantity, Rows
 from validation.plugin.study_report import Part, write_study
-from validation.report.pdf import write_pdf
 from validation.report.verification_page import prices, three_ways
 
 HOSTILE = "<script>alert(1)</script> \"' & <img src=x onerror=alert(2)> {{ 7*7 }} \x00"
@@ -219,8 +218,10 @@ def test_codes_three_ways_the_paper_and_costs_stand_on_the_first_screen(written,
 @pytest.mark.skipif(BROWSER is None or which("pdftotext") is None, reason="no Chromium or no pdftotext")
 def test_paper_shows_what_the_screen_folds(written, tmp_path):
     content, _ = written()
-    write_pdf(tmp_path)
-    command = ["pdftotext", "-layout", str(tmp_path / "report.pdf"), "-"]
+    made = tmp_path / "report.pdf"
+    page = (tmp_path / "report.html").as_uri()
+    subprocess.run([BROWSER, *QUIET, f"--print-to-pdf={made}", page], check=True, capture_output=True, timeout=60)
+    command = ["pdftotext", "-layout", str(made), "-"]
     text = " ".join(subprocess.run(command, capture_output=True, text=True, check=True).stdout.split())
     for row in content["rows"]:
         if row["routes"] and row["value"] is not None:

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 
 from validation.references.closed_forms import Sinusoid
+from validation.references.paper_problem import PERIOD, Table, lines, self_affine
 
-PERIOD, RMS, MODULUS, WORK, WAVE = 0.01, 50e-6, 1e6, 0.03, 50e-6
+RMS, MODULUS, WORK, WAVE = 50e-6, 1e6, 0.03, 50e-6
 DRY, ADHESIVE = (Sinusoid(WAVE, PERIOD, MODULUS, 0.5, alpha) for alpha in (0.0, 0.3))
 WAVE_WORK = ADHESIVE.work_of_adhesion  # J/m^2
-Table = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -43,14 +43,12 @@ class Hard:
 
 def rough(harmonics: int, hurst: float = 0.7, rms_height: float = RMS) -> Table:
     """Return [profile] of a self-affine profile."""
-    return {"kind": "self_affine", "period": PERIOD, "hurst": hurst, "rms_height": rms_height, "harmonics": harmonics,
-            "seed": 0}
+    return self_affine(0, harmonics, hurst, rms_height)
 
 
 def waves(orders: list[int], amplitudes: list[float]) -> Table:
     """Return [profile] of cosines."""
-    return {"kind": "harmonics", "period": PERIOD, "orders": orders, "amplitudes": amplitudes,
-            "phases": [0.0] * len(orders)}
+    return lines(orders, amplitudes, [0.0] * len(orders))
 
 
 def scene(

@@ -5,22 +5,18 @@ algebra, finite elements or a path of a tenth of the increment (answers.json nam
 digits.
 """
 
-import tomllib
-
 import pytest
 
-from validation.challenge.judge import FOLDER, judge
-from validation.harness.route import Problem
+from validation.challenge.judge import judge, names, problem
 from validation.plugin.rows import Code
 from validation.routes.boundary_elements import solve
 
 LONG = ("paper-profile", "rough-1000", "steep")
-NAMES = [pytest.param(path.name, marks=pytest.mark.full if path.name in LONG else pytest.mark.standard)
-         for path in sorted(FOLDER.iterdir()) if path.is_dir()]
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.full if name in LONG else pytest.mark.standard) for name in names()]
+)
 def test_own_answers(rows, name):
     """Does the solver give the certified answers of a problem of the challenge, to six digits?"""
-    tables = tomllib.loads((FOLDER / name / "problem.toml").read_text("utf-8"))
-    judge(rows, name, solve(Problem.of(tables), 1e-8), digits=6.0, of=Code.BEM)
+    judge(rows, name, solve(problem(name)[0], 1e-8), digits=6.0, of=Code.BEM)

@@ -84,7 +84,7 @@ def random_scene(k):
 def in_matrix(k):
     """Return whether scene k is one of the full level."""
     drawn = draw(SEED, k)
-    if drawn.special or drawn.scan is not None or "layer" not in drawn.tables:
+    if drawn.scan is not None or "layer" not in drawn.tables:
         return False
     thickness = drawn.tables["layer"]["thickness"] / drawn.tables["profile"]["period"]
     if not (0.02 <= thickness <= 5.0 and 0.0 <= drawn.tables["solid"]["poisson_ratio"] <= 0.5):

@@ -11,9 +11,10 @@ import pytest
 
 import bem
 import fem_reference
-from validation.cases.hard_scenes import ADHESIVE, DRY, MODULUS, PERIOD, WAVE, WAVE_WORK, dry_loads
+from validation.cases.hard_scenes import ADHESIVE, DRY, MODULUS, WAVE, WAVE_WORK, dry_loads
 from validation.plugin.rows import Code, Quantity
 from validation.references.closed_forms import layer_compliance
+from validation.references.paper_problem import PERIOD
 
 COARSE = fem_reference.Resolution(2, 10, 10)
 HALF_SPACE = 1e-10  # relative: a layer of two periods against a half-space

@@ -101,21 +101,16 @@ def test_stability_and_stiffness(rows):
 
 
 @pytest.mark.quick
-def test_seven_equal_waves_lose_their_symmetry(rows):
-    """Is the loss of symmetry of equal contacts an event, and has one wave alone, whose branch is single, none?"""
-    lost = {}
-    for order in (1, 7):
-        wave = Sinusoid(DEPTH / order, WAVE.wavelength / order, 1e6, 0.5, 0.3)
-        deepest = float(wave.penetration(0.9 * np.pi / 2))
-        result = solved("sinusoid", profile={"orders": [order], "amplitudes": [DEPTH / order]},
-                        adhesion={"work_of_adhesion": wave.work_of_adhesion},
-                        loading={"targets": [0.3 * deepest, deepest]}, accuracy={"tolerance": 1e-6})
-        places = [event.penetration for event in result.events if event.kind == "bifurcation"]
-        lost[order] = [wave.angle(place, wave.fold(), 1.5) * 2 / np.pi for place in places]
-    assert not lost[1]
-    rows.compare("contact fraction at which seven equal contacts lose their symmetry", lost[7][0], 0.76,
-                 of=Code.BEM, by=Code.DENSE, quantity=Quantity.AREA, uncertainty=(1e-6, 0.01),
-                 source="smallest eigenvalue by a dense prototype, two digits: unstable above 0.76")
+@pytest.mark.parametrize("alpha", [0.1, 0.5, 1.0])
+def test_largest_tension(rows, alpha):
+    """Is the largest tension that a result reports that of Johnson's curve, where a given penetration passes it by?"""
+    wave = replace(WAVE, alpha=alpha)  # dp/dpsi = 0 where 4 sin^(3/2) psi cos^(5/2) psi = alpha, below tan^2 psi = 3/5
+    psi = brentq(lambda a: 4 * np.sin(a) ** 1.5 * np.cos(a) ** 2.5 - alpha, 0.0, np.arctan(np.sqrt(0.6)), xtol=1e-15)
+    tension = solved("sinusoid", adhesion={"work_of_adhesion": wave.work_of_adhesion},
+                     loading={"targets": [5e-5, -2e-4]}).largest_tension
+    rows.compare("largest tension", tension.mean_pressure, float(wave.mean_pressure(psi)), of=Code.BEM, by=Code.EXACT,
+                 quantity=Quantity.PRESSURE, uncertainty=tension.error_estimate.mean_pressure, unit="Pa",
+                 source="Johnson 1995, dp/dpsi = 0")
 
 
 @pytest.mark.quick

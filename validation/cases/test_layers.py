@@ -100,15 +100,3 @@ def test_path_on_thin_layer(rows, tables):
                 {"boundary elements": (values(shown, "separation") * 1e6, values(shown, "mean_pressure") / 1e3),
                  "dense algebra": ([answer["separation"] * 1e6 for answer in known],
                                    [answer["mean_pressure"] / 1e3 for answer in known])})
-
-
-@pytest.mark.quick
-def test_thick_layer_is_left_out(rows):
-    """Is a layer of four periods, which changes the compliance by 1e-19, left out with a note, and nothing changed?"""
-    thick, half_space = solved("thin_layer", layer={"thickness": 0.04}), solved("thin_layer", layer=None)
-    note = next(effect for effect in thick.effects if effect.name == "layer")
-    assert not note.active and "left out" in note.reason
-    pressures = values(half_space.targets, "mean_pressure")
-    rows.compare("mean pressure", values(thick.targets, "mean_pressure"), pressures, of=Code.BEM, by=Code.IDENTITY,
-                 quantity=Quantity.PRESSURE, unit="Pa", kind="construction", source="the half-space",
-                 required=1e-13 * np.max(np.abs(pressures)), because="rounding")

@@ -2,17 +2,17 @@
 
 problem.toml holds plain SI numbers; a solver gets it as a dictionary, lists of numbers as arrays.  answers.json holds
 the certified answers: values, uncertainties, the scale that errors are divided by, and how they were made.  An answer
-is right with d digits if every error is at most 10^-d of the scale beside the uncertainty of the certified value.  Each
-problem runs in a process of its own, which ends at the time limit; rows stand in the ordinary report.
+is right with d digits if every error is at most 10^-d of the scale beside the uncertainty of the certified value.  What
+a solver raises fails its problem; rows stand in the ordinary report.
 """
 
 import argparse
 import json
-import subprocess
 import sys
 import time
 import tomllib
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -37,18 +37,6 @@ COLUMNS = {  # of the matrix, by the beginning of a quantity
     "stress_intensity": Quantity.INTENSITY,
     "spectrum": Quantity.SPECTRUM,
 }
-RUN = """
-import importlib, json, sys
-import numpy as np
-module, _, name = sys.argv[1].partition(":")
-def arrays(value):
-    if isinstance(value, dict):
-        return {key: arrays(item) for key, item in value.items()}
-    return np.array(value) if isinstance(value, list) and value and not isinstance(value[0], str) else value
-sys.path.insert(0, "")
-answers = getattr(importlib.import_module(module), name)(arrays(json.load(sys.stdin)))
-json.dump({key: np.asarray(value, float).ravel().tolist() for key, value in answers.items()}, open(sys.argv[2], "w"))
-"""
 
 
 def problem(name: str) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -94,19 +82,23 @@ def judge(rows: Rows, name: str, given: dict[str, Any], digits: float, of: Code 
         )
 
 
-def solved(solver: str, name: str, folder: Path, limit: float) -> dict[str, Any]:
-    """Return the answers of a solver MODULE:FUNCTION, run in its own process; ReportError if the solver fails."""
-    out = folder / f"{name}.json"
-    out.unlink(missing_ok=True)
-    words = [sys.executable, "-c", RUN, solver, str(out)]
+def solver_of(words: str) -> Callable[[Any], dict[str, Any]]:
+    """Return the function MODULE:FUNCTION, its module found from the folder in which the command runs."""
+    module, _, name = words.partition(":")
+    if not (module and name):
+        raise ReportError(f"--solver {words}: write MODULE:FUNCTION")
+    sys.path.insert(0, "")
     try:
-        run = subprocess.run(words, input=json.dumps(problem(name)[0]), text=True, capture_output=True, timeout=limit)
-    except subprocess.TimeoutExpired as error:
-        raise ReportError(f"no answer within {limit:g} s") from error
-    if run.returncode != 0 or not out.exists():
-        lines = run.stderr.strip().splitlines() or [f"exit code {run.returncode}"]
-        raise ReportError(f"the solver ended: {lines[-1]}")
-    return dict(json.loads(out.read_text("utf-8")))
+        return getattr(import_module(module), name)  # type: ignore[no-any-return]
+    except (ImportError, AttributeError) as error:
+        raise ReportError(f"--solver {words}: {error}") from error
+
+
+def arrays(value: Any) -> Any:
+    """Return the tables of a problem with lists of numbers as arrays."""
+    if isinstance(value, dict):
+        return {key: arrays(item) for key, item in value.items()}
+    return np.array(value) if isinstance(value, list) else value
 
 
 def submitted(path: Path) -> dict[str, dict[str, Any]]:
@@ -129,22 +121,17 @@ def _judge(options: argparse.Namespace) -> int:
     chosen = [name for name in names() if any(text in name for text in texts)]
     if not chosen:
         raise ReportError(f"--only {options.only}: no problem matches; problems: {', '.join(names())}")
-    if options.solver and not all(options.solver.partition(":")):
-        raise ReportError(f"--solver {options.solver}: write MODULE:FUNCTION")
+    solver = None if options.solver is None else solver_of(options.solver)
     answers = {} if options.submission is None else submitted(options.submission)
     options.out.mkdir(parents=True, exist_ok=True)
     parts = []
     for name in chosen:
         rows, message, begun = Rows(), "", time.monotonic()
         try:
-            given = (
-                answers.get(name, {})
-                if options.solver is None
-                else solved(options.solver, name, options.out, options.time_limit)
-            )
+            given = answers.get(name, {}) if solver is None else solver(arrays(problem(name)[0]))
             judge(rows, name, given, options.digits)
-        except ReportError as error:
-            message = str(error)
+        except Exception as error:
+            message = f"{type(error).__name__}: {error}"
         parts.append(Part(name, problem(name)[0]["title"], rows, seconds=time.monotonic() - begun, message=message))
         print(f"[{len(parts)}/{len(chosen)}] {name}: {parts[-1].case()['outcome']}", file=sys.stderr, flush=True)
     content = write_study(
@@ -173,6 +160,5 @@ def add_commands(commands: Any, perform: Callable[[argparse.Namespace], int]) ->
     given.add_argument("--submission", type=Path, metavar="FILE", help="answers as JSON")
     command.add_argument("--only", metavar="TEXT", help="problems whose name contains this, several between commas")
     command.add_argument("--digits", type=float, default=3.0, help="digits of a right answer (default: 3)")
-    command.add_argument("--time-limit", type=float, default=600.0, metavar="S", help="of each problem (default: 600)")
     command.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder of the report")
     command.set_defaults(command=_judge, perform=perform)

@@ -4,12 +4,9 @@
 """
 
 import argparse
-import json
 import sys
 from collections.abc import Callable, Sequence
-from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 import bem
 import validation.__main__ as harness
@@ -18,8 +15,6 @@ from bem.command_line.perform import BAD_INPUT, DONE, FAILED
 from bem.scene.atomic_file import write_atomically
 from validation.command_line import comparison, examples, fem_answer, trace_answer
 from validation.report.documents import TOPICS, UnknownTopicError, contents, documents_page, topic_text
-
-SHELLS = ("bash", "zsh", "tcsh")
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -32,7 +27,6 @@ def main(arguments: Sequence[str]) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="linecontact", description="Adhesive contact of rough profiles, verified.")
     parser.add_argument("--version", action="version", version=f"%(prog)s {bem.__version__}")
-    parser.add_argument("--print-completion", action=_PrintCompletion, choices=SHELLS, help="print shell completion")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
     example = commands.add_parser("example", help="list examples, or write one into the current folder")
@@ -53,7 +47,6 @@ def _parser() -> argparse.ArgumentParser:
     two = commands.add_parser("compare", help="two results, or two verification reports, by their uncertainties")
     two.add_argument("a", type=Path, metavar="A")
     two.add_argument("b", type=Path, metavar="B")
-    two.add_argument("--json", action="store_true", help="print as JSON")
     two.set_defaults(command=_compare, perform=harness.perform)
     return parser
 
@@ -85,39 +78,12 @@ def _docs(options: argparse.Namespace) -> int:
 
 def _compare(options: argparse.Namespace) -> int:
     """Print the differences, the largest of each quantity, and the number of compared numbers."""
-    compared, as_json = comparison.compare(options.a, options.b), options.json
+    compared = comparison.compare(options.a, options.b)
     differing, apart = compared.differing, sum(number.differs for number in compared.numbers)
     most = max(compared.numbers, key=lambda number: number.ratio / number.limit)
-    if as_json:
-        facts = {"compared": len(compared.numbers), "apart": apart, "differing": differing, "notes": compared.notes}
-        print(json.dumps(facts | {"largest": str(most)}))
-    else:
-        ending = f"they agree; at most, {most}"
-        if differing:
-            ending = f"{apart} differ, and {len(compared.others)} other differences"
-        lines = [*compared.notes, *(f"DIFFERS {line}" for line in differing)]
-        print(*lines, f"{len(compared.numbers)} numbers compared: {ending}", sep="\n")
+    ending = f"they agree; at most, {most}"
+    if differing:
+        ending = f"{apart} differ, and {len(compared.others)} other differences"
+    lines = [*compared.notes, *(f"DIFFERS {line}" for line in differing)]
+    print(*lines, f"{len(compared.numbers)} numbers compared: {ending}", sep="\n")
     return FAILED if differing else DONE
-
-
-class _PrintCompletion(argparse.Action):
-    """Action that prints the shell completion of our commands, by shtab (extra `completion`)."""
-
-    def __call__(self, parser: argparse.ArgumentParser, namespace: Any, values: Any, option: str | None = None) -> None:
-        try:
-            shtab = import_module("shtab")
-        except ImportError:
-            parser.exit(BAD_INPUT, f"error: {option}: not installed: pip install 'linecontact[completion]'\n")
-        _complete_paths(parser, shtab)
-        print(shtab.complete(parser, values))
-        parser.exit(DONE)
-
-
-def _complete_paths(parser: argparse.ArgumentParser, shtab: Any) -> None:
-    """Tell which arguments are files, and which are folders."""
-    for action in parser._actions:
-        if isinstance(action, argparse._SubParsersAction):
-            for command in action.choices.values():
-                _complete_paths(command, shtab)
-        elif action.type is Path:
-            action.complete = shtab.FILE if action.dest == "scene" else shtab.DIRECTORY  # type: ignore[attr-defined]

@@ -5,7 +5,7 @@ patches that appear, merge and detach. Every target is then closed on three mesh
 
 Written are result.json (values and uncertainties by the names of the boundary elements' result, SI units, energies per
 nominal area; events as the coarse mesh locates them, to about 1e-3 rms heights), and for the last target in contact
-mesh.png and mesh.svg (the deformed layer with its stress) and fields.vtu.
+fields.vtu: the mesh with its displacement and stress, for ParaView.
 
 Limits: a layer, edges of the JKR closure; at most `LARGEST` unknowns.
 """
@@ -15,7 +15,6 @@ import json
 import sys
 import time
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -71,9 +70,6 @@ def _fem(options: argparse.Namespace) -> int:
     results = [answer.result for answer in answers if answer.result is not None]
     if results:
         write_fields(results[-1], options.out / "fields.vtu")
-        figures = import_module("validation.command_line.fem_figure")
-        for ending in ("png", "svg"):
-            figures.deformed_mesh(results[-1]).savefig(options.out / f"mesh.{ending}", dpi=150)
     failed = [state for state in states if state["status"] not in ("converged", "complete_contact", "separated")]
     print(
         f"{options.out}: {len(states) - len(failed)} of {len(states)} targets; {results[-1] if results else 'apart'!r}"

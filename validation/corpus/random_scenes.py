@@ -5,8 +5,7 @@ worker.  Drawn are kinds of profile, solids, layers from thin to thick, adhesion
 a wave with the rms height of the profile), controls, histories, accuracies and outputs, at lengths from nm to m and
 moduli from 1e2 to 1e13 Pa.  Every range is met at its ends now and then (`_within`).  Targets are parts of the way to
 complete contact, so that a scene asks for something whatever its scale; increments are parts of the path, so that it
-is walked in a bounded number of steps.  A few scenes are taken to an extreme that needs an answer or a refusal by name
-(EXTREMES), and a few are just out of range, where the answer is a mistake that names the key (MISTAKES).
+is walked in a bounded number of steps.
 
 SI units.  Limits: few harmonics (`most_harmonics`), so that many scenes are affordable; equal crests come of waves of
 one order and of phases that are multiples of pi/2.
@@ -14,7 +13,6 @@ one order and of phases that are multiples of pi/2.
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,44 +24,11 @@ from validation.references.closed_forms import uniform_compliance
 from validation.references.paper_problem import Table
 
 Numbers = NDArray[np.float64]
-Expectation = Literal["an answer", "an answer or a refusal", "a refusal"]
 
 SCAN = "scan.csv"
 AT_THE_END = 0.12  # share of draws that are an end of their range
 STEPS = (8.0, 60.0)  # of a path, at its largest increment; more only where the default increment is left in place
 MOST_STEPS = 90.0
-EXTREME, MISTAKEN = 0.05, 0.04  # shares of the scenes
-
-Changes = dict[str, dict[str, list[Any]]]  # by table and key: values in place of what is there
-
-EXTREMES: Changes = {
-    "solid": {"youngs_modulus": [1e-300, 1e300], "poisson_ratio": [-0.9999999]},
-    "profile": {"period": [1e-150, 1e150], "hurst": [1e-12], "rms_height": [1e-200, 1e150]},
-    "layer": {"thickness": [1e-300, 1e300]},
-    "adhesion": {"work_of_adhesion": [1e-300, 1e6, 1e300]},
-    "loading": {"targets": [[1e300], [1e-300], [0.0, 0.0, 0.0]], "flaw": [1e-300]},
-    "accuracy": {"max_increment": [1e3]},
-}
-MISTAKES: Changes = {
-    "solid": {"youngs_modulus": [0.0], "poisson_ratio": [-1.0, 0.5 + 1e-15]},
-    "profile": {
-        "period": [0.0],
-        "hurst": [0.0, 1.0],
-        "harmonics": [0],
-        "seed": [-1],
-        "orders": [[0]],
-        "file": ["absent.csv"],
-    },
-    "layer": {"thickness": [0.0]},
-    "adhesion": {"work_of_adhesion": [0.0]},
-    "loading": {"control": ["force"], "targets": [[]], "count": [1]},
-    "accuracy": {"tolerance": [0.999e-12, 1.001e-2], "max_increment": [0.0]},
-    "output": {"shape": [[0.0]]},
-}
-OF_KIND = {"orders": "harmonics", "file": "samples"} | dict.fromkeys(
-    ("hurst", "rms_height", "seed", "harmonics"), "self_affine"
-)  # keys that only one kind of profile has
-IF_THERE = ("targets", "count", "flaw")  # keys of [loading] that are changed where they are
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,8 +39,6 @@ class Drawn:
     index: int
     tables: Table  # the scene file
     scan: Numbers | None  # samples of profile.file, m, (n, 2)
-    expected: Expectation  # what must come of it
-    special: str = ""  # the key that was taken to an extreme or out of its range
 
     @property
     def id(self) -> str:
@@ -88,7 +51,7 @@ class Drawn:
         tables, loading = self.tables, self.tables["loading"]
         parts = [tables["profile"]["kind"], str(loading["control"])]
         parts += [name for name in ("layer", "adhesion") if name in tables]
-        return ", ".join([*parts, *([f"special: {self.special}"] if self.special else [])])
+        return ", ".join(parts)
 
     def write(self, folder: Path) -> Path:
         """Write the scene file, and its scan beside it; return the path of the scene file."""
@@ -129,12 +92,7 @@ def draw(seed: int, index: int, most_harmonics: int = 12) -> Drawn:
     output = _output(rng, tables["loading"])
     if output:
         tables["output"] = output
-    fate = rng.random()
-    if fate < EXTREME:
-        return Drawn(seed, index, *_changed(rng, tables, EXTREMES, scan, "an answer or a refusal"))
-    if fate < EXTREME + MISTAKEN:
-        return Drawn(seed, index, *_changed(rng, tables, MISTAKES, scan, "a refusal"))
-    return Drawn(seed, index, tables, scan, "an answer")
+    return Drawn(seed, index, tables, scan)
 
 
 def plane_strain_modulus(solid: Table) -> float:
@@ -302,22 +260,3 @@ def _output(rng: np.random.Generator, loading: Table) -> Table:
     if rng.random() < 0.12 and "targets" in loading and loading.get("initial") is None:
         table["shapes"] = [loading["targets"][0]]
     return table
-
-
-def _changed(
-    rng: np.random.Generator, tables: Table, changes: Changes, scan: Numbers | None, expected: Expectation
-) -> tuple[Table, Numbers | None, Expectation, str]:
-    """Return the scene with one value replaced, drawn from the changes that fit the tables of the scene."""
-    kind = tables["profile"]["kind"]
-    fitting = [
-        (table, key, value)
-        for table, keys in changes.items()
-        if table in tables or table == "output"
-        for key, values in keys.items()
-        if OF_KIND.get(key, kind) == kind
-        and (key not in IF_THERE or key in tables["loading"])
-        and (key != "period" or kind != "samples")
-        for value in values
-    ]
-    table, key, value = fitting[int(rng.integers(len(fitting)))]
-    return tables | {table: tables.get(table, {}) | {key: value}}, scan, expected, f"{table}.{key} = {value}"

@@ -9,20 +9,17 @@ and stored at every load.  A load at which a realisation has no state, because c
 Limits: half-space, loading, tolerance 1e-3, no slope term.
 """
 
-import argparse
-import csv
 import json
 import zlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import bem
+from bem.loading.crew import at_work
 from persson import DiscreteSpectrum
 from validation.harness.arrays import FloatArray
 from validation.references.paper_problem import MODULUS, PERIOD, RMS_SLOPE, lines, scene, up_to
@@ -30,6 +27,7 @@ from validation.references.paper_problem import MODULUS, PERIOD, RMS_SLOPE, line
 SHORT = {"self-affine": "sa", "roll-off": "ro", "band": "nb", "gaussian": "ga", "lines": "li"}
 SAME_LOAD = 1e-7  # of E*
 DEEPEST = 1e-4  # separation in rms heights; the last load ends the path before it
+TRIAL = 2, 36  # realisations of a group at most, and highest order, of a trial
 
 
 @dataclass(frozen=True)
@@ -88,27 +86,16 @@ class Plan:
     groups: Sequence[Group]
 
 
-def read_options(description: str | None) -> argparse.Namespace:
-    """Read the command line of a script."""
-    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--hold-out", action="store_true", help="without the fit")
-    parser.add_argument("--seed", type=int, help="root of the seeds of the hold-out; default: that of plans.json")
-    parser.add_argument("--realisations", type=int, default=10**6, help="at most, of each group")
-    parser.add_argument("--highest-order", type=int, default=10**6, help="spectra up to this order")
-    parser.add_argument("--out", type=Path, help="CSV for the areas of the hold-out")
-    return parser.parse_args()
-
-
-def read_plan(law: str, part: str, options: argparse.Namespace) -> Plan:
-    """Read the plan of a law ("dry" or "wet") and a part ("fit" or "hold_out"), reduced as the options ask."""
+def read_plan(law: str, part: str, seed: int | None = None, trial: bool = False) -> Plan:
+    """Read the plan of a law ("dry" or "wet") and a part ("fit" or "hold_out"), with another seed root, as a trial."""
     content = json.loads((Path(__file__).parent / "plans.json").read_text("utf-8"))[law][part]
+    most, highest = TRIAL if trial else (10**6, 10**6)
     groups = [
-        replace(group, realisations=[min(count, options.realisations) for count in group.realisations])
+        replace(group, realisations=[min(count, most) for count in group.realisations])
         for group in (Group(**fields) for fields in content["groups"])
-        if group.shape[0][-1] <= options.highest_order
+        if group.shape[0][-1] <= highest
     ]
-    roots = content["seed_roots"] if part == "fit" or options.seed is None else [options.seed]
+    roots = content["seed_roots"] if seed is None else [seed]
     return Plan(roots, np.array(content["loads"]), content["thetas"], groups)
 
 
@@ -126,8 +113,9 @@ def scene_of(group: Group, loads: FloatArray, root: int, number: int, theta: flo
     return scene(f"{group.name}, root {root}, {number}", profile, loading, work, accuracy={"tolerance": 1e-3})
 
 
-def areas_of(loads: FloatArray, theta: float, task: tuple[Group, int, int]) -> FloatArray:
-    """Solve one realisation (group, root, number); return its contact fractions, (n_loads,)."""
+def areas_of(path: tuple[FloatArray, float], task: tuple[Group, int, int]) -> FloatArray:
+    """Solve one realisation (group, root, number) at loads and theta; return its contact fractions, (n_loads,)."""
+    loads, theta = path
     fractions = np.full(loads.size, np.nan)
     for state in bem.solve(scene_of(task[0], loads, task[1], task[2], theta)).targets:
         distance = np.abs(loads * RMS_SLOPE - state.mean_pressure / MODULUS)
@@ -138,29 +126,8 @@ def areas_of(loads: FloatArray, theta: float, task: tuple[Group, int, int]) -> F
 
 def solve_groups(plan: Plan, theta: float, jobs: int) -> Iterator[tuple[Group, FloatArray]]:
     """Yield each group with the contact fractions of its realisations, (n_realisations, n_loads)."""
-    with ProcessPoolExecutor(jobs) as pool:
+    with at_work(jobs, (plan.loads, theta)) as each:
         for group in plan.groups:
             numbers = zip(plan.seed_roots, group.realisations, strict=True)
             tasks = [(group, root, k) for root, count in numbers for k in range(count) if k not in group.left_out]
-            yield group, np.array(list(pool.map(partial(areas_of, plan.loads, theta), tasks)))
-
-
-def rms(values: FloatArray) -> float:
-    """Return the root mean square."""
-    return float(np.sqrt(np.mean(values**2)))
-
-
-def print_coefficients(fitted: Mapping[str, float], packaged: Mapping[str, float]) -> None:
-    """Print fitted coefficients beside the package's."""
-    for name, value in fitted.items():
-        print(f"{name:4} fitted {value:.4g}, in the package {packaged[name]:.4g}")
-
-
-def write_areas(path: Path, rows: Iterable[tuple[Group, float, float, float, float]]) -> None:
-    """Write group, theta, load, mean area and its relative error as CSV."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        lines = csv.writer(file, lineterminator="\n")
-        lines.writerow(["spectrum", "parameters", "theta", "load", "area", "error"])
-        for group, theta, load, area, error in rows:
-            numbers = [f"{theta:g}", f"{load:g}", f"{area:.5f}", f"{error:.5f}"]
-            lines.writerow([group.spectrum, json.dumps(group.parameters), *numbers])
+            yield group, np.array(list(each(areas_of, tasks)))

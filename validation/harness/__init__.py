@@ -1,1 +1,1 @@
-"""Machinery that runs and judges cases: rows, schema, comparison, verdicts, baselines, processes, provenance."""
+"""What cases, studies and pages share: figures as data, problems in raw numbers, provenance."""

@@ -1,10 +1,10 @@
-"""Figures and tables of cases from labels and numbers, with what most of them share."""
+"""Figures of cases from labels and numbers, with what most of them share."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from functools import partial
 from typing import Any
 
-from validation.harness.schema import Cells, Figure, Panel, Series, Table
+from validation.harness.schema import Figure, Panel, Series
 
 Values = Iterable[float | None]
 
@@ -43,12 +43,6 @@ loglog = partial(axes, xscale="log", yscale="log")
 def drawn(name: str, caption: str, solution: Panel) -> Figure:
     """Return a figure with a name unique in the report."""
     return Figure(id=name, caption=caption, solution=solution)
-
-
-def table(caption: str, columns: Mapping[str, Iterable[Any]]) -> Table:
-    """Return a table from its columns, all of one length, by their headings."""
-    rows: list[Cells] = [list(line) for line in zip(*columns.values(), strict=True)]
-    return Table(caption=caption, columns=list(columns), rows=rows)
 
 
 def _numbers(values: Values) -> list[float | None]:

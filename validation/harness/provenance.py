@@ -4,9 +4,11 @@ import hashlib
 import os
 import platform
 import subprocess
+from collections.abc import Iterable
 from datetime import UTC, datetime
 from functools import cache
 from importlib import metadata
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +25,10 @@ PACKAGES = (
     "jinja2",
     "threadpoolctl",
 )
-SOURCES = ("bem", "fem_reference", "persson", "validation")
+PROJECT = ("bem", "fem_reference", "persson", "validation")
+SOURCES = (*PROJECT, "linecontact_compiled")
+SUFFIXES = (".py", ".pyx", ".h", ".so", ".pyd", ".toml", ".json", ".csv", ".npz", ".jinja")
+LIBRARIES = ("numpy", "scipy", "scikit-fem", "meshio", "pydantic")  # that numbers depend on
 
 
 def provenance() -> dict[str, Any]:
@@ -39,7 +44,7 @@ def provenance() -> dict[str, Any]:
         "blas": ", ".join(sorted({_library(pool) for pool in blas})) or "unknown",
         "blas_threads_per_worker": 1,
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
-        "sources_sha256": sources_digest(),
+        "fingerprint": fingerprint(),
     } | versions()
 
 
@@ -48,31 +53,41 @@ def versions() -> dict[str, str]:
     return {"python": platform.python_version()} | {name: _version(name) for name in PACKAGES}
 
 
-def sources_digest() -> str:
-    """Return the SHA-256 of the source files of the four packages, names and contents."""
-    root = Path(__file__).parents[2]
-    digest = hashlib.sha256()
-    for package in SOURCES:
-        for path in sorted((root / package).rglob("*")):
-            if path.suffix in (".py", ".pyx", ".h", ".toml", ".json"):
-                digest.update(path.relative_to(root).as_posix().encode() + b"\0")
-                digest.update(path.read_bytes())
-    return digest.hexdigest()
+def fingerprint(places: Iterable[Path] = (), without: Path | None = None) -> str:
+    """Return the hash of all sources, data, kernels and libraries that a number depends on.
+
+    `places` are files or folders of further cases; the folder of the report may lie among them and is left out.
+    """
+    report = without.resolve() if without else None
+    digest = hashlib.sha256(f"{platform.python_version()} {platform.machine()}".encode())
+    for library in LIBRARIES:
+        digest.update(f"{library} {metadata.version(library)}".encode())
+    roots = [Path(place) for name in SOURCES if (spec := find_spec(name)) for place in _places(spec)]
+    for root in (*roots, *(place.resolve() for place in places)):
+        for file in [root] if root.is_file() else sorted(root.rglob("*")):
+            if file.suffix in SUFFIXES and file.is_file() and report not in file.parents:
+                digest.update(file.name.encode() + file.read_bytes())
+    return digest.hexdigest()[:16]
 
 
-def working_tree() -> tuple[str, bool] | None:
-    """Return the commit, and True if sources other than stored errors have changes; None outside a checkout."""
-    root = Path(__file__).parents[2]
-    if not (root / ".git").exists():
-        return None
-    changed = ("status", "--porcelain", "--", *SOURCES, ":!validation/cases/stored.csv")
+def _places(spec: Any) -> list[str]:
+    """Return the folders of a package, or the file of a module."""
+    return list(spec.submodule_search_locations or []) or ([spec.origin] if spec.origin else [])
+
+
+def checkout(folder: Path, *places: str) -> tuple[str, list[str]] | None:
+    """Return the commit of the checkout that holds a folder, and its changed files in places, stored errors aside.
+
+    None outside of a checkout.
+    """
+    words = ["status", "--porcelain", "--", *places, ":!stored.csv", ":!*/stored.csv"]
     try:
-        commit, status = _git(root, "rev-parse", "HEAD"), _git(root, *changed)
+        commit, status = _git(folder, "rev-parse", "HEAD"), _git(folder, *words)
     except OSError:  # no git on this machine
         return None
     if commit.returncode != 0 or status.returncode != 0:
         return None
-    return commit.stdout.strip(), bool(status.stdout.strip())
+    return commit.stdout.strip(), [line[3:] for line in status.stdout.splitlines()]
 
 
 def _git(root: Path, *words: str) -> subprocess.CompletedProcess[str]:
@@ -80,7 +95,8 @@ def _git(root: Path, *words: str) -> subprocess.CompletedProcess[str]:
 
 
 def _commit() -> str:
-    tree = working_tree()
+    root = Path(__file__).parents[2]
+    tree = checkout(root, *PROJECT) if (root / ".git").exists() else None
     if tree is None:
         return "not a checkout"
     return tree[0] + (" with changes" if tree[1] else "")

@@ -1,4 +1,4 @@
-"""Figures and tables as data: what a report holds and draws."""
+"""Figures as data: what a report holds and draws."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 Text = Annotated[str, Field(min_length=1)]
 Id = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$")]  # of elements of the page, and of files
-Cells = list[str | float | int | None]  # of a line of a table
 DRAWN = 1e250  # largest number of a figure: beyond it the margins of axes are no numbers
 
 
@@ -58,11 +57,3 @@ class Figure(_Strict):
     id: Id
     caption: Text
     solution: Panel
-
-
-class Table(_Strict):
-    """A table of numbers and texts."""
-
-    caption: Text
-    columns: list[str]
-    rows: list[Cells]

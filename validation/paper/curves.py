@@ -37,14 +37,7 @@ def joined(curves: Sequence[Curve]) -> tuple[list[float | None], list[float | No
 
 
 def banded(values: FloatArray, bands: int = 24) -> tuple[list[float], list[float]]:
-    """Return means over bands of orders equal in ln q: central orders and values.
-
-    Examples
-    --------
-    >>> order, value = banded(np.ones(100), 4)
-    >>> len(order), set(value)
-    (4, {1.0})
-    """
+    """Return means over bands of orders equal in ln q: central orders and values."""
     edges = np.geomspace(1, values.size + 1, bands + 1)
     order = np.arange(1, values.size + 1)
     inside = [(order >= low) & (order < high) for low, high in pairwise(edges)]

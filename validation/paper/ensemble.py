@@ -10,9 +10,7 @@ error is sqrt((n - 1) / n sum (t_k - mean t)^2).  Loads in units of E*, lengths 
 Source of the jackknife: B. Efron, C. Stein, Ann. Statist. 9 (1981) 586, doi:10.1214/aos/1176345462.
 """
 
-import multiprocessing
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -21,11 +19,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from threadpoolctl import threadpool_limits
 
 import bem
 import persson
 from bem.geometry.profile import Profile
+from bem.loading.crew import at_work
 from bem.scene.provenance import digest
 from bem.scene.result import Result
 from bem.scene.result_file import read_result, write_result
@@ -155,12 +153,6 @@ def theory_with_adhesion(lines: DiscreteSpectrum, load: float, detached_width: f
     return contact
 
 
-def workers(jobs: int) -> Executor:
-    """Return a pool of processes with one thread each."""
-    context = multiprocessing.get_context("spawn")
-    return ProcessPoolExecutor(jobs, context, initializer=threadpool_limits, initargs=(1,))
-
-
 def read_member(member: Member, folder: Path) -> Result | None:
     """Read the stored result of a member; None where it is missing, damaged, or of another scene."""
     try:
@@ -171,71 +163,50 @@ def read_member(member: Member, folder: Path) -> Result | None:
     return result if result.provenance.get("scene_sha256") == scene else None
 
 
-def solve_members(
-    members: Iterable[Member], folder: Path, pool: Executor, say: Callable[[str], None]
-) -> dict[str, str]:
-    """Solve and store members that are missing; return the reasons of members without a result, by name."""
-    folder.mkdir(parents=True, exist_ok=True)
+def solve_members(members: Iterable[Member], folder: Path, jobs: int, say: Callable[[str], None]) -> dict[str, str]:
+    """Solve and store members that are missing; return the outcome of each by name: its status, or a reason."""
     planned = list(members)
     missing = [member for member in planned if read_member(member, folder) is None]
     if len(missing) < len(planned):
         say(f"{len(planned) - len(missing)} of {len(planned)} members are stored already")
-    futures = {pool.submit(bem.solve, dict(member.scene)): member for member in missing}
-    failed: dict[str, str] = {}
+    outcomes: dict[str, str] = {}
+    with at_work(max(min(jobs, len(missing)), 1), folder) as each:
+        for member, outcome in zip(missing, each(solve_member, missing), strict=True):
+            outcomes[member.name] = outcome
+            say(f"[{len(outcomes)}/{len(missing)}] {member.name}: {outcome}")
+    return outcomes
+
+
+def solve_member(folder: Path, member: Member) -> str:
+    """Solve and store a member; return its status, or why it has no result."""
     try:
-        for count, future in enumerate(as_completed(futures), 1):
-            name = futures[future].name
-            try:
-                result = future.result()
-            except (ValueError, ArithmeticError, MemoryError, RuntimeError) as error:
-                failed[name] = f"{type(error).__name__}: {error}"
-                say(f"[{count}/{len(missing)}] {name}: {failed[name]}")
-                continue
-            write_result(result, folder / name)
-            say(f"[{count}/{len(missing)}] {name}: {result.status}")
-    finally:
-        for future in futures:
-            future.cancel()
-    return failed
+        result = bem.solve(dict(member.scene))
+    except (ValueError, ArithmeticError, MemoryError, RuntimeError) as error:
+        return f"{type(error).__name__}: {error}"
+    write_result(result, folder / member.name)
+    return result.status
 
 
-def read_ensemble(size: Size, folder: Path, failed: Mapping[str, str]) -> Ensemble:
+def read_ensemble(size: Size, folder: Path, outcomes: Mapping[str, str]) -> Ensemble:
     """Read the stored members of a size; members without a result are named with the reason."""
-    missing: dict[str, str] = {}
-    groups: dict[str, list[Realisation]] = {}
-    for name, members in members_of(size).items():
-        groups[name] = []
-        for member in members:
-            result = read_member(member, folder)
-            if result is None:
-                missing[member.name] = failed.get(member.name, "no result is stored")
-            else:
-                groups[name].append(Realisation(member.name, result))
+    planned = members_of(size)
+    read = {member.name: read_member(member, folder) for members in planned.values() for member in members}
+    missing = {name: outcomes.get(name, "no result is stored") for name, result in read.items() if result is None}
+    groups = {
+        group: [Realisation(member.name, result) for member in members if (result := read[member.name]) is not None]
+        for group, members in planned.items()
+    }
     return Ensemble(size, groups, missing)
 
 
 def estimate(values: ArrayLike) -> tuple[Any, Any]:
-    """Return the mean over the first axis, and its standard error.
-
-    Examples
-    --------
-    >>> mean, error = estimate([1.0, 3.0])
-    >>> float(mean), float(error)
-    (2.0, 1.0)
-    """
+    """Return the mean over the first axis, and its standard error."""
     array = np.asarray(values, dtype=np.float64)
     return array.mean(axis=0), array.std(axis=0, ddof=1) / np.sqrt(len(array))
 
 
 def jackknife(quantity: Callable[[FloatArray], float], values: ArrayLike) -> tuple[float, float]:
-    """Return a quantity of the mean over the first axis, and its standard error.
-
-    Examples
-    --------
-    >>> value, error = jackknife(lambda mean: float(mean[0]), [[1.0], [3.0]])
-    >>> round(value, 12), round(error, 12)
-    (2.0, 1.0)
-    """
+    """Return a quantity of the mean over the first axis, and its standard error."""
     array = np.asarray(values, dtype=np.float64)
     n, total = len(array), array.sum(axis=0)
     without = np.array([quantity((total - value) / (n - 1)) for value in array])

@@ -51,27 +51,14 @@ def _separation(contact: Contact) -> float:
 
 
 def curvature(load: ArrayLike, area: ArrayLike) -> float:
-    """Return the second Legendre coefficient of the area over its loads, divided by the last area.
-
-    Examples
-    --------
-    >>> load = np.linspace(0.005, 0.025, 9)
-    >>> abs(curvature(load, 0.01 + 3 * load)) < 1e-12, round(curvature(load, np.sqrt(load)), 4)
-    (True, -0.0341)
-    """
+    """Return the second Legendre coefficient of the area over its loads, divided by the last area."""
     place, values = np.asarray(load, dtype=np.float64), np.asarray(area, dtype=np.float64)
     scaled = (2 * place - place[0] - place[-1]) / (place[-1] - place[0])
     return float(np.polynomial.legendre.legfit(scaled, values, 2)[2] / values[-1])
 
 
 def departures(area_at: Callable[[float], float]) -> list[float]:
-    """Return A/p at each area of `STRAIGHT_TO` over A/p at the lowest load, less 1; `area_at` takes p/E*.
-
-    Examples
-    --------
-    >>> [round(value, 4) for value in departures(lambda load: -np.expm1(-load))]
-    [-0.0766, -0.1033]
-    """
+    """Return A/p at each area of `STRAIGHT_TO` over A/p at the lowest load, less 1; `area_at` takes p/E*."""
     first = area_at(LOADS[0]) / LOADS[0]
     reached = [brentq(lambda load, area=area: area_at(load) - area, LOADS[0], 1.0) for area in STRAIGHT_TO]
     return [float(area / load / first - 1) for area, load in zip(STRAIGHT_TO, reached, strict=True)]

@@ -25,7 +25,7 @@ from scipy.optimize import minimize_scalar
 
 from persson import AdhesiveContact, DoubleGaussian, fit_double_gaussian
 from validation.harness.arrays import FloatArray
-from validation.harness.figure_data import axes, drawn, marks, semilogy, shaded, trace
+from validation.harness.figure_data import drawn, marks, semilogy, shaded, trace
 from validation.harness.schema import Figure
 from validation.paper.ensemble import Ensemble, Realisation, estimate, jackknife, theory_with_adhesion
 from validation.paper.members import SPECTRA_AT
@@ -48,14 +48,7 @@ def density(realisation: Realisation, load: float, bounds: FloatArray) -> FloatA
 
 
 def decay_power(sigma: FloatArray, values: FloatArray) -> float:
-    """Fit k of ln P = a - b sigma^k by least squares; bins with P = 0 are left out.
-
-    Examples
-    --------
-    >>> sigma = np.linspace(1.0, 3.0, 20)
-    >>> round(decay_power(sigma, np.exp(1 - 0.5 * sigma**2)), 4)
-    2.0
-    """
+    """Fit k of ln P = a - b sigma^k by least squares; bins with P = 0 are left out."""
     weighted = values > 0
     x, y = sigma[weighted] / sigma[weighted][-1], np.log(values[weighted])
 
@@ -127,7 +120,7 @@ def _of_theory(contact: AdhesiveContact, sigma: FloatArray) -> FloatArray:
 
 
 def figures(ensemble: Ensemble) -> Iterator[Figure]:
-    """Yield the distribution at each load, linear and logarithmic."""
+    """Yield the distribution at each load."""
     smooth = np.linspace(BOUNDS[0], BOUNDS[-1], 401)
     for load in SPECTRA_AT:
         values = _densities(ensemble, load)
@@ -137,21 +130,18 @@ def figures(ensemble: Ensemble) -> Iterator[Figure]:
             ("Persson with adhesion", _of_theory(ensemble.wet[load], smooth), "line", 1),
             (rf"Persson with {FACTOR:g} $\sigma_a$", _of_theory(_raised(ensemble, load), smooth), "dashed", 1),
         )
-        for name, panel, least in (("linear", axes, -np.inf), ("logarithmic", semilogy, 1e-4 * mean.max())):
-            carried = mean > least
-            lower = np.maximum(mean - error, max(least, 0.0))[carried]
-            yield drawn(
-                f"pressure-distribution-{load:g}-{name}",
-                f"Distribution of the pressure at {load:g} E*, {name}: mean of the realisations with its standard "
-                "error, the double Gaussian fitted to the mean, and the theory.",
-                panel(
-                    r"$\sigma/E^*$",
-                    "$P\\,E^*$",
-                    shaded("mean and standard error", CENTRES[carried], lower, (mean + error)[carried], 0),
-                    marks("mean", CENTRES[carried], mean[carried], hue=0),
-                    *(
-                        trace(label, smooth[curve > least], curve[curve > least], style, hue)
-                        for label, curve, style, hue in curves
-                    ),
-                ),
-            )
+        least = 1e-4 * mean.max()
+        carried = mean > least
+        lower = np.maximum(mean - error, least)[carried]
+        yield drawn(
+            f"pressure-distribution-{load:g}",
+            f"Distribution of the pressure at {load:g} E*: mean of the realisations with its standard error, the "
+            "double Gaussian fitted to the mean, and the theory.",
+            semilogy(
+                r"$\sigma/E^*$",
+                "$P\\,E^*$",
+                shaded("mean and standard error", CENTRES[carried], lower, (mean + error)[carried], 0),
+                marks("mean", CENTRES[carried], mean[carried], hue=0),
+                *(trace(label, smooth[y > least], y[y > least], style, hue) for label, y, style, hue in curves),
+            ),
+        )

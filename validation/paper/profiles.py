@@ -21,13 +21,11 @@ import numpy as np
 from validation.harness.arrays import FloatArray
 from validation.harness.figure_data import axes, drawn, trace
 from validation.harness.schema import Figure, Series
-from validation.paper.curves import scattered
 from validation.paper.ensemble import Ensemble, Realisation, estimate
 from validation.paper.members import FAINT_AT, FAINT_WORKS, SHAPES_AT
 from validation.paper.statements import Measured
 from validation.references.paper_problem import MODULUS, RMS_HEIGHT
 
-BOUNDS = np.linspace(-3.5, 3.5, 36)  # of h_rms
 MOST_POINTS = 2400  # of a curve in a figure
 
 
@@ -60,20 +58,7 @@ def _heights(ensemble: Ensemble) -> list[FloatArray]:
 
 
 def figures(ensemble: Ensemble) -> Iterator[Figure]:
-    """Yield the distribution of the heights, and the deformed shapes."""
-    density = np.array([np.histogram(heights, BOUNDS, density=True)[0] for heights in _heights(ensemble)])
-    centres, smooth = ((BOUNDS[1:] + BOUNDS[:-1]) / 2).tolist(), np.linspace(BOUNDS[0], BOUNDS[-1], 141)
-    gaussian = np.exp(-(smooth**2) / 2) / np.sqrt(2 * np.pi)
-    yield drawn(
-        "height-distribution",
-        "Distribution of the heights: every profile, their mean with its standard error, the Gaussian.",
-        axes(
-            "height $h/h_{rms}$",
-            "density",
-            *scattered([(centres, row.tolist()) for row in density], centres, density),
-            trace("Gaussian", smooth, gaussian, hue=1),
-        ),
-    )
+    """Yield the deformed shapes."""
     shapes = ensemble.whole("shapes")
     if shapes is not None:
         yield _shapes(*shapes)

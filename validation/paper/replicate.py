@@ -2,7 +2,7 @@
 
 Results of the realisations (members.py) are kept in DIR/members: a replication that was interrupted continues, and one
 that is finished is reported again in a minute, by the command that began it.  DIR gets report.json with the
-`statements` (statements.py), report.html made from it, and the figures as SVG, PDF and CSV in figures/.
+`statements` (statements.py), report.html made from it with the figures, and the numbers of these in figures/.
 
 --quick solves the same scenes with fewer realisations and harmonics: everything runs, and statements that rest on the
 paper's ensemble are `not run`.
@@ -18,15 +18,14 @@ import numpy as np
 
 import persson
 from bem.scene.atomic_file import write_atomically
-from validation.harness.figure_data import table
 from validation.harness.provenance import provenance
-from validation.harness.schema import Figure, Table
+from validation.harness.schema import Figure
 from validation.paper import load_curves, pressures, profiles, spectra
-from validation.paper.ensemble import SOLID, Ensemble, read_ensemble, solve_members, workers
+from validation.paper.ensemble import SOLID, Ensemble, read_ensemble, solve_members
 from validation.paper.members import LOADS, PAPER, QUICK, SPECTRA_AT, Size, members_of
 from validation.paper.statements import headline, judge
 from validation.references.paper_problem import HURST, MODULUS, WORK_OF_ADHESION
-from validation.report.figures import svg_of, write_figure
+from validation.report.figures import svg_of, table_of
 from validation.report.pages import filled
 
 SCHEMA = "linecontact-replication/2"
@@ -39,11 +38,10 @@ def replicate(
 ) -> int:
     """Solve missing realisations and write the report; return 1 if a member has no certified result, else 0."""
     begun, size = time.monotonic(), size or (QUICK if quick else PAPER)
-    with workers(jobs) as pool:
-        members = [member for group in members_of(size).values() for member in group]
-        failed = solve_members(members, folder / "members", pool, say)
+    members = [member for group in members_of(size).values() for member in group]
+    outcomes = solve_members(members, folder / "members", jobs, say)
     say("figures and statements")
-    content, figures = report(read_ensemble(size, folder / "members", failed))
+    content, figures = report(read_ensemble(size, folder / "members", outcomes))
     content |= {
         "schema": SCHEMA,
         "headline": ("short form: " if quick else "") + content["headline"],
@@ -51,8 +49,9 @@ def replicate(
         "seconds": round(time.monotonic() - begun, 1),
         "provenance": provenance(),
     }
+    (folder / "figures").mkdir(parents=True, exist_ok=True)
     for figure in figures:
-        write_figure(figure, folder / "figures")
+        write_atomically(folder / f"figures/{figure.id}.csv", table_of(figure))
     text = json.dumps(content, indent=1, allow_nan=False) + "\n"
     write_atomically(folder / REPORT, text)
     drawings = [(figure, svg_of(figure, figure.id)) for figure in figures]
@@ -67,7 +66,6 @@ def report(ensemble: Ensemble) -> tuple[dict[str, Any], list[Figure]]:
     measured = {name: number for topic in TOPICS if enough for name, number in topic.measured(ensemble).items()}
     rows = judge(measured, ensemble.shortfall)
     figures = [figure for topic in TOPICS if enough for figure in topic.figures(ensemble)]
-    tables = [_conventions(ensemble), _realisations(ensemble)] if enough else [_realisations(ensemble)]
     content = {
         "headline": headline(rows),
         "statements": rows,
@@ -77,34 +75,14 @@ def report(ensemble: Ensemble) -> tuple[dict[str, Any], list[Figure]]:
             for member in ensemble.everything
             if not all(state.certificate.ok for state in member.result.states)
         ],
-        "tables": [table.model_dump() for table in tables],
-        "figures": [f"figures/{figure.id}.svg" for figure in figures],
+        "conventions": _conventions(ensemble) if enough else [],
+        "figures": [f"figures/{figure.id}.csv" for figure in figures],
     }
     return content, figures
 
 
-def _realisations(ensemble: Ensemble) -> Table:
-    """List every realisation: its profile, the load it reached, its cost."""
-    members = ensemble.everything
-    given, results = [member.result.scene["profile"] for member in members], [member.result for member in members]
-    return table(
-        "Every realisation, with the load it reached; phases default_rng(seed).uniform(-pi, pi).",
-        {
-            "name": [member.name for member in members],
-            "seed": [profile["seed"] for profile in given],
-            "H": [profile["hurst"] for profile in given],
-            "harmonics": [profile["harmonics"] for profile in given],
-            "highest load / E*": [member.final_load for member in members],
-            "largest contact fraction": [max(state.contact_fraction for state in result.states) for result in results],
-            "states": [len(result.states) for result in results],
-            "status": [result.status for result in results],
-            "CPU s": [sum(state.cpu_seconds for state in result.states) for result in results],
-        },
-    )
-
-
-def _conventions(ensemble: Ensemble) -> Table:
-    """List conventions of ours beside the paper's, with what each changes in the theory's area with adhesion."""
+def _conventions(ensemble: Ensemble) -> list[tuple[str, str, str, str]]:
+    """Return conventions: name, ours, the other or the paper's, and its change of the theory's area with adhesion."""
     lines, q0 = ensemble.lines, ensemble.loading[0].profile.q0
     wavenumbers = np.geomspace(lines.wavenumbers[0], lines.wavenumbers[-1], 200)
     density = np.exp(np.interp(np.log(wavenumbers), np.log(lines.wavenumbers), np.log(lines.amplitudes**2 / (4 * q0))))
@@ -128,7 +106,7 @@ def _conventions(ensemble: Ensemble) -> Table:
 
     jumped = sum(member.target_at(load) is None for member in ensemble.loading for load in LOADS)
     normalisation = "normalisation of a continuous spectrum"
-    rows = [
+    return [
         (
             normalisation,
             "the lines themselves",
@@ -149,7 +127,3 @@ def _conventions(ensemble: Ensemble) -> Table:
             f"{jumped} of {len(ensemble.loading) * len(LOADS)} loads; no spectra or distributions there",
         ),
     ]
-    return table(
-        "Conventions, and the change of the theory's contact area with adhesion by the other choice.",
-        dict(zip(("convention", "ours", "other, or the paper's", "change"), zip(*rows, strict=True), strict=True)),
-    )

@@ -47,13 +47,7 @@ HOW_DRAWN = (
 
 
 def exponents(power: FloatArray, windows: Sequence[Window]) -> FloatArray:
-    """Return the slope of ln C against ln q over the orders of each window; power belongs to the orders 1, 2, ..
-
-    Examples
-    --------
-    >>> [round(float(value), 12) for value in exponents(np.arange(1.0, 200.0) ** -2.7, [(3, 30), (10, 100)])]
-    [-2.7, -2.7]
-    """
+    """Return the slope of ln C against ln q over the orders of each window; power belongs to the orders 1, 2, .."""
     order = np.arange(1, power.size + 1)
     inside = [(order >= low) & (order <= high) for low, high in windows]
     return np.array([np.polyfit(np.log(order[mask]), np.log(power[mask]), 1)[0] for mask in inside])

@@ -115,13 +115,7 @@ def judge(measured: Mapping[str, Measured], shortfall: str) -> list[dict[str, An
 
 
 def headline(rows: Sequence[Mapping[str, Any]]) -> str:
-    """Return the outcome in one sentence: how many statements were run, with which verdicts.
-
-    Examples
-    --------
-    >>> headline([{"verdict": "not run"}, {"verdict": "reproduced"}])
-    '1 of 2 statements run: 1 reproduced'
-    """
+    """Return the outcome in one sentence: how many statements were run, with which verdicts."""
     counts = {verdict: sum(row["verdict"] == verdict for row in rows) for verdict in VERDICTS[:-1]}
     verdicts = ", ".join(f"{count} {verdict}" for verdict, count in counts.items() if count)
     return f"{sum(counts.values())} of {len(rows)} statements run{': ' if verdicts else ''}{verdicts}"

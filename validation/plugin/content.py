@@ -81,11 +81,9 @@ def _stated(case: Mapping[str, Any], row: Row) -> dict[str, Any]:
 
 def _bare(case: str, verdict: str, reason: str) -> dict[str, Any]:
     """Return the row of a case that has no numbers."""
-    texts = dict.fromkeys(("name", "quantity", "unit", "source", "place"), "")
-    numbers = ("value", "value_uncertainty", "reference", "reference_uncertainty", "allowed", "share", "stored")
-    lists: dict[str, list[Any]] = {"routes": [], "values": [], "references": []}
-    facts = {"case": case, "kind": "accuracy", "verdict": verdict, "failed": verdict not in PASSING, "seconds": 0.0}
-    return texts | dict.fromkeys(numbers) | lists | facts | {"reason": reason, "described": reason}
+    stated = _stated({"case": case, "seconds": 0.0}, Row("", "", "", "", "accuracy"))
+    judged = {"verdict": verdict, "failed": verdict not in PASSING, "reason": reason, "described": reason}
+    return stated | judged | {"routes": []}
 
 
 def headline(rows: Iterable[Mapping[str, Any]], ran: int, failed: int, not_run: int) -> str:

@@ -12,7 +12,6 @@ import json
 import signal
 from collections.abc import Generator, Iterator
 from contextlib import contextmanager
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -181,17 +180,13 @@ def pytest_runtest_makereport(
     """
     report = yield
     if call.when == "call" or (call.when == "setup" and not report.passed):
-        rows, file = rows_of(item), stored_file(item)
+        file = stored_file(item)
         function: Any = getattr(item, "function", None)
-        facts = {
+        facts = rows_of(item).content() | {
             "question": (getattr(function, "__doc__", "") or "").strip() or item.name,
             "method": (getattr(getattr(item, "module", None), "__doc__", "") or "").strip(),
             "source": _source(item),
             "level": level_of(item),
-            "rows": [asdict(row) for row in rows.rows],
-            "figures": rows.figures,
-            "tables": rows.tables,
-            "costs": rows.costs,
             "stored_in": str(file or ""),
             "key": case_key(item, file) if file else item.nodeid,
         }

@@ -6,27 +6,20 @@ first line of rows.jsonl is the fingerprint of everything that a row depends on.
 
 from __future__ import annotations
 
-import hashlib
 import json
-import platform
 import sys
 import time
-from collections.abc import Iterable
-from importlib import metadata
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from validation.harness.provenance import fingerprint, provenance
 from validation.plugin import stored
 from validation.plugin.content import content_of
 from validation.plugin.rows import PASSING, Row
 
 RECORD = "rows.jsonl"
-PACKAGES = ("bem", "fem_reference", "persson", "validation", "linecontact_compiled")
-SUFFIXES = (".py", ".pyx", ".h", ".so", ".pyd", ".toml", ".json", ".csv", ".npz", ".jinja")
-LIBRARIES = ("numpy", "scipy", "scikit-fem", "meshio", "pydantic")
 EMPTY: dict[str, Any] = dict.fromkeys(("question", "method", "source", "level", "stored_in", "key"), "")
 EMPTY |= {name: [] for name in ("rows", "figures", "tables", "costs")}
 CASES = Path(__file__).parents[1] / "cases"
@@ -170,7 +163,6 @@ class Ledger:
 
     def _run(self, exit_status: int) -> dict[str, Any]:
         """Return the facts of the run from which the report is made."""
-        from validation.harness.provenance import provenance
         from validation.paper.statements import judge
 
         cases = self.resumed | self.cases
@@ -190,25 +182,3 @@ class Ledger:
         """Print where the report is."""
         if self.folder:
             terminalreporter.write_line(f"report: {self.folder / 'report.html'}")
-
-
-def fingerprint(places: Iterable[Path], without: Path | None) -> str:
-    """Return the hash of all sources, data, kernels and libraries that a row depends on.
-
-    `places` are files or folders of cases; the folder of the report may lie among them and is left out.
-    """
-    report = without.resolve() if without else None
-    digest = hashlib.sha256(f"{platform.python_version()} {platform.machine()}".encode())
-    for library in LIBRARIES:
-        digest.update(f"{library} {metadata.version(library)}".encode())
-    roots = [Path(place) for name in PACKAGES if (spec := find_spec(name)) for place in _places(spec)]
-    for root in (*roots, *(place.resolve() for place in places)):
-        for file in [root] if root.is_file() else sorted(root.rglob("*")):
-            if file.suffix in SUFFIXES and file.is_file() and report not in file.parents:
-                digest.update(file.name.encode() + file.read_bytes())
-    return digest.hexdigest()[:16]
-
-
-def _places(spec: Any) -> list[str]:
-    """Return the folders of a package, or the file of a module."""
-    return list(spec.submodule_search_locations or []) or ([spec.origin] if spec.origin else [])

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -87,10 +86,6 @@ class SceneCase(pytest.Item):
         if isinstance(excinfo.value, ValueError):
             return f"{self.path.name}: {excinfo.value}"
         return super().repr_failure(excinfo, style)
-
-    def reportinfo(self) -> tuple[Path, int, str]:
-        """Return where the case is defined."""
-        return self.path, 0, self.name
 
 
 def checked(expected: Any) -> dict[str, dict[str, Any]]:

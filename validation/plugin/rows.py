@@ -14,11 +14,12 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -189,22 +190,11 @@ class Row:
         return "\n".join(lines)
 
 
-@dataclass(frozen=True)
-class Pair:
-    """Rows between two codes with one source, made by `Rows.between`."""
+class Pair(NamedTuple):
+    """Rows between two codes with one source, made by `Rows.between`; options as of `Rows.compare` and `Rows.known`."""
 
-    rows: Rows
-    options: dict[str, Any]
-
-    def compare(self, name: str, value: ArrayLike, reference: ArrayLike, **options: Any) -> Row:
-        """Add a row; options as of `Rows.compare`."""
-        __tracebackhide__ = True
-        return self.rows.compare(name, value, reference, **self.options | options)
-
-    def known(self, name: str, value: ArrayLike, reference: ArrayLike, **options: Any) -> Row:
-        """Add a known deviation; options as of `Rows.known`."""
-        __tracebackhide__ = True
-        return self.rows.known(name, value, reference, **self.options | options)
+    compare: Callable[..., Row]
+    known: Callable[..., Row]
 
 
 @dataclass(repr=False)
@@ -280,7 +270,8 @@ class Rows:
 
     def between(self, of: str, by: str, source: str = "", kind: Kind = "accuracy", **options: Any) -> Pair:
         """Return a maker of rows between two codes."""
-        return Pair(self, {"of": of, "by": by, "source": source, "kind": kind} | options)
+        given = {"of": of, "by": by, "source": source, "kind": kind} | options
+        return Pair(partial(self.compare, **given), partial(self.known, **given))
 
     def known(
         self,
@@ -440,6 +431,12 @@ class Rows:
         """Add a table of numbers and texts; with `front` it stands on the first screen, among the three ways."""
         plain = [[cell.item() if isinstance(cell, np.generic) else cell for cell in line] for line in lines]
         self.tables.append({"title": title, "columns": list(columns), "lines": plain, "front": front})
+
+    def content(self) -> dict[str, Any]:
+        """Return rows, figures, tables and costs as plain values."""
+        return {name: getattr(self, name) for name in ("figures", "tables", "costs")} | {
+            "rows": [asdict(row) for row in self.rows]
+        }
 
     def conclude(self) -> None:
         """Raise where a row fails, where there is none, or where a stored row is gone."""

@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import csv
 import math
-import subprocess
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+from validation.harness.provenance import checkout
 from validation.plugin.rows import PASSING, Row
 
 FILE = "stored.csv"
@@ -57,14 +57,9 @@ def seconds_of(case: str, file: Path) -> float | None:
 
 def refuse_changes(folder: Path) -> None:
     """Raise where the checkout that holds a folder has changes besides its stored.csv."""
-    words = ["git", "status", "--porcelain", "--", ":/", f":!{FILE}", f":!*/{FILE}"]
-    try:
-        status = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
-    except OSError:
-        return
-    if status.returncode == 0 and status.stdout.strip():
-        changes = ", ".join(line[3:] for line in status.stdout.splitlines()[:3])
-        raise StoreError(f"--store: {folder}: files with changes ({changes}); commit them first")
+    tree = checkout(folder, ":/")
+    if tree is not None and tree[1]:
+        raise StoreError(f"--store: {folder}: files with changes ({', '.join(tree[1][:3])}); commit them first")
 
 
 def store(file: Path, cases: Iterable[dict[str, Any]], reason: str, keep_worst: bool) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -31,16 +31,12 @@ class Part:
         """Return the part as the report holds a case."""
         failing = any(row.verdict not in PASSING for row in self.rows.rows)
         outcome = "error" if self.message else "deviates" if failing else "passed"
-        return {
+        return self.rows.content() | {
             "case": self.name,
             "question": self.question,
             "method": self.method,
             "source": "",
             "level": "",
-            "rows": [asdict(row) for row in self.rows.rows],
-            "figures": self.rows.figures,
-            "tables": self.rows.tables,
-            "costs": self.rows.costs,
             "seconds": self.seconds,
             "outcome": outcome,
             "message": self.message

@@ -71,12 +71,6 @@ class Sinusoid:
             self.amplitude * share * (1 - np.log(share)) + adhesive * self.wavelength / (np.pi * self.modulus)
         )
 
-    def angle(self, penetration: float, least: float = 0.3, most: float = 1.4) -> float:
-        """Return psi at a penetration in m, bracketed by the angles `least` and `most`."""
-        return float(
-            brentq(lambda psi: float(self.penetration(psi)) - penetration, least, most, xtol=1e-16, rtol=1e-15)
-        )
-
     def pressure(self, x: FloatArray, psi: float) -> FloatArray:
         """Return the pressure in Pa at distances in m from the crest, on the contact."""
         v = np.sin(np.pi * x / self.wavelength)
@@ -138,13 +132,7 @@ def layer_ratio(k: ArrayLike, poisson_ratio: float) -> FloatArray:
 
 
 def layer_compliance(q: ArrayLike, thickness: float, youngs_modulus: float, poisson_ratio: float) -> FloatArray:
-    """Return c(q) in m/Pa: displacement of a bonded layer's frictionless face per pressure of a wave, q in rad/m.
-
-    Examples
-    --------
-    >>> round(float(layer_compliance(1.0, 20.0, 1.0, 0.0)), 12)  # a half-space: 2 / (E* q)
-    2.0
-    """
+    """Return c(q) in m/Pa: displacement of a bonded layer's frictionless face per pressure of a wave, q in rad/m."""
     wavenumber = np.asarray(q, dtype=np.float64)
     half_space = 2 * (1 - poisson_ratio**2) / (youngs_modulus * wavenumber)
     return np.asarray(half_space * layer_ratio(wavenumber * thickness, poisson_ratio))

@@ -25,7 +25,6 @@ which decides how many nodes a patch needs.  Limits: time n^3, memory two n x n 
 0.8 s, 0.2 GB); contact not complete.  Heights, nodes, moments and kernels are the references' own.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,19 +36,6 @@ from validation.references.waves import Harmonics, Waves
 
 NEGLIGIBLE = 1e-18  # (1 - ratio) / m beyond which modes of the layer are those of the half-space
 BLOCK = 2048  # modes of a layer that are summed at a time
-
-
-@dataclass(frozen=True, eq=False)
-class SmoothKernel:
-    """Even, smooth, 2 pi-periodic addition S(x) to the kernel log|2 sin(x/2)|."""
-
-    value: Callable[[FloatArray], FloatArray]  # S, elementwise on arrays of any shape
-    derivative: Callable[[FloatArray], FloatArray]  # dS/dx, likewise
-
-    def matrices(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return S(x_k - x_j) and dS/dx(x_k - x_j), (n, n) each."""
-        difference = np.subtract.outer(x, x)
-        return self.value(difference), self.derivative(difference)
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +138,7 @@ def evaluate_dense(
     right: FloatArray,
     penetration: float,
     nodes: IntArray | None = None,
-    smooth_kernel: SmoothKernel | LayerKernel | None = None,
+    smooth_kernel: LayerKernel | None = None,
 ) -> DenseState:
     """Solve for the pressure of given patches at given penetration, with all first derivatives.
 
@@ -166,22 +152,13 @@ def evaluate_dense(
         Delta, dimensionless.
     nodes : (L,) int array, optional
         Nodes per patch instead of `dense_nodes`; hold them fixed between states whose energies are compared.
-    smooth_kernel : SmoothKernel or LayerKernel, optional
+    smooth_kernel : LayerKernel, optional
         What a layer adds to log|2 sin(x/2)|.
 
     Raises
     ------
     ValueError
         Patches overlap, or are not in order.
-
-    Examples
-    --------
-    Half a period of a sinusoid in contact without adhesion carries the load 2 pi sin^2(pi/4) (Westergaard):
-
-    >>> wave = Waves(2 * np.pi, np.array([1]), np.array([1.0]), np.array([0.0]))
-    >>> state = evaluate_dense(wave, np.array([-np.pi / 2]), np.array([np.pi / 2]), 0.5 * (1 + np.log(2)))
-    >>> round(state.load / np.pi, 12)
-    1.0
     """
     behind = np.append(left[1:], left[:1] + 2 * np.pi) - right
     if not (np.all(right > left) and np.all(behind > 0)):

@@ -4,8 +4,6 @@ Newton on K_e = 2 sqrt(w_e) (K_e = 0 without adhesion) and on the condition of t
 evaluation (dense.py: own nodes, moments, kernels and derivatives), until its steps are rounding. Work and energy of
 adhesion, stiffness and conversions are this file's own. Dimensionless inside: lengths period / 2 pi, heights the rms
 height a, stresses E* q0 a / 2.
-
-Far from an answer (routes/dense_algebra.py) steps are limited to a third of the edge scale.
 """
 
 from dataclasses import dataclass
@@ -19,15 +17,13 @@ from validation.references.closed_forms import uniform_compliance
 from validation.references.dense import (
     DenseState,
     LayerKernel,
-    SmoothKernel,
     dense_nodes,
     evaluate_dense,
     layer_nodes,
 )
 from validation.references.waves import Waves
 
-STEPS, FAR_STEPS = 8, 60
-FARTHEST = 0.3  # of the edge scale, where Newton starts far away
+STEPS = 8
 SMALLEST_STEP = 1e-13  # of an edge, in radians
 QUADRATURE = np.polynomial.legendre.leggauss(40)
 
@@ -67,7 +63,7 @@ class Interface:
 
 
 def equilibrium(
-    problem: Problem, edges: ArrayLike, penetration: float, target: float, refinement: int = 1
+    problem: Problem, edges: ArrayLike, penetration: float, target: float, refinement: float = 1
 ) -> dict[str, float]:
     """Return every scalar of the equilibrium next to edges (n_patches, 2) and penetration, in m, in its unit.
 
@@ -78,8 +74,8 @@ def equilibrium(
         "total_displacement", "penetration" and "separation" (m).
     target : float
         Prescribed value of the control.
-    refinement : int
-        Factor on the nodes that dense algebra needs; 2 doubles the resolution.
+    refinement : float
+        Factor on the nodes that dense algebra needs for all digits.
 
     Raises
     ------
@@ -107,8 +103,17 @@ def equilibrium(
         "penetration": (target / rms, (1.0, 0.0)),
         "separation": (profile.highest - target / rms, (1.0, 0.0)),
     }[problem.control]
-    left, right, state, _ = converged(
-        profile, left, right, penetration / rms, refinement * nodes, kernel, interface, aim, weights
+    nodes = np.ceil(refinement * nodes).astype(np.int64)
+    left, right, state = _converged(
+        profile,
+        left,
+        right,
+        penetration / rms,
+        nodes,
+        kernel,
+        interface,
+        aim,
+        weights,
     )
     critical = np.zeros(2 * left.size) if interface is None else interface.critical(np.concatenate([left, right]))[0]
     jacobian, _ = _residual(state, left, right, interface)
@@ -140,23 +145,22 @@ def _residual(
     return state.stress_intensity_jacobian - np.diag(outward * slope), state.stress_intensity - critical
 
 
-def converged(
+def _converged(
     profile: Waves,
     left: FloatArray,
     right: FloatArray,
     penetration: float,
     nodes: IntArray,
-    kernel: SmoothKernel | LayerKernel | None,
+    kernel: LayerKernel | None,
     interface: Interface | None,
     target: float,
     weights: tuple[float, float],
-    far: bool = False,
-) -> tuple[FloatArray, FloatArray, DenseState, int]:
-    """Return edges and state of the equilibrium next to given edges, or far from them, and the evaluations."""
+) -> tuple[FloatArray, FloatArray, DenseState]:
+    """Return edges and state of the equilibrium next to given edges."""
     alpha, beta = weights
     count = left.size
     smallest = np.inf
-    for evaluations in range(1, (FAR_STEPS if far else STEPS) + 1):
+    for _ in range(STEPS):
         state = evaluate_dense(profile, left, right, penetration, nodes, kernel)
         jacobian, miss = _residual(state, left, right, interface)
         matrix = np.block(
@@ -168,23 +172,7 @@ def converged(
         step = np.linalg.solve(matrix, -np.append(miss, alpha * penetration + beta * state.load - target))
         size = float(np.max(np.abs(step)))
         if size < SMALLEST_STEP or (size < 1e-10 and size > 0.5 * smallest):  # no longer falls: rounding
-            return left, right, state, evaluations
+            return left, right, state
         smallest = size
-        if far:
-            step = _limited(step, state.stress_intensity, _edge_scale(left, right))
         left, right, penetration = left - step[:count], right + step[count:-1], penetration + step[-1]
     raise NoReferenceError(f"the last step of Newton is {smallest:.1e}")
-
-
-def _edge_scale(left: FloatArray, right: FloatArray) -> FloatArray:
-    """Return the shorter of the patch and the gap beside every edge, left edges first, (2 L,)."""
-    width, behind = right - left, np.append(left[1:], left[:1] + 2 * np.pi) - right
-    return np.concatenate([np.minimum(width, np.roll(behind, 1)), np.minimum(width, behind)])
-
-
-def _limited(step: FloatArray, stress_intensity: FloatArray, edge_scale: FloatArray) -> FloatArray:
-    """Return a step no longer than `FARTHEST`; edges that close (K < 0) move outward, and nothing else."""
-    closing = stress_intensity < 0
-    if np.any(closing):
-        return np.append(np.where(closing, FARTHEST * edge_scale, 0.0), 0.0)
-    return step * min(1.0, FARTHEST / float(np.max(np.abs(step[:-1]) / edge_scale)))

@@ -1,25 +1,21 @@
-"""Figures drawn from the numbers of the report alone: as inline SVG, and as files.
+"""Figures drawn from the numbers of the report alone, as inline SVG, and these numbers as CSV.
 
 Text stays text, ids are unique on the page, and equal numbers give equal SVG.  What is written into a page is the tree
 of the SVG, every text and value of it escaped; a text that cannot be drawn as mathematics is drawn as it is written.
-Files are SVG and PDF as they are in the report, and the numbers behind them as CSV, one line for each point: series, x,
-y, and upper for bands.
+The CSV has one line for each point: series, x, y, and upper for bands.
 """
 
 from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
 import numpy as np
 from markupsafe import Markup
 
-from bem.scene.atomic_file import write_atomically
 from validation.harness.schema import Figure, Panel, Series
 from validation.report.pages import printable
 
@@ -27,7 +23,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Canvas
 
-KINDS = ("svg", "pdf", "csv")  # of files
 COLOURS = ("#0b5fa5", "#c8511b", "#2b7a4b", "#7a3e9d", "#8a6d00", "#444444")  # distinguished by colour-blind readers
 MARKERS = ("o", "s", "^", "D", "v", "x")
 MOST_INSIDE = 7  # series in a legend within the axes; more are listed below them
@@ -43,17 +38,13 @@ SETTINGS: Any = {
     "grid.linewidth": 0.6,
     "legend.frameon": False,
 }
-WITHOUT_DATE = {
-    "svg": {"Date": None, "Creator": None},
-    "pdf": {"CreationDate": None, "Producer": None, "Creator": None},
-}
 
 
-def styled(**settings: Any) -> AbstractContextManager[None]:
-    """Set the settings of all figures and some more; Matplotlib is imported where something is drawn."""
+def styled() -> AbstractContextManager[None]:
+    """Set the settings of all figures; Matplotlib is imported where something is drawn."""
     from bem.scene.plots import own_settings
 
-    return own_settings(**SETTINGS | settings)
+    return own_settings(**SETTINGS)
 
 
 def canvas_of(figure: Figure) -> Canvas:
@@ -68,22 +59,12 @@ def canvas_of(figure: Figure) -> Canvas:
     return canvas
 
 
-def save(canvas: Canvas, path: Path) -> None:
-    """Write a figure as SVG or PDF, as the ending of the path says; equal figures give equal files."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_atomically(path, _printed(canvas, path.suffix.removeprefix(".")))
-
-
-def _printed(canvas: Canvas, kind: str) -> bytes:
-    """Print a figure as SVG or PDF; the layout is computed once for all formats, because it is as slow as printing."""
+def _printed(canvas: Canvas) -> bytes:
+    """Print a figure as SVG."""
     stream = io.BytesIO()
-    with styled(**{"pdf.fonttype": 42}):
-        layout = canvas.get_layout_engine()
-        if layout is not None:
-            _make_drawable(canvas)
-            layout.execute(canvas)
-            canvas.set_layout_engine(None)
-        canvas.savefig(stream, format=kind, metadata=WITHOUT_DATE[kind])
+    with styled():
+        _make_drawable(canvas)
+        canvas.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
     return stream.getvalue()
 
 
@@ -112,7 +93,7 @@ def svg_of(figure: Figure, prefix: str) -> Markup:
 
 def inline_svg(canvas: Canvas, prefix: str, title: str, description: str) -> Markup:
     """Return a drawn figure as an SVG element with a role, a title and a description, its ids prefixed."""
-    root = ElementTree.fromstring(_printed(canvas, "svg"))
+    root = ElementTree.fromstring(_printed(canvas))
     for parent in list(root.iter()):
         for child in list(parent):
             if _plain(child.tag) in ("metadata", "style"):  # the style of every figure stands in style.css
@@ -145,15 +126,7 @@ def _renamed(name: str, value: str, prefix: str) -> str:
 
 
 def described(figure: Figure) -> str:
-    """Describe the axes and curves of a figure in words.
-
-    Examples
-    --------
-    >>> from validation.harness.schema import Panel, Series
-    >>> panel = Panel(xlabel="x", ylabel="load", series=[Series(label="a & b", x=[0.0], y=[1.0])])
-    >>> described(Figure(id="one", caption="One point.", solution=panel))
-    'load against x: a & b.'
-    """
+    """Describe the axes and curves of a figure in words."""
     panel = figure.solution
     names = ", ".join(series.label for series in panel.series if series.label)
     return f"{panel.ylabel} against {panel.xlabel}: {names}."
@@ -204,35 +177,13 @@ def _draw_series(axes: Axes, series: Series, colour: str, marker: str) -> None:
         axes.plot(x, y, "--" if series.style == "dashed" else "-", color=colour, linewidth=1.4, label=series.label)
 
 
-def write_figure(figure: Figure, folder: Path) -> None:
-    """Write ID.svg, ID.pdf and ID.csv; equal numbers give equal files."""
-    write_files(canvas_of(figure), folder / figure.id, table_of(figure))
-
-
-def write_files(canvas: Canvas, path: Path, table: str) -> None:
-    """Write a figure as SVG and PDF, and its numbers as CSV, at a path without an ending."""
-    for kind in KINDS[:2]:
-        save(canvas, path.with_name(f"{path.name}.{kind}"))
-    write_atomically(path.with_name(f"{path.name}.csv"), table)
-
-
 def table_of(figure: Figure) -> str:
     """Return the numbers of a figure as CSV."""
-    return csv_text(["series", "x", "y", "upper"], _lines(figure.solution))
-
-
-def csv_text(head: Sequence[str], lines: Iterable[Sequence[str | float | None]]) -> str:
-    """Return lines under their head as CSV."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(head)
-    writer.writerows(lines)
-    return stream.getvalue()
-
-
-def _lines(panel: Panel) -> Iterable[list[str | float | None]]:
-    for series in panel.series:
+    writer.writerow(["series", "x", "y", "upper"])
+    for series in figure.solution.series:
         upper = series.upper or [None] * len(series.x)
-        for x, y, high in zip(series.x, series.y, upper, strict=True):
-            if x is not None:
-                yield [series.label, x, y, high]
+        points = zip(series.x, series.y, upper, strict=True)
+        writer.writerows([series.label, *point] for point in points if point[0] is not None)
+    return stream.getvalue()

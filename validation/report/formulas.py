@@ -1,7 +1,7 @@
 """MathML of the formulas on the documents' pages, from the part of TeX that they use.
 
-Letters, digits, signs, the names in `SIGNS` and `FUNCTIONS`, fractions, roots, upright text, subscripts, superscripts,
-primes and matrices.  A command that is not known raises ValueError, so that a test finds it.
+Letters, digits, signs, the names in `SIGNS` and `FUNCTIONS`, fractions, roots, upright text, subscripts, superscripts
+and primes.  A command that is not known raises ValueError, so that a test finds it.
 """
 
 import re
@@ -130,8 +130,6 @@ class _Reader:
             return f"<msqrt>{self.argument()}</msqrt>"
         if name in ("mathrm", "text"):
             return f"<mtext>{escape(self._words())}</mtext>"
-        if name == "begin" and self._words() == "pmatrix":
-            return f"<mrow><mo>(</mo>{self._matrix()}<mo>)</mo></mrow>"
         if name in "{}|%":
             return f"<mo>{name}</mo>"
         raise ValueError(f"\\{name} is no command that the pages know")
@@ -145,19 +143,6 @@ class _Reader:
         while (token := self.next()) != "}":
             words += token
         return words
-
-    def _matrix(self) -> str:
-        """Return the table up to the end of the matrix."""
-        rows: list[list[str]] = [[]]
-        while True:
-            cell = self.row(("&", "\\\\", "\\end"))
-            rows[-1].append(f"<mtd>{cell}</mtd>")
-            end = self.next()
-            if end == "\\\\":
-                rows.append([])
-            elif end == "\\end":
-                self._words()
-                return "<mtable>" + "".join(f"<mtr>{''.join(cells)}</mtr>" for cells in rows) + "</mtable>"
 
 
 def _has_limits(atom: str) -> bool:

@@ -35,8 +35,8 @@ def filled(template: str, filters: Mapping[str, Callable[..., Any]] | None = Non
     return printable(environment.get_template(template).render(style=style, script=script, **values))
 
 
-def number(value: Any) -> str:
-    """Return a number with the digits a reader needs, None as a dash; other values as they are.
+def number(value: Any, digits: int = 4) -> str:
+    """Return a number with so many digits, None as a dash; other values as they are.
 
     Examples
     --------
@@ -49,7 +49,7 @@ def number(value: Any) -> str:
         return str(value)
     if math.isnan(value):
         return "not a number"
-    return f"{value:.4g}"
+    return f"{value:.{digits}g}"
 
 
 def counted(count: int, word: str, many: str | None = None) -> str:

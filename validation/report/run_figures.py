@@ -1,4 +1,4 @@
-"""Figures of one run that do not move: the area, distributions, estimated errors, a scan and its preparation."""
+"""Figures of one run that do not move: the area, distributions, a scan and its preparation."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -10,13 +10,12 @@ from numpy.typing import NDArray
 from bem.command_line.answer_table import axis_unit, readable
 from bem.scene.result import Result
 from bem.scene.state import State
-from validation.harness.figure_data import axes, drawn, semilogx, semilogy, trace
-from validation.harness.schema import Figure, Panel
-from validation.report.run_curves import Theory, curves_of, finite
+from validation.harness.figure_data import axes, drawn, trace
+from validation.harness.schema import Figure
+from validation.report.run_curves import Theory, curves_of
 from validation.report.scan_figure import preparation_figure, spectrum_figure
 
 MOST_LINES = 8
-FEW = 4  # contacts, of which fewer have no distribution of widths
 
 Array = NDArray[Any]
 
@@ -25,12 +24,8 @@ def figures_of(result: Result, theories: Sequence[Theory]) -> Iterator[Figure]:
     """Yield all figures of a run, in the order of the page."""
     yield from curves_of(result, theories)
     yield from distributions_of(result)
-    if len(result.states) > 1 and any(state.error_estimate.mean_pressure for state in result.states):
-        yield drawn("errors", "Estimated errors of all states, in the order of the path.", _errors(result))
-    for figure_of in (preparation_figure, spectrum_figure):
-        prepared = figure_of(result.fields, result.profile_preparation)
-        if prepared is not None:
-            yield prepared
+    scan = preparation_figure(result.fields), spectrum_figure(result.fields, result.profile_preparation)
+    yield from filter(None, scan)
 
 
 def stored_states(result: Result) -> dict[str, State]:
@@ -38,39 +33,8 @@ def stored_states(result: Result) -> dict[str, State]:
     return {str(state.stored): state for state in result.states if state.stored is not None}
 
 
-def _errors(result: Result) -> Panel:
-    """Draw estimated errors over the states: of the contact fraction, and of the pressure over its largest value."""
-    scale = max((abs(state.mean_pressure) for state in result.states if not math.isnan(state.mean_pressure)), default=0)
-    estimates = [state.error_estimate for state in result.states]
-    by_quantity = {
-        "contact fraction": [finite(estimate.contact_fraction) for estimate in estimates],
-        "mean pressure over the largest": [finite(estimate.mean_pressure) / (scale or 1.0) for estimate in estimates],
-    }
-    last = len(result.states)
-    asked = float(result.scene["accuracy"]["tolerance"])
-    series = [
-        trace(name, range(1, last + 1), [value or None for value in errors]) for name, errors in by_quantity.items()
-    ]
-    return semilogy("state", "estimated error", *series, trace("asked for", (1, last), (asked, asked), "dashed"))
-
-
 def distributions_of(result: Result) -> Iterator[Figure]:
-    """Yield distributions: widths of contacts and gaps at targets, and pressures that were asked for."""
-    touching = [state for state in result.targets if state.n_patches >= FEW][:MOST_LINES]
-    if touching:
-        period = result.scene["profile"]["period"]
-        widths = [_widths(state, period) for state in touching]
-        factor, unit = axis_unit(max(float(of[-1]) for pair in widths for of in pair), "m")
-        series = [
-            trace(f"{label} at {_where(state)}", factor * of, np.arange(1, of.size + 1) / of.size, style, hue=k)
-            for k, (state, pair) in enumerate(zip(touching, widths, strict=True))
-            for of, label, style in zip(pair, ("contacts", "gaps"), ("line", "dashed"), strict=True)
-        ]
-        yield drawn(
-            "widths",
-            "Share of the contacts and of the gaps that are not wider.",
-            semilogx(f"width / {unit}", "share of their number", *series),
-        )
+    """Yield the distributions of the pressure that were asked for."""
     fields, states = result.fields, list(stored_states(result).items())[:MOST_LINES]
     pressures = [(name, state) for name, state in states if f"sigma_{name}" in fields]
     if pressures:
@@ -86,12 +50,6 @@ def distributions_of(result: Result) -> Iterator[Figure]:
             "Distribution of the contact pressure over the nominal length, what is open left out.",
             axes(f"pressure / {unit}", f"density / (1/{unit})", *series),
         )
-
-
-def _widths(state: State, period: float) -> tuple[Array, Array]:
-    """Return the widths of the contacts and of the gaps between them, sorted, m."""
-    left, right = np.transpose(state.edges)
-    return np.sort(right - left), np.sort(np.append(left[1:], left[0] + period) - right)
 
 
 def _where(state: State) -> str:

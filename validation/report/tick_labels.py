@@ -9,7 +9,7 @@ from matplotlib.axis import Axis
 from matplotlib.ticker import LogFormatterSciNotation
 
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-POWER = re.compile(r"\$\\mathdefault\{(?:(?P<factor>[^{}]+)\\times)?10\^\{(?P<exponent>-?\d+)\}\}\$")
+POWER = re.compile(r"\$\\mathdefault\{(.*?)(?:\\times)?10\^\{(-?\d+)\}\}\$")
 
 
 class PlainPowers(LogFormatterSciNotation):
@@ -17,23 +17,8 @@ class PlainPowers(LogFormatterSciNotation):
 
     def __call__(self, x: float, pos: int | None = None) -> str:
         """Return the label of a tick."""
-        label: str = super().__call__(x, pos)
-        return plain(label)
-
-
-def plain(label: str) -> str:
-    r"""Return a power of ten in Matplotlib's mathematical text as plain text.
-
-    Examples
-    --------
-    >>> plain(r"$\mathdefault{10^{-3}}$"), plain(r"$\mathdefault{2\times10^{4}}$"), plain("0.5")
-    ('10⁻³', '2×10⁴', '0.5')
-    """
-    power = POWER.fullmatch(label)
-    if power is None:
-        return label
-    factor = "" if power["factor"] is None else f"{power['factor']}×"
-    return f"{factor}10{power['exponent'].translate(RAISED)}"
+        power = POWER.fullmatch(label := str(super().__call__(x, pos)))
+        return f"{power[1]}{'×' * bool(power[1])}10{power[2].translate(RAISED)}" if power else label
 
 
 def label_plainly(*axes: Axis) -> None:

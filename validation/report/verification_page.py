@@ -48,7 +48,7 @@ def page(content: Mapping[str, Any]) -> str:
     compared = {row["quantity"] for row in rows if row["kind"] == "accuracy"}
     return filled(
         "verification.jinja",
-        {"class": lambda text: text.replace(" ", "-"), "digits": digits, "share": share, "digit": digit, "six": six},
+        {"class": lambda text: text.replace(" ", "-"), "digit": digit},
         report=dict(content) | {"cases": cases},
         groups=groups,
         anchors={row["case"]: "not-run" for row in rows} | {case["case"]: case["anchor"] for case in cases},
@@ -149,16 +149,6 @@ def drawing(figure: Mapping[str, Any], prefix: str) -> Markup:
     return svg_of(Figure.model_validate({key: value for key, value in figure.items() if key != "front"}), prefix)
 
 
-def digits(value: float | None) -> str:
-    """Return a number as compared, with nine digits."""
-    return "–" if value is None else f"{value:.9g}"
-
-
-def share(value: float | None) -> str:
-    """Return an error, an uncertainty or a share, with two digits."""
-    return "–" if value is None else f"{value:.2g}"
-
-
 def digit(value: float | None) -> str:
     """Return a share in as little room as possible.
 
@@ -167,19 +157,8 @@ def digit(value: float | None) -> str:
     >>> digit(0.234), digit(0.0), digit(1e-5), digit(12.0), digit(None)
     ('.23', '0', '<.01', '12', '–')
     """
-    if not value:
-        return "–" if value is None else "0"
-    return (
-        f"{value:.2g}"
-        if value >= 1
-        else f"{value:.2f}"[1:]
-        if 0.01 <= value < 0.995
-        else "<.01"
-        if value < 1e-2
-        else "1.0"
-    )
-
-
-def six(value: float) -> str:
-    """Return a number with six digits."""
-    return f"{value:.6g}"
+    if value is None:
+        return "–"
+    if 0 < value < 0.995:
+        return "<.01" if value < 0.01 else f"{value:.2f}"[1:]
+    return f"{value:.2g}"

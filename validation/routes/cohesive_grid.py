@@ -30,7 +30,7 @@ SPACINGS = 8
 def contact_fraction(problem: Problem, points: int) -> float:
     """Return the contact fraction at the last target of a problem; ArithmeticError if the iteration does not end."""
     modulus, gamma = problem.youngs_modulus / (1 - problem.poisson_ratio**2), problem.work_of_adhesion or 0.0
-    height, _ = on_grid(problem, points)
+    height = on_grid(problem, points)
     spacing = problem.period / points
     rho = float(np.sqrt(SPACINGS * spacing * gamma / modulus))
     line = import_module("SurfaceTopography").UniformLineScan(height, problem.period, periodic=True)

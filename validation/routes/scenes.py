@@ -83,12 +83,6 @@ def problem_of(scene: Scene, code: str, *effects: str) -> Problem:
     """Return solid, profile and path of a scene, and its tables "layer" and "adhesion" if `code` provides them.
 
     ValueError where the scene has another table that decides what is in contact.
-
-    Examples
-    --------
-    >>> problem_of(posed("sinusoid"), "this code", "layer")
-    Traceback (most recent call last):
-    ValueError: scene: this code does not provide [adhesion]
     """
     tables = scene.physics()
     unknown = [name for name in tables if name not in ("solid", "profile", *effects)]
@@ -96,7 +90,6 @@ def problem_of(scene: Scene, code: str, *effects: str) -> Problem:
         raise ValueError(f"scene: {code} does not provide {', '.join(f'[{name}]' for name in unknown)}")
     surface, layer, adhesion = scene.surface(), tables.get("layer"), tables.get("adhesion")
     return Problem(
-        id=scene.title,
         youngs_modulus=scene.solid.youngs_modulus,
         poisson_ratio=scene.solid.poisson_ratio,
         period=surface.period,
@@ -105,21 +98,16 @@ def problem_of(scene: Scene, code: str, *effects: str) -> Problem:
         phases=tuple(surface.phases.tolist()),
         control=scene.loading.control,
         targets=tuple(map(float, scene.loading.targets)),
-        asked={},
         thickness=None if layer is None else layer.thickness,
         work_of_adhesion=None if adhesion is None else adhesion.work_of_adhesion,
         slope_term=adhesion is not None and adhesion.slope_term,
     )
 
 
-def contact_of(problem: Problem, edges: ArrayLike, penetration: float) -> bem.ContactState:
-    """Return the elastic state by boundary elements at edges (n_patches, 2) and penetration, both in m."""
+def contact_state(scene: Scene, edges: ArrayLike, penetration: float) -> bem.ContactState:
+    """Return the elastic state of a scene by boundary elements at edges (n_patches, 2) and penetration, both in m."""
+    problem = problem_of(scene, "bem.ContactState", "layer", "adhesion")
     profile = bem.Profile.from_harmonics(problem.period, *problem.harmonics)
     solid = bem.Solid(problem.youngs_modulus, problem.poisson_ratio)
     layer = None if problem.thickness is None else bem.Layer(problem.thickness)
     return bem.ContactState(profile, solid, edges, penetration, layer)
-
-
-def contact_state(scene: Scene, edges: ArrayLike, penetration: float) -> bem.ContactState:
-    """Return the elastic state of a scene by boundary elements at edges (n_patches, 2) and penetration, both in m."""
-    return contact_of(problem_of(scene, "bem.ContactState", "layer", "adhesion"), edges, penetration)

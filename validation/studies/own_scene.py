@@ -43,8 +43,8 @@ from validation.studies.scene_settings import BASE, SAME_CUT, SEED, SOURCES, TOL
 
 SCHEMA = "linecontact-scene-study/2"
 FILE, PAGE, PARTS = "study.json", "study.html", "parts"
-SEEDS = 8  # realisations besides the scene's own
-BUDGET = 3600.0  # CPU s
+SEEDS, FEW_SEEDS = 8, 2  # realisations besides the scene's own, and with --quick
+BUDGET = 3600  # CPU s
 LEAST_SHARE = 0.1  # of the largest answer of its kind on the path
 SLACK, LEAST_LIMIT = 30.0, 60.0  # times the seconds of the scene as it is, and s: a setting is stopped beyond both
 UNITS = {
@@ -57,18 +57,6 @@ UNITS = {
 }
 
 
-@dataclass(frozen=True)
-class Options:
-    """Options of the command."""
-
-    seeds: int = SEEDS
-    budget: float = BUDGET
-    jobs: int = 1
-    quick: bool = False  # fewer seeds: 2
-    overwrite: bool = False
-
-
-OWN = {"seeds": SEEDS, "budget": BUDGET}  # options with a value that the command line may leave out
 STRICT = ConfigDict(strict=True, extra="forbid")
 Number = Annotated[float, Field(gt=-LARGEST, lt=LARGEST)]
 
@@ -116,7 +104,16 @@ class Stored:
     solved: dict[str, Solved]
 
 
-def run(path: Path, folder: Path, options: Options, say: Callable[[str], None]) -> int:
+def run(
+    path: Path,
+    folder: Path,
+    say: Callable[[str], None],
+    *,
+    quick: bool = False,
+    jobs: int = 1,
+    overwrite: bool = False,
+    budget: float = BUDGET,
+) -> int:
     """Run the study of a scene file into a folder; return 1 if the unchanged scene does not converge.
 
     SceneError where the scene is refused, ReportError where the folder holds something else.
@@ -124,16 +121,17 @@ def run(path: Path, folder: Path, options: Options, say: Callable[[str], None]) 
     scene = load_scene(path)
     resolved = scene.resolved()
     sha256, title = digest(resolved), scene.title or "untitled"
-    solved = read_solved(folder, sha256, options.overwrite)
-    seeds = min(options.seeds, 2) if options.quick else options.seeds
-    settings = settings_of(scene, read_tables(path), path.parent, folder / PARTS, seeds)
+    solved = read_solved(folder, sha256, overwrite)
+    settings = settings_of(scene, read_tables(path), path.parent, folder / PARTS, FEW_SEEDS if quick else SEEDS)
+    given = [*["--quick"] * quick, *["--budget", f"{budget:g}"] * (budget != BUDGET)]
+    words = ["linecontact", "study", "scene", str(path), *given, "--out", str(folder)]
     head = {
         "schema": SCHEMA,
         "scene_sha256": sha256,
         "title": title,
         "scene": resolved,
         "provenance": provenance(),
-        "command": command_of(path, folder, options),
+        "command": shlex.join(words),
     }
 
     def store(**more: Any) -> None:
@@ -145,7 +143,7 @@ def run(path: Path, folder: Path, options: Options, say: Callable[[str], None]) 
         if more:
             write_atomically(folder / PAGE, study_page(json.loads(text)))
 
-    for name, answer in solve_settings(settings, solved, path.parent, options):
+    for name, answer in solve_settings(settings, solved, path.parent, jobs, budget):
         solved[name] = answer
         say(f"{name}: {answer.status} {answer.reason}".rstrip() + f", {answer.cpu_seconds:.3g} s")
         store()
@@ -159,7 +157,6 @@ def run(path: Path, folder: Path, options: Options, say: Callable[[str], None]) 
     untold = left_out(scene, path.parent, settings, solved)
     listed = [_listed(setting, solved.get(setting.title)) for setting in settings]
     store(answers=rows, tolerances=tolerances, settings=listed, left_out=untold)
-    print("\n".join([*text_lines(rows), *filter(None, [untold])]))
     print(folder / PAGE)
     return 0
 
@@ -188,20 +185,6 @@ def _place(loading: Mapping[str, Any], target: int) -> str:
     return readable(value, "Pa" if control == "mean_pressure" else "m")
 
 
-def command_of(path: Path, folder: Path, options: Options) -> str:
-    """Return the command line of a study.
-
-    Examples
-    --------
-    >>> command_of(Path("a/scene.toml"), Path("a"), Options(quick=True))
-    'linecontact study scene a/scene.toml --quick --out a'
-    """
-    given = [f"--{name} {getattr(options, name):g}" for name, own in OWN.items() if getattr(options, name) != own]
-    quick = ["--quick"] if options.quick else []
-    words = ["linecontact study scene", shlex.quote(str(path)), *quick, *given, "--out", shlex.quote(str(folder))]
-    return " ".join(words)
-
-
 def read_solved(folder: Path, sha256: str, overwrite: bool) -> dict[str, Solved]:
     """Read the solved settings of a folder; ReportError, with file and key, where it holds no study of this scene."""
     path = folder / FILE
@@ -227,7 +210,7 @@ def read_solved(folder: Path, sha256: str, overwrite: bool) -> dict[str, Solved]
 
 
 def solve_settings(
-    settings: Sequence[Setting], stored: Mapping[str, Solved], base: Path, options: Options
+    settings: Sequence[Setting], stored: Mapping[str, Solved], base: Path, jobs: int, budget: float
 ) -> Iterator[tuple[str, Solved]]:
     """Solve the settings that are not stored, the unchanged scene first, and yield every outcome with its title."""
     first, *others = settings
@@ -237,12 +220,12 @@ def solve_settings(
         return
     waiting = [setting for setting in others if setting.tables and _known(setting, stored, base) is None]
     limit = max(SLACK * known.cpu_seconds, LEAST_LIMIT)
-    spent, room = known.cpu_seconds, max(min(options.jobs, len(waiting)), 1)
+    spent, room = known.cpu_seconds, max(min(jobs, len(waiting)), 1)
     with at_work(room, (base, limit)) as each:
         for begin in range(0, len(waiting), room):
             batch = waiting[begin : begin + room]
-            if spent + known.cpu_seconds * len(batch) > options.budget:
-                reason = f"beyond the budget of {options.budget:g} s"
+            if spent + known.cpu_seconds * len(batch) > budget:
+                reason = f"beyond the budget of {budget:g} s"
                 yield from ((setting.title, Solved("", "left out", reason)) for setting in waiting[begin:])
                 return
             outcomes = each(solve_setting, [setting.tables for setting in batch])
@@ -370,14 +353,6 @@ def study_page(content: Mapping[str, Any]) -> str:
     """Return the page of the content of a study.json; its table has a column for each source that moves an answer."""
     varied = [name for name in ("numerical", *SOURCES) if any(name in row["moved"] for row in content["answers"])]
     return filled("study_page.jinja", {"share": share}, study=content, varied=varied)
-
-
-def text_lines(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """Yield the table for a terminal: answer, value, +-, and its moves."""
-    for row in rows:
-        place = "" if row["at"] is None else f" at {row['at']}"
-        moves = ", ".join(f"{source} {share(move)}" for source, move in row["moved"].items())
-        yield f"{row['quantity']}{place}: {row['value']:.6g} +- {row['uncertainty']:.2g} {row['unit']} ({moves})"
 
 
 def share(relative: float | None) -> str:

@@ -26,6 +26,7 @@ from bem.geometry.arrays import FloatArray
 from bem.scans.scan_keys import SCAN_KEYS
 from bem.scene.atomic_file import write_atomically
 from bem.scene.scene import Scene, SceneError, parse_scene
+from validation.routes.scenes import changed
 
 Tables = dict[str, Any]
 TOLERANCES = (1e-3, 1e-6, 1e-9)
@@ -107,10 +108,7 @@ class Change:
 
     def to(self, source: str, name: str, values: Mapping[str, Mapping[str, Any]], *, recut: bool = False) -> Setting:
         """Return the setting with these keys (None: left out); with `recut` its harmonics keep the shortest wave."""
-        tables = copy.deepcopy(self.tables)
-        for table, keys in values.items():
-            merged = tables.get(table, {}) | dict(keys)
-            tables[table] = {key: value for key, value in merged.items() if value is not None}
+        tables = changed(self.tables, values)
         try:
             if recut:
                 tables["profile"].pop("harmonics", None)

@@ -2,10 +2,12 @@
 
 from dataclasses import replace
 
+import johnson_wave
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from johnson_wave import patch_of
 
 from bem.adhesive.adhesion import UniformLaw
 from bem.adhesive.descent import descend
@@ -26,19 +28,12 @@ SYSTEM = System(Elastic(WAVE), UniformLaw(WORK), DisplacementControl())
 UNDER_LOAD = System(Elastic(WAVE), UniformLaw(WORK), LoadControl())
 
 
-def patch(fraction):
-    return Patches(np.array([-np.pi * fraction]), np.array([np.pi * fraction]))
-
-
 def penetration_of(fraction):
-    psi = np.pi * np.asarray(fraction) / 2
-    S, root = np.sin(psi) ** 2, ALPHA * np.sqrt(np.tan(psi))
-    return S * (1 - np.log(S)) + root * np.log(S)
+    return johnson_wave.penetration_of(fraction, ALPHA)
 
 
 def load_of(fraction):
-    psi = np.pi * np.asarray(fraction) / 2
-    return 2 * np.pi * (np.sin(psi) ** 2 - ALPHA * np.sqrt(np.tan(psi)))
+    return johnson_wave.load_of(fraction, ALPHA)
 
 
 def slope(function, at, step=1e-5):
@@ -95,7 +90,7 @@ def test_trust_region_step_leaves_a_saddle_without_force():
 def test_smallest_eigenvalue_changes_sign_at_the_fold(times):
     fraction = times * fold(penetration_of)
     target = float(penetration_of(fraction))
-    here = balance(SYSTEM, patch(fraction), target, target, 1e-13)
+    here = balance(SYSTEM, patch_of(fraction), target, target, 1e-13)
     assert np.sign(here.smallest_eigenvalue) == np.sign(times - 1)
 
 
@@ -103,16 +98,16 @@ def test_smallest_eigenvalue_changes_sign_at_the_fold(times):
 def test_stability_at_fixed_load_changes_at_the_maximum_tension(times):
     fraction = times * fold(load_of)
     target = float(penetration_of(fraction))
-    here = balance(SYSTEM, patch(fraction), target, target, 1e-13)
+    here = balance(SYSTEM, patch_of(fraction), target, target, 1e-13)
     assert here.stable_at_fixed_load == (times > 1)
-    under_load = balance(UNDER_LOAD, patch(fraction), target, float(load_of(fraction)), 1e-13)
+    under_load = balance(UNDER_LOAD, patch_of(fraction), target, float(load_of(fraction)), 1e-13)
     assert (under_load.smallest_eigenvalue > 0) == here.stable_at_fixed_load
 
 
 @pytest.mark.parametrize("fraction", [0.2, 0.5, 0.9])
 def test_stiffness_is_the_slope_of_johnsons_branch(fraction):
     target = float(penetration_of(fraction))
-    here = balance(SYSTEM, patch(fraction), target, target, 1e-13)
+    here = balance(SYSTEM, patch_of(fraction), target, target, 1e-13)
     exact = slope(load_of, fraction, 1e-4) / slope(penetration_of, fraction, 1e-4)
     assert here.stiffness == pytest.approx(exact, rel=1e-8)  # measured 1e-10
 
@@ -121,7 +116,7 @@ def test_residual_measures_the_release_rate():
     """At K twice the critical one G is four times w."""
     law = UniformLaw(WORK / 4)
     target = float(penetration_of(0.4))
-    here = balance(System(Elastic(WAVE), law, DisplacementControl()), patch(0.4), target, target, 1e-13)
+    here = balance(System(Elastic(WAVE), law, DisplacementControl()), patch_of(0.4), target, target, 1e-13)
     assert here.residual == pytest.approx(3.0, rel=1e-11)
     assert here.is_equilibrium(3.1)
     assert not here.is_equilibrium(2.9)
@@ -130,7 +125,7 @@ def test_residual_measures_the_release_rate():
 def test_what_is_within_the_rounding_of_k_is_no_residual():
     """Of some thousand edges one always has more than one rounding left; the certificate allows three."""
     target = float(penetration_of(0.3))
-    here = balance(SYSTEM, patch(0.3), target, target, 1e-12)
+    here = balance(SYSTEM, patch_of(0.3), target, target, 1e-12)
     missing = here.rounding / np.sqrt(here.work)
     assert replace(here, gradient=2.9 * missing * here.work).is_equilibrium(0.0)
     assert not replace(here, gradient=3.1 * missing * here.work).is_equilibrium(0.0)
@@ -140,7 +135,7 @@ def test_what_is_within_the_rounding_of_k_is_no_residual():
 @pytest.mark.parametrize("goal", [0.4, 0.6])
 def test_descent_ends_in_johnsons_contact(start, goal):
     target = float(penetration_of(goal))
-    end = descend(SYSTEM, patch(start), target, target, Accuracy(1e-12, 1e-10), Steps(0.4))
+    end = descend(SYSTEM, patch_of(start), target, target, Accuracy(1e-12, 1e-10), Steps(0.4))
     assert (end.status, end.changes) == ("converged", ())
     assert end.balance.state.patches.contact_fraction == pytest.approx(goal, abs=1e-9)
 
@@ -148,14 +143,14 @@ def test_descent_ends_in_johnsons_contact(start, goal):
 def test_descent_leaves_the_unstable_branch_downwards():
     fraction = 0.5 * fold(penetration_of)
     target = float(penetration_of(fraction))
-    end = descend(SYSTEM, patch(fraction * 1.01), target, target, Accuracy(1e-12, 1e-10), Steps(0.4))
+    end = descend(SYSTEM, patch_of(fraction * 1.01), target, target, Accuracy(1e-12, 1e-10), Steps(0.4))
     assert end.status == "converged"
     assert end.balance.state.patches.contact_fraction > fold(penetration_of)
 
 
 def test_descent_separates_beyond_pull_off():
     target = float(penetration_of(fold(penetration_of))) - 0.02
-    end = descend(SYSTEM, patch(0.1), target, target, Accuracy(1e-6, 1e-6), Steps(0.4))
+    end = descend(SYSTEM, patch_of(0.1), target, target, Accuracy(1e-6, 1e-6), Steps(0.4))
     assert end.status == "separated"
     assert [change.kind for change in end.changes] == ["detachment"]
     assert abs((end.changes[0].position + np.pi) % (2 * np.pi) - np.pi) < 1e-6
@@ -163,7 +158,7 @@ def test_descent_separates_beyond_pull_off():
 
 def test_descent_closes_the_last_gap_under_a_load_that_no_branch_carries():
     """Johnson: at 1.0 p* the branch ends in complete contact."""
-    end = descend(UNDER_LOAD, patch(0.9), 1.0, 2 * np.pi * 1.0, Accuracy(1e-6, 1e-6), Steps(0.4))
+    end = descend(UNDER_LOAD, patch_of(0.9), 1.0, 2 * np.pi * 1.0, Accuracy(1e-6, 1e-6), Steps(0.4))
     assert end.status == "complete_contact"
     assert [change.kind for change in end.changes] == ["complete_contact"]
     assert end.changes[-1].position == pytest.approx(np.pi, abs=1e-3)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from johnson_wave import load_of, patch_of, penetration_of
 from judges import SmoothKernel, evaluate_dense
 from rough_surfaces import cut, short_waved
 
@@ -21,11 +22,9 @@ ROUGH = Profile.self_affine(2 * np.pi, 0.7, 1.0, 40, 0).scaled()
 
 
 def johnson(fraction, alpha=0.0):
-    """Johnson (1995) on cos x, in units of the solver: patches, penetration, mean pressure, critical K."""
-    psi = np.pi * fraction / 2
-    S, root = np.sin(psi) ** 2, alpha * np.sqrt(np.tan(psi))
-    patches = Patches(np.array([-2 * psi]), np.array([2 * psi]))
-    return patches, S * (1 - np.log(S)) + root * np.log(S), S - root, np.sqrt(2 * np.pi) * alpha
+    """Patches, penetration, mean pressure and critical K, in units of the solver."""
+    mean_pressure = load_of(fraction, alpha) / (2 * np.pi)
+    return patch_of(fraction), penetration_of(fraction, alpha), mean_pressure, np.sqrt(2 * np.pi) * alpha
 
 
 @pytest.fixture(scope="module")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from johnson_wave import gap_of, patch_of, penetration_of
 from numpy.polynomial.chebyshev import chebval
 from rough_surfaces import bearing_cut, rough_profile
 from scipy.integrate import quad
@@ -23,20 +24,6 @@ from bem.kernels import gaps
 WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])
 
 
-def johnson(fraction, alpha):
-    psi = np.pi * fraction / 2
-    S, root = np.sin(psi) ** 2, alpha * np.sqrt(np.tan(psi))
-    return Patches(np.array([-2 * psi]), np.array([2 * psi])), S * (1 - np.log(S)) + root * np.log(S)
-
-
-def exact_gap(x, fraction, alpha):
-    """The pressure continued past the edge is the slope of the gap; its integral with s = sin(x/2)."""
-    s, sine = np.abs(np.sin(x / 2)), np.sin(np.pi * fraction / 2)
-    root = np.sqrt(s**2 - sine**2)
-    logarithm = np.log((s + root) / sine)
-    return 2 * (s * root - sine**2 * logarithm) + 2 * alpha * np.sqrt(np.tan(np.pi * fraction / 2)) * logarithm
-
-
 def clustered(patches, count):
     """Points of every gap, clustered at its edges, their weights, and the gap they lie in."""
     node, weight = np.polynomial.legendre.leggauss(count)
@@ -49,23 +36,23 @@ def clustered(patches, count):
 @pytest.mark.parametrize("alpha", [0.0, 0.3])
 @pytest.mark.parametrize("fraction", [0.02, 0.4, 0.9, 0.99])
 def test_gap_of_one_wave_is_johnsons(fraction, alpha):
-    patches, penetration = johnson(fraction, alpha)
+    patches, penetration = patch_of(fraction), penetration_of(fraction, alpha)
     field = gap_field(Elastic(WAVE), evaluate(Elastic(WAVE), patches, penetration, 1e-13))
     x, _, gap = clustered(patches, 40)
     # measured 8e-13 at fraction 0.99, where the pressure is largest, 3e-13 elsewhere
-    np.testing.assert_allclose(field(x, gap), exact_gap(x, fraction, alpha), rtol=0, atol=2e-12)
+    np.testing.assert_allclose(field(x, gap), gap_of(x, fraction, alpha), rtol=0, atol=2e-12)
 
 
 @pytest.mark.parametrize(("alpha", "power"), [(0.0, 1.5), (0.3, 0.5)], ids=["K = 0", "K > 0"])
 def test_gap_opens_beside_the_edge_with_its_power_of_the_distance(alpha, power):
-    patches, penetration = johnson(0.4, alpha)
+    patches, penetration = patch_of(0.4), penetration_of(0.4, alpha)
     field = gap_field(Elastic(WAVE), evaluate(Elastic(WAVE), patches, penetration, 1e-13))
     near = field(patches.right[0] + np.array([1e-5, 4e-5]), np.zeros(2, dtype=np.int64))
     assert np.log2(near[1] / near[0]) / 2 == pytest.approx(power, abs=2e-4)
 
 
 def test_negative_stress_intensity_interpenetrates_beside_the_edge():
-    patches, penetration = johnson(0.4, 0.3)
+    patches, penetration = patch_of(0.4), penetration_of(0.4, 0.3)
     squeezed = evaluate(Elastic(WAVE), patches, penetration + 0.5, 1e-13)
     assert np.all(squeezed.stress_intensity < 0)
     field = gap_field(Elastic(WAVE), squeezed)

@@ -9,6 +9,7 @@ from rough_surfaces import cut, short_waved
 
 from bem.elastic import hierarchical
 from bem.elastic.collocation import Elastic, evaluate, resolve, right_hand_sides
+from bem.elastic.compliance import Compliance
 from bem.elastic.hierarchical import IllConditionedSystemError
 from bem.elastic.sensitivities import stress_intensity_jacobian
 from bem.elastic.separated_kernel import RANGE_STEP, modes_and_core, range_steps
@@ -30,7 +31,7 @@ def one_wide_patch():
 
 def narrow_gap():
     """Ten near patches, and two beside a gap so narrow that they have more modes than a cluster may have."""
-    left = np.concatenate([2.0 + 0.1 * np.arange(10), [4.0, 4.505]])
+    left = np.concatenate([2.0 + 0.1 * np.arange(10), [4.0, 4.502]])
     return Patches(left, np.concatenate([left[:-2] + 0.08, [4.5, 5.0]])), 3.0
 
 
@@ -42,15 +43,22 @@ CASES = {
 }
 
 
-@pytest.fixture
-def evaluated(monkeypatch):
-    """An evaluation in clusters of at most so many unknowns."""
+class Nothing:
+    """An addition of zeros to the kernel, whose many columns make one cluster of all patches."""
 
-    def one(patches, penetration, tolerance, largest):
-        monkeypatch.setattr(hierarchical, "LARGEST_LEAF", largest)
-        return evaluate(Elastic(SHORT), patches, penetration, tolerance)
+    columns = 10_000
 
-    return one
+    def coupling(self, x, patches, modes, tolerance, few):
+        return Coupling(np.zeros((x.size, x.size)), None)
+
+    def coupled_modes(self, width, tolerance, max_order):
+        return np.zeros(width.shape)
+
+
+def in_clusters_and_as_one(patches, penetration, tolerance):
+    return (
+        evaluate(Elastic(SHORT, kernel), patches, penetration, tolerance) for kernel in (None, Compliance(Nothing()))
+    )
 
 
 def relative(found, expected):
@@ -59,9 +67,9 @@ def relative(found, expected):
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-8, 1e-10])
 @pytest.mark.parametrize("case", CASES.values(), ids=CASES)
-def test_states_are_those_of_one_cluster(evaluated, case, tolerance):
+def test_states_are_those_of_one_cluster(case, tolerance):
     patches, penetration = case()
-    found, full = (evaluated(patches, penetration, tolerance, largest) for largest in (40, 10**9))
+    found, full = in_clusters_and_as_one(patches, penetration, tolerance)
     # measured, over the tolerance: K 7e-5, its rate 6e-5, Jacobian 2.5e-3, energy 2e-6, load 1.5e-5;
     # rounding 5e-12, 4e-12, 1e-9, 1.7e-12, 2.3e-12
     assert relative(found.stress_intensity, full.stress_intensity) <= max(2e-4 * tolerance, 1e-11)
@@ -76,20 +84,20 @@ def test_states_are_those_of_one_cluster(evaluated, case, tolerance):
 @pytest.mark.parametrize(
     ("gap", "error"), [(1e-2, 3e-12), (1e-3, 2.5e-11), pytest.param(1e-4, 4e-10, marks=pytest.mark.slow)]
 )
-def test_states_of_given_load_close_to_complete_contact(evaluated, gap, error):
+def test_states_of_given_load_close_to_complete_contact(gap, error):
     """The matrix is nearly singular, and the penetration hardly known; the stress intensities are."""
     edges = np.linspace(0.0, 2 * np.pi, 11)[:-1] + 0.05 * np.sin(np.arange(10))
     patches = Patches(edges + gap / 2, np.append(edges[1:], edges[0] + 2 * np.pi) - gap / 2)
     load = LoadControl()
-    found, full = (load.reach(evaluated(patches, 3.0, 1e-8, largest), 100.0) for largest in (100, 10**9))
+    found, full = (load.reach(state, 100.0) for state in in_clusters_and_as_one(patches, 3.0, 1e-8))
     assert relative(found.stress_intensity, full.stress_intensity) <= error
 
 
 @pytest.mark.parametrize("case", CASES.values(), ids=CASES)
-def test_pressure_carries_load_and_stress_intensities(evaluated, case):
+def test_pressure_carries_load_and_stress_intensities(case):
     """The charges of all clusters are those of the reported state."""
     patches, penetration = case()
-    state = evaluated(patches, penetration, 1e-9, 40)
+    state = evaluate(Elastic(SHORT), patches, penetration, 1e-9)
     pressure = state.pressure()
     ends = [[np.polynomial.chebyshev.chebval(t, q) for q in pressure.charges] for t in (-1.0, 1.0)]
     expected = -np.concatenate(ends) * np.sqrt(np.pi / np.tile(patches.half_width, 2))
@@ -97,12 +105,12 @@ def test_pressure_carries_load_and_stress_intensities(evaluated, case):
     assert pressure.load == pytest.approx(state.load, rel=1e-12)
 
 
-def test_the_start_of_the_period_does_not_matter(evaluated):
+def test_the_start_of_the_period_does_not_matter():
     patches, penetration = cut(SHORT, 0.4)
     shift = 2 * np.pi - patches.right[patches.count // 2] - 1e-3
     moved = ordered(patches.left + shift, patches.right + shift)
     turned = Profile(SHORT.period, SHORT.orders, SHORT.amplitudes, SHORT.phases - SHORT.orders * shift)
-    here = evaluated(patches, penetration, 1e-8, 40)
+    here = evaluate(Elastic(SHORT), patches, penetration, 1e-8)
     there = evaluate(Elastic(turned), moved, penetration, 1e-8)
     order = np.argsort((moved.left - shift) % (2 * np.pi))
     count = patches.count

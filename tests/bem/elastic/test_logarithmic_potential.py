@@ -54,10 +54,9 @@ def test_potential_is_the_sum_of_logarithms_of_chords(charges, points, part):
 
 
 def test_what_is_prepared_for_many_calls_serves_each_of_them():
-    one, x = random_charges(MANY[0]), turns_of_points(200).reshape(2, 100)
-    often = LogarithmicPotential(one.position, one.charge, calls=10)
-    for points in x:
-        check(often(points), one, points)
+    potential = random_charges(MANY[0])
+    for points in turns_of_points(2 * MANY[1]).reshape(2, -1):
+        check(potential(points), potential, points)
 
 
 @pytest.mark.parametrize(("charges", "points"), AMOUNTS)

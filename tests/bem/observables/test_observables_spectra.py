@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from johnson_wave import pressure_of
 from judges import SmoothKernel, dense_nodes, evaluate_dense
 from scipy.integrate import quad
 from scipy.special import jv
@@ -9,26 +10,10 @@ from scipy.special import jv
 from bem.audit.displacement import DisplacementField, GapPoints
 from bem.elastic.kernel_series import kernel_series
 from bem.elastic.layer import LayerEffect
-from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 from bem.observables.spectra import complete_contact_spectra, pressure_modes, spectra, spectral_orders
 
 WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])
-
-
-def westergaard(fraction):
-    """Exact series of 2 cos(x/2) sqrt(sin^2(psi) - sin^2(x/2)) and the pressure itself."""
-    half = np.pi * fraction
-    n = 400
-    t = np.cos((np.arange(n) + 0.5) * np.pi / n)
-
-    def sigma(x):
-        return 2 * np.cos(x / 2) * np.sqrt(np.sin((half - x) / 2) * np.sin((half + x) / 2))
-
-    q = half * np.sqrt(1 - t * t) * sigma(half * t)
-    charge = np.cos(np.outer(np.arange(n), np.arccos(t))) @ q * (2 / n)
-    charge[0] /= 2
-    return PatchPressure(np.array([-half]), np.array([half]), (charge,)), sigma
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +38,7 @@ def test_modes_are_the_bessel_series(rough, order):
 
 @pytest.mark.parametrize("order", [0, 1, 5, 40], ids=lambda m: f"m={m}")
 def test_modes_are_the_integral_of_the_pressure(order):
-    pressure, sigma = westergaard(0.6)
+    pressure, sigma = pressure_of(0.6)
     half = float(pressure.right[0])
     exact = quad(
         lambda a: sigma(half * np.sin(a)) * np.cos(order * half * np.sin(a)) * half * np.cos(a),
@@ -99,7 +84,7 @@ def test_displacement_has_the_mean_square_of_its_spectrum(rough, layer):
 @pytest.mark.parametrize("fraction", [0.02, 0.5, 0.9, 0.99, 0.9999], ids=lambda f: f"fraction={f}")
 def test_spectrum_tends_to_that_of_complete_contact(fraction):
     """Westergaard's first mode: C_u(1) = (1 - cos^4(psi))^2 C_h(1), psi = pi/2 contact fraction."""
-    found = spectra(WAVE, westergaard(fraction)[0], 8)
+    found = spectra(WAVE, pressure_of(fraction)[0], 8)
     left_open = np.cos(np.pi * fraction / 2) ** 2
     assert found.displacement[0] / found.profile[0] == pytest.approx((1 - left_open**2) ** 2, rel=1e-12)
 
