@@ -53,7 +53,7 @@ NO_FLAW = f"No pull-off: {UNBOUNDED} Set {FLAW}"
 FORCED = f"No largest tension: {UNBOUNDED} The control forced it open. Under a given mean pressure, set {FLAW}"
 
 Unit = tuple[float, str]  # factor from SI, and the unit with its prefix
-Inputs = Mapping[int | None, Mapping[str, float]]  # relative uncertainty of the input, by target (None: the path)
+Inputs = Mapping[int | None, Mapping[str, float]]  # uncertainty of the input in SI units, by target (None: the path)
 
 
 def axis_unit(largest: float, unit: str) -> Unit:
@@ -176,8 +176,7 @@ def share(relative: float) -> str:
 def answer(result: Result, inputs: Inputs | None = None) -> list[tuple[str, list[str]]]:
     """Return the lines of the answer: a heading, and a text for each target.
 
-    A heading "± ..." belongs to the uncertainties of the quantity before it; `inputs` are relative uncertainties of
-    the input.
+    A heading "± ..." belongs to the uncertainties of the quantity before it: in per cent, of a zero in its unit.
     """
     control = result.scene["loading"]["control"]
     columns = {name: values.tolist() for name, values in result.to_table("targets").items()}
@@ -224,11 +223,13 @@ def _cell(row: Mapping[str, Any], name: str, inputs: Mapping[str, float], unit: 
 def _relative(row: Mapping[str, float], name: str, inputs: Mapping[str, float]) -> tuple[float, float]:
     """Return the relative uncertainties of a number, numerical and of the input; nan where one is not known."""
     value, error = row[name], row.get(f"error_estimate_{name}", math.nan)
-    return (abs(error / value), inputs.get(name, math.nan)) if value else (math.nan, math.nan)
+    return (abs(error / value), inputs.get(name, math.nan) / abs(value)) if value else (math.nan, math.nan)
 
 
 def _uncertainty(row: Mapping[str, float], name: str, inputs: Mapping[str, float]) -> str:
-    """Return the uncertainties of a number in per cent, by their origin."""
+    """Return the uncertainties of a number in per cent, of a zero in its unit, by their origin."""
+    if row[name] == 0 and inputs.get(name):
+        return f"{readable(inputs[name], UNITS.get(name, ''), FEWEST_DIGITS)} input"
     pairs = zip(_relative(row, name, inputs), ("numerical", "input"), strict=True)
     return ", ".join(f"{share(value)} {origin}" for value, origin in pairs if math.isfinite(value)) or NO_NUMBER
 
@@ -242,7 +243,7 @@ def pull_off_words(result: Result, inputs: Inputs | None = None) -> str:
     load, height = units["mean_pressure"], units["separation"]
     if tension is not None:
         error = tension.error_estimate.mean_pressure / -tension.mean_pressure
-        outer = (inputs or {}).get(None, {}).get(PULL_OFF, math.nan)
+        outer = (inputs or {}).get(None, {}).get(PULL_OFF, math.nan) / -tension.mean_pressure
         known, figures = f"± {share(error)} numerical", MOST_DIGITS
         if math.isfinite(outer):
             known, figures = f"{known}, {share(outer)} input", digits(max(error, outer))
@@ -351,9 +352,8 @@ def csv_text(result: Result, inputs: Inputs | None = None) -> str:
     """
     columns = result.to_table("targets")
     known = [(inputs or {}).get(k, {}) for k in range(len(result.targets))]
-    for name in [name for name in QUANTITIES if any(name in relative for relative in known)]:
-        shares = np.array([relative.get(name, math.nan) for relative in known])
-        columns[INPUT + name] = np.abs(columns[name]) * shares
+    for name in [name for name in QUANTITIES if any(name in uncertain for uncertain in known)]:
+        columns[INPUT + name] = np.array([uncertain.get(name, math.nan) for uncertain in known])
     units = {name: UNITS.get(name.removeprefix("error_estimate_").removeprefix(INPUT), "") for name in columns}
     lines = [",".join(f"{name} / {unit}" if unit else name for name, unit in units.items())]
     for row in zip(*(values.tolist() for values in columns.values()), strict=True):

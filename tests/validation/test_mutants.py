@@ -7,6 +7,7 @@ import sys
 
 from validation.studies.mutants import COLUMNS, ROOT, all_mutants, mutants_of, read, table
 
+STUDIES = ROOT / "validation/studies"
 CODE = """def larger(a: float, b: float) -> float:
     if a > b:
         return a
@@ -50,13 +51,7 @@ def test_a_sample_is_killed_survives_and_is_continued(tmp_path):
     }.items():
         (sources / file).parent.mkdir(parents=True, exist_ok=True)
         (sources / file).write_text(text)
-    for file in (
-        "studies/__init__.py",
-        "studies/executed_lines.py",
-        "studies/cpu_limits.py",
-        "plugin/pytest.ini",
-        "__init__.py",
-    ):
+    for file in ("__init__.py", "plugin/pytest.ini", *(f"studies/{path.name}" for path in STUDIES.glob("*.py"))):
         (sources / "validation" / file).parent.mkdir(exist_ok=True)
         (sources / "validation" / file).write_bytes((ROOT / "validation" / file).read_bytes())
     (sources / "fem_reference").mkdir(), (sources / "persson").mkdir()
@@ -77,6 +72,16 @@ def test_a_sample_is_killed_survives_and_is_continued(tmp_path):
 def test_equivalent_mutants_are_counted_apart():
     line = dict.fromkeys(COLUMNS, "") | {"place": "bem/a.py:1:1", "tests": "killed", "quick": "timeout"}
     lines = [line] * 9 + [line | {"tests": "survived", "quick": "unseen", "looked at": ""}]
-    assert table(lines).splitlines()[-1] == "| all | 10 | 0 | 9 of 10: 90% ± 19% | 9 of 10: 90% ± 19% |"
+    assert table(lines).splitlines()[-1] == "| all | 10 | 0 | 9 of 10 = 90% (59% to 98%) | 9 of 10 = 90% (59% to 98%) |"
     lines[-1] |= {"looked at": "equivalent: adds zero"}
-    assert table(lines).splitlines()[-1] == "| all | 10 | 1 | 9 of 9: 100% ± 0% | 9 of 9: 100% ± 0% |"
+    assert (
+        table(lines).splitlines()[-1] == "| all | 10 | 1 | 9 of 9 = 100% (69% to 100%) | 9 of 9 = 100% (69% to 100%) |"
+    )
+
+
+def test_the_table_of_the_page_is_that_of_the_kept_answers():
+    lines = read(ROOT / "validation/studies/mutants.csv").values()
+    page = (ROOT / "validation/README.md").read_text("utf-8")
+    assert table(lines) in page and f"the first {len(lines)} of 300" in page
+    for line in lines:  # looked at, where tests did not notice
+        assert line["tests"] in ("killed", "timeout") or line["looked at"], line["place"]

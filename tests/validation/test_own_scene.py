@@ -4,6 +4,7 @@ import csv
 import json
 import math
 import re
+import signal
 import subprocess
 import sys
 import time
@@ -21,7 +22,7 @@ from bem.scene.scene import parse_scene
 from validation.command_line.front_door import main
 from validation.references.closed_forms import Sinusoid
 from validation.report.pages import ReportError
-from validation.studies.own_scene import Answer, Solved, left_out, moves_of, run, solve_settings
+from validation.studies.own_scene import Answer, Solved, in_turn, left_out, moves_of, run, solve_settings
 from validation.studies.scene_settings import BASE, SEED, TOLERANCE, Setting, settings_of
 
 SOLID = {"youngs_modulus": 1e6, "poisson_ratio": 0.5}
@@ -199,13 +200,16 @@ def test_roughness_that_no_setting_has_is_told(tmp_path):
     scene = scan(tmp_path, rough(256), cutoff_short=2e-5)  # 19 waves
     every, good = settings(scene, tmp_path), outcome(0.5, 2.0)
     solved = {one.title: good for one in every}
-    assert left_out(parse_scene(scene, tmp_path), tmp_path, every, solved) == ""
-    solved["cut: none, 127 harmonics"] = replace(good, status="stopped")
-    assert f"waves shorter than {256 / 19:.6g} µm" in left_out(parse_scene(scene, tmp_path), tmp_path, every, solved)
+    assert left_out(parse_scene(scene, tmp_path), tmp_path, every, solved) == []
+    solved["cut: none, 127 harmonics"] = replace(good, status="stopped", answers=[])
+    (sentence,) = left_out(parse_scene(scene, tmp_path), tmp_path, every, solved)
+    assert f"waves shorter than {256 / 19:.6g} µm" in sentence
+    solved = {name: answer for name, answer in solved.items() if not name.startswith("window")}
+    assert "the choice of window:" in left_out(parse_scene(scene, tmp_path), tmp_path, every, solved)[0]
 
 
 def test_rows_of_a_map_are_varied(tmp_path):
-    np.savetxt(tmp_path / "map.txt", [rough(64, seed=k) for k in range(3)])
+    np.savetxt(tmp_path / "map.txt", [rough(64, seed=k) for k in range(8)])
     profile = {
         "kind": "samples",
         "file": "map.txt",
@@ -217,7 +221,7 @@ def test_rows_of_a_map_are_varied(tmp_path):
     }
     scene = SCENE | {"profile": profile, "loading": {"control": "mean_pressure", "targets": [1e4]}}
     rows = [one for one in settings(scene, tmp_path) if one.source == "row"]
-    assert [(one.name, bool(one.tables)) for one in rows] == [("1", True), ("3", False), ("mean", True)]
+    assert [(one.name, bool(one.tables)) for one in rows] == [("4", True), ("6", True), ("0", True)]
 
 
 def test_noise_of_the_floor_of_the_scan_is_added(tmp_path):
@@ -240,7 +244,7 @@ def test_a_study_continues_and_its_page_is_written(tmp_path):
     page = (tmp_path / "out" / "study.html").read_text()
     assert "rubber on &lt;glass&gt;" in page
     columns = re.findall(r'<th scope="col">(.*?)</th>', page.partition("</thead>")[0])
-    assert columns == ["target", "answer", "value", "±", "unit", "numerical", "cut", "seed", "length"]
+    assert columns == ["target", "answer", "value and ±", "numerical", "cut", "seed", "length"]
     del stored["solved"]["cut: 4 harmonics"], stored["checksum"]
     (tmp_path / "out" / "study.json").write_text(json.dumps(stored | {"checksum": digest(stored)}))
     again = []
@@ -257,7 +261,7 @@ def answer(content, **changes):
 
 
 def test_a_study_whose_content_does_not_match_its_checksum_is_refused(tmp_path):
-    (tmp_path / "study.json").write_text(json.dumps({"schema": "linecontact-scene-study/2", "checksum": "0"}))
+    (tmp_path / "study.json").write_text(json.dumps({"schema": "linecontact-scene-study/3", "checksum": "0"}))
     with pytest.raises(ReportError, match=r"study\.json: corrupt, its checksum does not match.*--overwrite"):
         run(scene_file(tmp_path, SCENE), tmp_path, quiet, quick=True)
 
@@ -282,7 +286,7 @@ def test_a_study_whose_content_does_not_match_its_checksum_is_refused(tmp_path):
 def test_a_study_that_is_foreign_or_changed_is_refused_by_file_and_key(change, words, tmp_path):
     (tmp_path / "out").mkdir()
     content = {
-        "schema": "linecontact-scene-study/2",
+        "schema": "linecontact-scene-study/3",
         "scene_sha256": "1",
         "title": "a",
         "solved": {BASE: {"sha256": "1", "status": "converged", "reason": "", "cpu_seconds": 1.0, "answers": []}},
@@ -321,9 +325,43 @@ def test_a_study_beside_its_run_refreshes_the_page_and_the_table_of_the_run(tmp_
     (row,) = csv.DictReader((out / "answer.csv").read_text().splitlines())
     (fraction,) = (answer for answer in stored["answers"] if answer["quantity"] == "contact fraction")
     left_open = math.hypot(*(move for source, move in fraction["moved"].items() if source != "numerical"))
-    assert float(row["input_uncertainty_contact_fraction"]) == pytest.approx(left_open * fraction["value"], rel=1e-6)
+    assert fraction["input"] == pytest.approx(left_open * fraction["value"], rel=1e-6)
+    assert float(row["input_uncertainty_contact_fraction"]) == fraction["input"]
+    assert float(row["input_uncertainty_mean_cubic_root / m"]) > 0
+    assert "contact fraction at 20 kPa, loading: 0." in told
     assert float(row["input_uncertainty_separation / m"]) > 0
     assert "% input" in (out / "report.html").read_text()
+
+
+def test_an_interrupt_ends_a_study_and_the_same_command_goes_on(tmp_path, monkeypatch):
+    path, count = scene_file(tmp_path, SCENE), 0
+
+    def told(line):
+        nonlocal count
+        count += 1
+        if count == 3:
+            signal.raise_signal(signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt):
+        run(path, tmp_path / "out", told, quick=True)
+    assert (count, (tmp_path / "out" / "study.html").exists()) == (3, False)
+    assert run(path, tmp_path / "out", quiet, quick=True) == 0
+
+
+def test_targets_that_are_met_have_their_uncertainty_where_another_is_not(tmp_path, capsys):
+    scene = SCENE | {"loading": {"control": "mean_pressure", "targets": [2e4, -1e9]}}
+    scene["adhesion"] = {"work_of_adhesion": 1e-3}
+    code = run(scene_file(tmp_path, scene), tmp_path / "out", quiet, quick=True)
+    assert code == 0  # pulled off
+    (target,) = {row["target"] for row in json.loads((tmp_path / "out" / "study.json").read_text())["answers"]} - {None}
+    assert target == 0
+
+
+def test_one_setting_of_each_choice_is_solved_first_and_tolerances_last(tmp_path):
+    order = [one.source for one in in_turn(settings(scan(tmp_path, rough(256), harmonics=20), tmp_path)[1:])]
+    first = list(dict.fromkeys(order))
+    assert order[: len(first) - 1] == first[:-1]
+    assert first[-1] == TOLERANCE and set(order[-3:]) == {TOLERANCE}
 
 
 def test_a_scene_that_does_not_converge_as_it_is_fails(tmp_path, capsys):

@@ -263,7 +263,7 @@ def study_beside(result, folder, shares, **changes):
             "target": state.index,
             "quantity": name.replace("_", " "),
             "value": getattr(state, name),
-            "moved": {"numerical": 0.9, "cut": 0.6 * share, "seed": 0.8 * share},  # together: share
+            "input": share * getattr(state, name),
         }
         for state, share in zip(met, shares, strict=bool(shares))
         for name in ("contact_fraction", "mean_pressure")
@@ -279,8 +279,9 @@ def test_the_answer_comes_first_with_the_uncertainty_of_the_input_of_a_study_bes
     page = (tmp_path / "report.html").read_text()
     assert page.index('id="answer"') < page.index('id="figures"') < page.index('id="scene"') < page.index('id="states"')
     assert 'class="verdict doubtful">! Converged' in page
-    assert "The input leaves up to 34 % of a number open." in page
-    assert 'class="verdict agrees">✓ Converged' in render_run(result, {0: {"contact_fraction": 0.02}})
+    assert "The input leaves open up to 34 % of the mean pressure of target 2." in page
+    certain = {0: {"contact_fraction": 0.02 * result.targets[0].contact_fraction}}
+    assert 'class="verdict agrees">✓ Converged' in render_run(result, certain)
     assert "numerical, 34 % input</td>" in page
     table = (tmp_path / "answer.csv").read_text().splitlines()
     assert len(table) == 1 + len(result.targets)
@@ -291,10 +292,9 @@ def test_the_pull_off_has_the_uncertainty_of_the_input_of_its_study(result, tmp_
     pulled = replace(
         result, largest_tension=LargestTension(tension, 1e-6, 8.5e-5, "fold", TensionError(-1e-3 * tension))
     )
-    moved = {"numerical": 0.9, "cut": 0.06, "noise": 0.08}
-    row = {"target": None, "quantity": "pull-off", "value": -tension, "moved": moved}
+    row = {"target": None, "quantity": "pull-off", "value": -tension, "input": -0.1 * tension}
     study_beside(pulled, tmp_path, [], answers=[row])
-    assert run_page.inputs_of(pulled, tmp_path) == {None: {"pull_off": pytest.approx(0.1)}}
+    assert run_page.inputs_of(pulled, tmp_path) == {None: {"pull_off": -0.1 * tension}}
     assert "numerical, 10 % input" in render_run(pulled, run_page.inputs_of(pulled, tmp_path))
     study_beside(pulled, tmp_path, [], answers=[row | {"value": -1.1 * tension}])
     assert run_page.inputs_of(pulled, tmp_path) == {}
@@ -317,8 +317,8 @@ def test_a_study_of_other_numbers_is_not_used(result, tmp_path):
     ("answers", "key"),
     [
         ([{}], "answers.0.quantity"),
-        ([{"quantity": "mean pressure", "target": 99, "value": 1.0, "moved": {}}], "answers.0.target is 99"),
-        ([{"quantity": "mean pressure", "target": 0, "value": 1.0, "moved": {"cut": -1.0}}], "answers.0.moved.cut"),
+        ([{"quantity": "mean pressure", "target": 99, "value": 1.0}], "answers.0.target is 99"),
+        ([{"quantity": "mean pressure", "target": 0, "value": 1.0, "input": -1.0}], "answers.0.input"),
     ],
 )
 def test_a_file_that_is_no_study_is_told_by_its_key(answers, key, result, tmp_path, capsys):

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 from markupsafe import Markup
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 from threadpoolctl import threadpool_limits
@@ -51,9 +52,13 @@ STUDIED = {  # answers of a study, as quantities of the answer
     "mean pressure": "mean_pressure",
     "separation": "separation",
     "mean open gap": "open_gap_mean",
+    "largest open gap": "open_gap_largest",
+    "gap for flow": "mean_cubic_root",
+    "widest open channel": "widest_channel",
     "peak pressure": "peak_pressure",
 }
 DOUBTFUL = 0.1  # relative uncertainty of the input beyond which an answer is no more than a hint
+LEAST_SHARE = 0.1  # of the largest answer of its kind on the path, by which a smaller one is judged
 FEW_EVENTS = 20  # more are folded
 SAME = 1e-6  # relative distance of the numbers of a run and of its study
 MOST_ROWS = 500  # of a table; all are in result.json
@@ -74,12 +79,12 @@ UNITS = {"min_gap": "m", "mean_gap_error": "m", "rms_height": "m", "pressure_sca
 
 @dataclass(frozen=True)
 class StudiedAnswer:
-    """Answer in a study.json; `moved` holds its relative moves by source."""
+    """Answer in a study.json; `input` is its uncertainty by the choices of the scene, None where none was varied."""
 
     quantity: str
     target: int | None
     value: Annotated[float, Field(gt=-LARGEST, lt=LARGEST)]
-    moved: dict[str, Annotated[float, Field(ge=0, lt=LARGEST)]]
+    input: Annotated[float, Field(ge=0, lt=LARGEST)] | None = None
 
 
 @dataclass(frozen=True)
@@ -104,7 +109,7 @@ def write_run_page(folder: Path) -> Result:
 
 
 def inputs_of(result: Result, folder: Path) -> dict[int | None, dict[str, float]]:
-    """Return the relative uncertainty of the input by target and quantity, from the study of the scene in the folder.
+    """Return the uncertainty of the input (SI) by target and quantity, from the study of the scene in the folder.
 
     Nothing where there is no study, or where it is unfinished, of another scene or of another path.
     """
@@ -122,31 +127,29 @@ def inputs_of(result: Result, folder: Path) -> dict[int | None, dict[str, float]
     if study.scene_sha256 != result.provenance["scene_sha256"] or study.answers is None:
         return {}
     places = {state.index: k for k, state in enumerate(result.targets)}
-    tension = result.largest_tension
+    tension, answers = result.largest_tension, result.to_table("targets")
     inputs: dict[int | None, dict[str, float]] = {}
     for k, row in enumerate(study.answers):
-        moves = [move for source, move in row.moved.items() if source != "numerical"]
         if row.target is None and row.quantity == STUDIED_PULL_OFF:
             if tension is None or abs(row.value + tension.mean_pressure) > SAME * abs(row.value):
                 return {}
-            if moves:
-                inputs[None] = {PULL_OFF: math.hypot(*moves)}
+            if row.input is not None:
+                inputs[None] = {PULL_OFF: row.input}
         if row.quantity not in STUDIED:
             continue
         if row.target not in places:
             raise ReportError(f"{path}: not the study of a scene: answers.{k}.target is {row.target}, no target")
         place, name = places[row.target], STUDIED[row.quantity]
-        state = result.targets[place]
-        if name != "open_gap_mean" and abs(row.value - getattr(state, name)) > SAME * abs(row.value):
+        if abs(row.value - float(answers[name][place])) > SAME * abs(row.value):
             return {}
-        if moves:
-            inputs.setdefault(place, {})[name] = math.hypot(*moves)
+        if row.input is not None:
+            inputs.setdefault(place, {})[name] = row.input
     return inputs
 
 
 def render_run(result: Result, inputs: Inputs | None = None) -> str:
-    """Return the page of a run as text; relative uncertainties of the input are by target and quantity."""
-    left_open = max((value for known in (inputs or {}).values() for value in known.values()), default=math.nan)
+    """Return the page of a run as text; uncertainties of the input (SI) are by target and quantity."""
+    left_open, words = largest_input(result, inputs or {})
     solved = replace(result, states=tuple(state for state in result.states if state.found))
     theories = theories_of(solved)
     good, units = succeeded(result), units_of(result)
@@ -158,7 +161,7 @@ def render_run(result: Result, inputs: Inputs | None = None) -> str:
         outcome=outcome(result),
         verdict=_verdict(good, left_open),
         good=good,
-        left_open="" if math.isnan(left_open) else share(left_open),
+        left_open=words,
         answer=answer(result, inputs),
         units={name: unit for name, (_, unit) in units.items()},
         pull_off=pull_off_words(result, inputs),
@@ -178,6 +181,28 @@ def render_run(result: Result, inputs: Inputs | None = None) -> str:
         certificate=list(_certificate(result)),
         found=solved.states,
     )
+
+
+def largest_input(result: Result, inputs: Inputs) -> tuple[float, str]:
+    """Return the largest uncertainty of the input over its number, or a tenth of the largest of its kind, and words.
+
+    NaN and no words without a study.
+    """
+    answers, shares = result.to_table("targets"), []
+    for place, known in inputs.items():
+        for name, uncertainty in known.items():
+            if place is None:
+                value = largest = 0.0 if result.largest_tension is None else -result.largest_tension.mean_pressure
+                of = "of the pull-off"
+            else:
+                value, largest = float(answers[name][place]), float(np.nanmax(np.abs(answers[name])))
+                of = f"of the {name.replace('_', ' ')} of target {place + 1}"
+            scale = max(abs(value), LEAST_SHARE * largest)
+            shares.append((uncertainty / scale if scale else 0.0, of))
+    if not shares:
+        return math.nan, ""
+    largest_share, of = max(shares)
+    return largest_share, f"{share(largest_share)} {of}"
 
 
 def _verdict(good: bool, left_open: float) -> tuple[str, str]:

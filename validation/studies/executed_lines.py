@@ -1,8 +1,7 @@
 """Plugin of pytest: which tests execute which lines, and the CPU seconds of each test (for mutants.py).
 
 FOLDER in the environment receives the data of coverage, whose contexts are tests.  Lines of fixtures have the file of
-the tests as their context, because all tests of the file use them.  A subprocess of a test is measured, too: it reads
-lines.ini, and its context is the test that began it.
+the tests as their context, because all tests of the file use them.
 """
 
 import json
@@ -14,11 +13,14 @@ from typing import Any
 import coverage
 import pytest
 
+from validation.studies.mutants import JUDGED
+
 FOLDER = Path(os.environ["FOLDER"])
-RECORDER = coverage.Coverage(data_file=str(FOLDER / "part"), data_suffix=True, config_file=str(FOLDER / "lines.ini"))
+RECORDER = coverage.Coverage(
+    str(FOLDER / "part"), config_file=False, source=[str(Path.cwd() / name) for name in JUDGED]
+)
 SECONDS: dict[str, float] = {}  # of the tests that passed
 RECORDER.start()
-os.environ["COVERAGE_PROCESS_START"] = str(FOLDER / "lines.ini")
 
 
 def cpu() -> float:

@@ -51,12 +51,6 @@ CASES = "validation/cases"
 COLUMNS = ("place", "change", "tests", "quick", "looked at")
 PATIENCE, LONGEST = 10.0, 3600.0  # times the CPU seconds of a test without a mutant; s of the clock of all tests
 MEMORY = 4 << 30  # bytes that a process may address
-INI = """[run]
-context = ${PYTEST_CURRENT_TEST}
-parallel = true
-patch = _exit
-disable_warnings = no-data-collected, module-not-imported, module-not-measured, already-imported
-"""
 EXCHANGED = {ast.Add: (b"+", b"-"), ast.Sub: (b"-", b"+"), ast.Mult: (b"*", b"/"), ast.Div: (b"/", b"*")}
 TURNED = {
     ast.Lt: (b"<", b">="),
@@ -209,41 +203,37 @@ class Executed:
     """Which tests and quick cases execute which lines, measured once without a mutant."""
 
     def __init__(self, folder: Path) -> None:
-        from coverage import CoverageData
-
         self.folder, self.seconds = folder, dict[str, float]()
         suites = [path for path in sorted((folder / "sources/tests").rglob("*")) if any(path.glob("test_*.py"))]
         for number, suite in enumerate([folder / "sources" / CASES, *suites]):
             self._measure(suite.relative_to(folder / "sources").as_posix(), f"[suite {number + 1}/{len(suites) + 1}]")
-        self.data = CoverageData(str(folder / "lines"))
+        self.data = importlib.import_module("coverage").CoverageData(str(folder / "lines"))
         self.data.read()
 
     def _measure(self, suite: str, progress: str) -> None:
-        """Run the tests right in a folder, unless they have been."""
-        kept = self.folder / f"seconds-{suite.replace('/', '-')}.json"
-        if not kept.exists():
-            from coverage import Coverage
+        """Run the tests right in a folder, unless they have been.
 
-            begun = time.monotonic()
-            for part in self.folder.glob("part*"):
-                part.unlink()
-            tree = self.folder / "sources"
-            ini = INI + f"data_file = {self.folder / 'part'}\nsource =\n" + "".join(f"    {tree / j}\n" for j in JUDGED)
-            (self.folder / "lines.ini").write_text(ini, "utf-8")
-            judged = [j.replace("/", ".") for j in JUDGED if suite.startswith(f"tests/{j.partition('/')[0]}")]
-            paths = sorted((tree / suite).glob("test_*.py"))
-            texts = {path.relative_to(tree).as_posix(): path.read_text("utf-8") for path in paths}
+        Tests that start other processes, whose lines are not seen, and those that name no judged module are left out.
+        """
+        kept, tree = self.folder / f"seconds-{suite.replace('/', '-')}.json", self.folder / "sources"
+        if not kept.exists():
+            begun, part = time.monotonic(), self.folder / "part"
+            part.unlink(missing_ok=True)
+            judged = [name.replace("/", ".") for name in JUDGED if suite.startswith(f"tests/{name.partition('/')[0]}")]
+            texts = {path: path.read_text("utf-8") for path in sorted((tree / suite).glob("test_*.py"))}
             files = [path for path, text in texts.items() if any(name in text for name in judged)]
             files = [path for path in files if "subprocess" not in texts[path] and "pytester" not in texts[path]]
-            words = [*QUICK, suite] if suite == CASES else ["--timeout", "60", *files]
+            words = [*QUICK, suite] if suite == CASES else ["--timeout", "60", *map(str, files)]
             if not files and suite != CASES:
                 return
             _, output = pytest_on(tree, ["-p", "validation.studies.executed_lines", *words], FOLDER=str(self.folder))
+            if not (self.folder / "part.json").exists():
+                raise SystemExit(f"{suite}: pytest fails without a mutant:\n{output}")
             seconds, last = time.monotonic() - begun, output.strip().splitlines()[-1]
             print(f"{progress} {suite}: {last}, {seconds:.0f} s", flush=True)
-            lines = Coverage(data_file=str(self.folder / "lines"), config_file=False)
+            lines = importlib.import_module("coverage").Coverage(str(self.folder / "lines"), config_file=False)
             lines.load()
-            lines.combine([str(path) for path in self.folder.glob("part.*") if path.suffix != ".json"])
+            lines.combine([str(path) for path in (part,) if path.exists()])
             lines.save()
             (self.folder / "part.json").rename(kept)
         self.seconds |= json.loads(kept.read_text("utf-8"))
@@ -255,9 +245,9 @@ class Executed:
         that execute its file.
         """
         lines = self.data.contexts_by_lineno(str(self.folder / "sources" / mutant.file))
-        contexts = {name.rpartition(" (")[0] or name for line in mutant.lines for name in lines.get(line, ())}
+        contexts = {name for line in mutant.lines for name in lines.get(line, ())}
         if "" in contexts:
-            contexts |= {name.rpartition(" (")[0] or name for names in lines.values() for name in names}
+            contexts |= {name for names in lines.values() for name in names}
         files, total, near = dict[str, list[str]](), 0.0, f"tests/{Path(mutant.file).parent}/"
         for test in sorted(self.seconds, key=lambda test: (not test.startswith(near), self.seconds[test])):
             file, concerned = test.partition("::")[0], test.startswith(folder)
@@ -311,7 +301,7 @@ def read(file: Path) -> dict[tuple[str, str], dict[str, str]]:
 
 
 def table(lines: Iterable[dict[str, str]]) -> str:
-    """Return the table of a mutants.csv by package, and the shares with two standard errors."""
+    """Return the table of a mutants.csv by package: shares with the intervals of Wilson (1927), two standard errors."""
     lines = list(lines)
     text = [
         "| package | mutants | equivalent | killed by tests | by the quick level |",
@@ -323,8 +313,10 @@ def table(lines: Iterable[dict[str, str]]) -> str:
         shares = []
         for key in ("tests", "quick"):
             killed, count = sum(line[key] in ("killed", "timeout") for line in other), max(1, len(other))
-            error = 2 * (killed * (count - killed) / count**3) ** 0.5
-            shares.append(f"{killed} of {len(other)}: {killed / count:.0%} ± {error:.0%}")
+            middle, half = (killed + 2) / (count + 4), 2 / (count + 4) * (killed * (count - killed) / count + 1) ** 0.5
+            shares.append(
+                f"{killed} of {len(other)} = {killed / count:.0%} ({middle - half:.0%} to {middle + half:.0%})"
+            )
         text.append(f"| {package or 'all'} | {len(own)} | {len(own) - len(other)} | {shares[0]} | {shares[1]} |")
     return "\n".join(text)
 

@@ -25,7 +25,7 @@ import numpy as np
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 
 import bem
-from bem.command_line.answer_table import pull_off
+from bem.command_line.answer_table import axis_unit, pull_off
 from bem.command_line.answer_table import quantity as readable
 from bem.geometry.regular_file import read_regular
 from bem.loading.crew import at_work
@@ -39,19 +39,22 @@ from bem.scene.stored_json import CorruptResultError, verified
 from validation.harness.provenance import provenance
 from validation.plugin.content import finite
 from validation.report.pages import ReportError, filled
+from validation.report.run_page import LEAST_SHARE
 from validation.studies.scene_settings import BASE, SAME_CUT, SEED, SOURCES, TOLERANCE, Setting, settings_of
 
-SCHEMA = "linecontact-scene-study/2"
+SCHEMA = "linecontact-scene-study/3"
 FILE, PAGE, PARTS = "study.json", "study.html", "parts"
 SEEDS, FEW_SEEDS = 8, 2  # realisations besides the scene's own, and with --quick
 BUDGET = 3600  # CPU s
-LEAST_SHARE = 0.1  # of the largest answer of its kind on the path
 SLACK, LEAST_LIMIT = 30.0, 60.0  # times the seconds of the scene as it is, and s: a setting is stopped beyond both
 UNITS = {
     "contact fraction": "",
     "mean pressure": "Pa",
     "separation": "m",
     "mean open gap": "m",
+    "largest open gap": "m",
+    "gap for flow": "m",
+    "widest open channel": "m",
     "peak pressure": "Pa",
     "pull-off": "Pa",
 }
@@ -148,35 +151,71 @@ def run(
         say(f"{name}: {answer.status} {answer.reason}".rstrip() + f", {answer.cpu_seconds:.3g} s")
         store()
     base = solved[BASE]
-    if not base.good:
+    if base.status not in FINAL_STATUSES:
         print(f"the scene does not converge as it is: {base.status.replace('_', ' ')} {base.reason}".strip())
-        return 1
+        if not base.answers:
+            return 1
     rows, tolerances = moves_of(settings, solved)
     for row in rows:
         row["at"] = None if row["target"] is None else f"{_place(resolved['loading'], row['target'])}, {row['branch']}"
     untold = left_out(scene, path.parent, settings, solved)
     listed = [_listed(setting, solved.get(setting.title)) for setting in settings]
-    store(answers=rows, tolerances=tolerances, settings=listed, left_out=untold)
+    store(answers=rows, tolerances=tolerances, settings=listed, left_out=untold, most_open=most_open(rows))
+    print("\n".join([*map(words_of, rows), *filter(None, [most_open(rows), *untold])]))
     print(folder / PAGE)
-    return 0
+    return 0 if base.status in FINAL_STATUSES else 1
 
 
-def left_out(scene: Scene, base: Path, settings: Sequence[Setting], solved: Mapping[str, Solved]) -> str:
-    """Return words on the waves of a scan that no solved setting has; nothing where its noise floor is reached."""
-    if scene.scan is None:
+def words_of(row: Mapping[str, Any]) -> str:
+    """Return an answer with its place and its +-."""
+    place = "" if row["at"] is None else f" at {row['at']}"
+    return f"{row['quantity']}{place}: {with_uncertainty(row['value'], row['uncertainty'], row['unit'])}"
+
+
+def with_uncertainty(value: float, uncertainty: float, unit: str) -> str:
+    """Return a number and its +- with the digits that this allows, at most four, and a prefix before the unit.
+
+    Examples
+    --------
+    >>> with_uncertainty(58379.0, 4.9e3, "Pa"), with_uncertainty(0.0, 3.4e-7, "m"), with_uncertainty(0.87396, 1e-11, "")
+    ('58.4 ± 4.9 kPa', '0 ± 340 nm', '0.8740 ± < 0.0001')
+    """
+    factor, prefixed = axis_unit(max(abs(value), uncertainty), unit) if unit else (1.0, "")
+    larger = max(abs(value), uncertainty) * factor
+    most = max(3 - math.floor(math.log10(larger)), 0) if larger else 0
+    decimals = most if uncertainty == 0 else min(most, max(1 - math.floor(math.log10(uncertainty * factor)), 0))
+    least = 10.0**-decimals
+    error = f"{uncertainty * factor:.{decimals}f}" if uncertainty * factor >= 0.5 * least else f"< {least:.{decimals}f}"
+    return f"{f'{value * factor:.{decimals}f}' if value else 0} ± {error} {prefixed}".strip()
+
+
+def most_open(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return words on the answer that the choices leave most open, and on the choice; nothing without choices."""
+    moves = [(move, source, row) for row in rows for source, move in row["moved"].items() if source in SOURCES]
+    if not moves:
         return ""
+    move, source, row = max(moves, key=lambda entry: entry[0])
+    return f"Most open: {words_of(row)}; the {source} moves it by {share(move)}."
+
+
+def left_out(scene: Scene, base: Path, settings: Sequence[Setting], solved: Mapping[str, Solved]) -> list[str]:
+    """Return sentences on choices of which no setting was solved, and on the waves of a scan that none has."""
+    answered = {setting.source for setting in settings if setting.title in solved and solved[setting.title].answers}
+    kinds = dict.fromkeys(setting.source for setting in settings if setting.tables and setting.source not in answered)
+    sentences = [f"± does not hold the choice of {', '.join(kinds)}: no such setting was solved."] if kinds else []
+    if scene.scan is None:
+        return sentences
     scan, shortest = scene.scan, math.inf
     for setting in settings:
-        if setting.source in (BASE, "cut") and setting.title in solved and solved[setting.title].good:
+        if setting.source in (BASE, "cut") and setting.title in solved and solved[setting.title].answers:
             profile = parse_scene(setting.tables, base).profile
             wave = float(profile.period or math.inf) / int(profile.harmonics or 1)
             shortest = min(shortest, max(wave, profile.cutoff_short or 0.0))
     least = max(scan.spectrum.crossing or 0.0, scan.period / scan.max_harmonics)
-    if shortest <= least * (1 + SAME_CUT):
-        return ""
-    return (
-        f"± does not hold roughness of waves shorter than {readable(shortest, 'm')}: no setting with them was solved."
-    )
+    if shortest > least * (1 + SAME_CUT):
+        waves = f"waves shorter than {readable(shortest, 'm')}"
+        sentences.append(f"± does not hold roughness of {waves}: no setting with them was solved.")
+    return sentences
 
 
 def _place(loading: Mapping[str, Any], target: int) -> str:
@@ -215,10 +254,10 @@ def solve_settings(
     """Solve the settings that are not stored, the unchanged scene first, and yield every outcome with its title."""
     first, *others = settings
     known = _known(first, stored, base) or solve_setting((base, math.inf), first.tables)
-    yield first.title, known
-    if not known.good:
+    yield first.title, _finished(known)
+    if not known.answers:
         return
-    waiting = [setting for setting in others if setting.tables and _known(setting, stored, base) is None]
+    waiting = [setting for setting in in_turn(others) if setting.tables and _known(setting, stored, base) is None]
     limit = max(SLACK * known.cpu_seconds, LEAST_LIMIT)
     spent, room = known.cpu_seconds, max(min(jobs, len(waiting)), 1)
     with at_work(room, (base, limit)) as each:
@@ -231,7 +270,24 @@ def solve_settings(
             outcomes = each(solve_setting, [setting.tables for setting in batch])
             for setting, outcome in zip(batch, outcomes, strict=True):
                 spent += outcome.cpu_seconds
-                yield setting.title, outcome
+                yield setting.title, _finished(outcome)
+
+
+def _finished(outcome: Solved) -> Solved:
+    """Return an outcome; KeyboardInterrupt if its solution was interrupted, as that ends the study."""
+    if outcome.status == "interrupted":
+        raise KeyboardInterrupt
+    return outcome
+
+
+def in_turn(settings: Sequence[Setting]) -> list[Setting]:
+    """Return settings in the order in which they are solved: one of each choice in turn, tolerances at last."""
+    counts: dict[str, int] = {}
+    turns = []
+    for setting in settings:
+        counts[setting.source] = counts.get(setting.source, 0) + 1
+        turns.append((setting.source == TOLERANCE, counts[setting.source]))
+    return [setting for _, setting in sorted(zip(turns, settings, strict=True), key=lambda pair: pair[0])]
 
 
 def _known(setting: Setting, stored: Mapping[str, Solved], base: Path) -> Solved | None:
@@ -262,7 +318,8 @@ def solve_setting(bounds: tuple[Path, float], tables: dict[str, Any]) -> Solved:
     except _TooLongError:
         return Solved(sha256, "stopped", f"took more than {limit:.0f} s", time.process_time() - begun)
     status = "converged" if result.answered and result.status not in FINAL_STATUSES else result.status
-    return Solved(sha256, status, result.failure or "", time.process_time() - begun, list(answers_of(result)))
+    reason = "" if result.answered else result.failure or ""
+    return Solved(sha256, status, reason, time.process_time() - begun, list(answers_of(result)))
 
 
 def answers_of(result: Result) -> Iterator[Answer]:
@@ -276,6 +333,9 @@ def answers_of(result: Result) -> Iterator[Answer]:
             "mean pressure": (state.mean_pressure, errors.mean_pressure),
             "separation": (state.separation, errors.separation),
             "mean open gap": (state.gaps.mean_open if state.gaps else None, errors.separation),
+            "largest open gap": (state.largest_gap if state.gaps else None, None),
+            "gap for flow": (state.gaps.mean_cubic_root if state.gaps else None, None),
+            "widest open channel": (state.gaps.widest_channel if state.gaps else None, None),
             "peak pressure": (state.peak_pressure, None),
         }
         for quantity, (value, error) in numbers.items():
@@ -303,7 +363,7 @@ def moves_of(
     for answer in base.answers:
         key = answer.target, answer.branch, answer.quantity
         scale = scales[key] = max(abs(answer.value), LEAST_SHARE * largest[answer.quantity]) or 1.0
-        moved: dict[str, float | None] = {}
+        moved: dict[str, float] = {}
         tight = [values[key] for source, _, values in changes if source == TOLERANCE and key in values][-1:]
         own = 0.0 if answer.error is None else answer.error
         moved["numerical"] = max([own, *(abs(value - answer.value) for value in tight)]) / scale
@@ -312,8 +372,12 @@ def moves_of(
             if apart:
                 spread = float(np.std([0.0, *apart], ddof=1)) if source == SEED else max(map(abs, apart))
                 moved[source] = spread / scale
-        total = math.hypot(*(move for move in moved.values() if move is not None))
-        rows.append({**asdict(answer), "unit": UNITS[answer.quantity], "moved": moved, "uncertainty": total * scale})
+        choices = [move for source, move in moved.items() if source in SOURCES and move is not None]
+        uncertain = {
+            "input": math.hypot(*choices) * scale if choices else None,
+            "uncertainty": math.hypot(moved["numerical"], *choices) * scale,
+        }
+        rows.append({**asdict(answer), "unit": UNITS[answer.quantity], "moved": moved, **uncertain})
     tightest = next((values for source, _, values in reversed(changes) if source == TOLERANCE), {})
     tolerances = []
     for setting, outcome in outcomes:
@@ -352,7 +416,9 @@ def _listed(setting: Setting, solved: Solved | None) -> dict[str, Any]:
 def study_page(content: Mapping[str, Any]) -> str:
     """Return the page of the content of a study.json; its table has a column for each source that moves an answer."""
     varied = [name for name in ("numerical", *SOURCES) if any(name in row["moved"] for row in content["answers"])]
-    return filled("study_page.jinja", {"share": share}, study=content, varied=varied)
+    return filled(
+        "study_page.jinja", {"share": share, "with_uncertainty": with_uncertainty}, study=content, varied=varied
+    )
 
 
 def share(relative: float | None) -> str:
@@ -365,6 +431,8 @@ def share(relative: float | None) -> str:
     """
     if relative is None:
         return "–"
+    if relative >= 10:
+        return f"{relative:.0f} times"
     if relative >= 1:
         return f"{100 * relative:.0f} %"
     return f"{100 * relative:.2g} %" if relative >= 1e-4 else f"{relative:.1g}"

@@ -6,7 +6,7 @@ cut         half and twice the shortest wave: cutoff_short where the scene has i
 detrending  other trends that leave a profile no more tilted than the scene's
 window      other ways to continue a scan, with the shortest wave kept
 part        first and second half of a scan, with the shortest wave kept
-row         the rows of a map beside the scene's, and the mean of all
+row         three other rows of a map, a quarter of it apart
 noise       white noise of the scan's own noise floor added to its samples
 seed        other realisations of a random profile
 length      adhesion on the true or on the projected length (slope_term)
@@ -191,12 +191,13 @@ class Change:
         yield self._from_file("part", "second half", x[middle:], h[middle:])
 
     def rows(self) -> Iterator[Setting]:
-        """Yield the rows beside the scene's, and the mean of all; nothing where the file is no map."""
+        """Yield three other rows of a map, a quarter of it apart; nothing where the file is no map."""
         row = self.scene.profile.row
         if row is None:
             return
-        others: list[int | str] = [k for k in (row - 1, row + 1) if k >= 0] if isinstance(row, int) else [0, 1]
-        for other in [*others, "mean"]:
+        own = row if isinstance(row, int) else 0
+        count = int(self.scene.preparation()[0]["rows"])
+        for other in dict.fromkeys((own + quarter * count // 4) % count for quarter in (1, 2, 3)):
             if other != row:
                 yield self.to("row", f"{other}", {"profile": {"row": other}})
 

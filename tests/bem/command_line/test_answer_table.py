@@ -71,6 +71,12 @@ def shown(result, inputs=None):
     return [{head: texts[k] for head, texts in lines} for k in range(len(result.targets))]
 
 
+def open_in(result, **shares):
+    """Uncertainties of the input of the only target: shares of its numbers."""
+    (state,) = result.targets
+    return {0: {name: share * getattr(state, name) for name, share in shares.items()}}
+
+
 def test_a_person_can_read_it(wave):
     (cells,) = shown(wave)
     assert cells["mean pressure (held)"] == "14.4719 kPa"
@@ -80,14 +86,14 @@ def test_a_person_can_read_it(wave):
 
 
 def test_digits_are_those_that_the_uncertainty_of_the_input_leaves(wave):
-    (cells,) = shown(wave, {0: {"contact_fraction": 0.14, "separation": 0.004}})
+    (cells,) = shown(wave, open_in(wave, contact_fraction=0.14, separation=0.004))
     assert (cells["contact fraction"], cells["± contact fraction"]) == ("0.40", "< 0.01 % numerical, 14 % input")
     assert cells["± separation"] == "< 0.01 % numerical, 0.40 % input"
     assert len(cells["separation"].split()[0].replace(".", "")) == digits(0.004) == 3
 
 
 def test_digits_are_not_those_of_another_quantity(wave):
-    (cells,) = shown(wave, {0: {"contact_fraction": 0.14}})
+    (cells,) = shown(wave, open_in(wave, contact_fraction=0.14))
     assert (cells["contact fraction"], cells["± separation"]) == ("0.40", "< 0.01 % numerical")
     assert len(cells["separation"].split()[0].replace(".", "").lstrip("-0")) == 4
 
@@ -101,16 +107,22 @@ def test_a_quantity_has_one_unit_in_all_columns():
 
 
 def test_an_uncertainty_belongs_to_one_quantity_and_is_never_printed_at_another(wave):
-    (cells,) = shown(wave, {0: {"contact_fraction": 0.14}})
+    (cells,) = shown(wave, open_in(wave, contact_fraction=0.14))
     assert [head for head, text in cells.items() if "14 %" in text] == ["± contact fraction"]
     assert {head for head in cells if head.startswith("±")} == {"± contact fraction", "± separation"}
 
 
 def test_the_open_share_is_as_uncertain_as_the_contact_fraction(wave):
     nearly = bem.solve(WAVE | {"loading": {"control": "mean_pressure", "targets": [0.9999 * PRESSURE / SHARE]}})
-    (cells,) = shown(nearly, {0: {"contact_fraction": 0.005}})
+    (cells,) = shown(nearly, open_in(nearly, contact_fraction=0.005))
     assert cells["contact fraction"] == "0.994"
     assert cells["open share of the period"] == "0.0064"  # 0.5 % of the one are 80 % of the other
+
+
+def test_a_zero_has_the_uncertainty_of_the_input_in_its_unit():
+    closed = bem.solve(WAVE | {"loading": {"control": "mean_pressure", "targets": [1.1 * PRESSURE / SHARE]}})
+    (cells,) = shown(closed, {0: {"mean_cubic_root": 3.4e-7}})
+    assert cells["± gap for flow along the ridges, <g³>^(1/3)"] == "340 nm input"
 
 
 def test_what_is_not_known_is_a_dash_and_an_empty_cell(rough):
@@ -130,7 +142,7 @@ def test_the_pull_off_is_said_with_its_own_error_and_where_the_surfaces_came_apa
     words = pull_off_words(replace(rough, largest_tension=tension))
     assert "the largest tension on the way out is 280.0 Pa (± 1.0 % numerical), at a separation" in words
     assert "the surfaces come apart at" in words
-    words = pull_off_words(replace(rough, largest_tension=tension), {None: {"pull_off": 0.08}})
+    words = pull_off_words(replace(rough, largest_tension=tension), {None: {"pull_off": 22.4}})
     assert "is 280 Pa (± 1.0 % numerical, 8.0 % input), at" in words
 
 
