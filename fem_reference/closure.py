@@ -2,9 +2,7 @@
 
     K_e = sqrt(2 E* gamma sqrt(1 + h'(e)^2))      at every edge (K_e = 0 without adhesion),
 
-at given penetration, total displacement, load or width of one patch. Under a given width the load is that at which the
-mean of K - K_c over a scale (`residual`) vanishes, and every residual has the relative difference of the width added:
-all vanish together where both are met, at a limit point of the others too.
+at given penetration, total displacement or load.
 
 Far from the closure every edge moves the way that lowers the energy (out where K < K_c); near it Newton's method takes
 over: the Jacobian by differences on a coarse P2/P1 mesh that moves with the edges, updated by Broyden's formula (Math.
@@ -35,7 +33,6 @@ from fem_reference.mesh import NARROWEST, LayerMesh, Resolution, layer_mesh, mov
 from fem_reference.problem import FloatArray, InvalidProblemError, Problem
 
 ControlKind = Literal["separation", "penetration", "total_displacement", "mean_pressure"]
-PrescribedKind = ControlKind | Literal["width"]
 Outcome = Literal["converged", "no_equilibrium", "not_converged"]
 
 LARGEST_CHANGE = 0.3  # of a patch or gap in one step
@@ -53,19 +50,13 @@ SHALLOW = np.geomspace(1e-8, 0.01, 7)  # the same where all of these open: conta
 class Control:
     """Prescribed quantity: its kind (a separation is kept as a penetration) and its dimensionless value."""
 
-    kind: PrescribedKind
+    kind: ControlKind
     value: float
-    patch: int = 0  # whose width is prescribed
 
-    def load(self, states: UnitStates, edges: EdgeStates | None) -> float:
-        """Load per period at which the states meet the control."""
+    def load(self, states: UnitStates) -> float:
+        """Return the load per period at which the states meet the control."""
         if self.kind == "mean_pressure":
             return self.value
-        if self.kind == "width":
-            assert edges is not None
-            critical, scale = _critical_and_scale(states.problem, states.mesh.edges)
-            at_rest, per_load = edges.stress_intensity[..., 0], edges.stress_intensity[..., 1]
-            return float(np.sum((critical - at_rest) / scale) / np.sum(per_load / scale))
         response = states.penetration if self.kind == "penetration" else states.displacement_of_plate
         return float((self.value - response[0]) / response[1])
 
@@ -99,23 +90,20 @@ def evaluate(
     """Solve on a mesh, with factors of one nearly the same where there are any; find the load of the control."""
     states = solve_unit_states(problem, mesh, resolution.order, kept)
     edges = edge_states(states) if mesh.edges.size else None
-    return Evaluation(states, edges, control.load(states, edges), resolution)
+    return Evaluation(states, edges, control.load(states), resolution)
 
 
-def residual(problem: Problem, evaluation: Evaluation, control: Control) -> FloatArray:
-    """(K - K_c) over a fixed scale at every edge, shape (2 n_patches,), and what a prescribed width lacks.
+def residual(problem: Problem, evaluation: Evaluation) -> FloatArray:
+    """Return (K - K_c) over a fixed scale at every edge, shape (2 n_patches,).
 
     The scale is the larger of K_c and E* sqrt(width) / 10, the stress intensity of a fair share of the rms height.
     """
     critical, scale = _critical_and_scale(problem, evaluation.edges)
-    found = np.asarray(((evaluation.values.stress_intensity - critical) / scale).ravel())
-    if control.kind != "width":
-        return found
-    return np.asarray(found + float(np.diff(evaluation.edges)[control.patch, 0]) / control.value - 1.0)
+    return np.asarray(((evaluation.values.stress_intensity - critical) / scale).ravel())
 
 
 def _critical_and_scale(problem: Problem, edges: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """K_c at edges (n_patches, 2), and the scale of the residual there."""
+    """Return K_c at edges (n_patches, 2), and the scale of the residual there."""
     critical = problem.critical_stress_intensity(edges)
     geometric = 0.1 * problem.plane_strain_modulus * np.sqrt(np.diff(edges, axis=1))
     return critical, np.maximum(critical, geometric)
@@ -146,14 +134,14 @@ class Closure:
 
 
 def intervals(edges: FloatArray) -> FloatArray:
-    """Lengths (2 n_patches,) of patch, gap, patch, gap, ... round the period."""
+    """Return the lengths (2 n_patches,) of patch, gap, patch, gap, ... round the period."""
     return np.asarray(np.diff(np.append(edges.ravel(), edges[0, 0] + 1.0)))
 
 
 def start_edges(
     problem: Problem, crests: FloatArray, control: Control, resolution: Resolution, factor: float
 ) -> FloatArray:
-    """Edges (n_patches, 2) of the family of `crests` where the closure is nearest to being met, stably.
+    """Return the edges (n_patches, 2) of the family of `crests` where the closure is nearest to being met, stably.
 
     Near pull-off few contacts of the family close: where all that are tried open at every edge, those that close are
     looked for between them.
@@ -171,7 +159,7 @@ def start_edges(
 
     def opening(edges: FloatArray) -> FloatArray:
         mesh = layer_mesh(problem.depth, edges, resolution, problem.highest_order)
-        return residual(problem, evaluate(problem, mesh, resolution, control), control)
+        return residual(problem, evaluate(problem, mesh, resolution, control))
 
     tried: list[tuple[float, float]] = []  # share of the depth, mean residual
     for shares in (SCAN, SHALLOW):
@@ -223,7 +211,7 @@ def difference_jacobian(
     base: FloatArray,
     kept: KeptFactors | None = None,
 ) -> FloatArray:
-    """D residual / d edge by forward differences on the moving mesh, shape (2 n_patches, 2 n_patches)."""
+    """Return d residual / d edge by forward differences on the moving mesh, shape (2 n_patches, 2 n_patches)."""
     edges = mesh.edges
     lengths = intervals(edges)
     columns = []
@@ -232,7 +220,7 @@ def difference_jacobian(
         shifted = edges.ravel().copy()
         shifted[e] += step
         there = evaluate(problem, moved(mesh, shifted.reshape(edges.shape)), resolution, control, kept)
-        columns.append((residual(problem, there, control) - base) / step)
+        columns.append((residual(problem, there) - base) / step)
     return np.array(columns).T
 
 
@@ -270,7 +258,7 @@ def close(
     mesh = layer_mesh(problem.depth, edges, resolution, problem.highest_order)
     kept = KeptFactors() if kept is None else kept
     here = evaluate(problem, mesh, resolution, control, kept)
-    now = residual(problem, here, control)
+    now = residual(problem, here)
     size = float(np.max(np.abs(now)))
     slope = difference_jacobian(problem, mesh, resolution, control, now, kept) if jacobian is None else jacobian
     diverging = False
@@ -296,7 +284,7 @@ def close(
             there = evaluate(problem, followed_mesh(mesh, trial, resolution, problem), resolution, control, kept)
         except InvalidProblemError as reason:
             return ended("no_equilibrium", f"the edges lost their order ({reason})")
-        then = residual(problem, there, control)
+        then = residual(problem, there)
         reached = float(np.max(np.abs(then)))
         slope = slope + np.outer(then - now - slope @ step, step) / (step @ step)
         remeshed = there.states.mesh.reference is not mesh.reference
@@ -347,7 +335,7 @@ def followed_mesh(mesh: LayerMesh, edges: FloatArray, resolution: Resolution, pr
 
 
 def _unrolled(local: FloatArray) -> FloatArray:
-    """Edges (n_patches, 2) from local positions that may have passed the seam."""
+    """Return the edges (n_patches, 2) from local positions that may have passed the seam."""
     flat = local.ravel()
     return np.asarray((flat[0] + (flat - flat[0]) % 1.0).reshape(local.shape))
 
@@ -372,7 +360,7 @@ def close_on_ladder(
     closures = [first]
     if first.outcome == "converged":
         coarse = first.evaluation
-        base = residual(problem, coarse, control)
+        base = residual(problem, coarse)
         slope = difference_jacobian(problem, coarse.states.mesh, coarse.resolution, control, base, kept)
         closures[0] = Closure(first.outcome, first.message, coarse, first.residual, slope)
         for resolution in resolutions:
@@ -389,7 +377,9 @@ def scouting(resolution: Resolution) -> Resolution:
 
 
 def hessian(problem: Problem, closure: Closure) -> FloatArray:
-    """Second derivatives (2 n_patches, 2 n_patches) of the energy in outward motions of the edges, not symmetrised.
+    """Return the second derivatives (2 n_patches, 2 n_patches) of the energy by outward motions of the edges.
+
+    They are not symmetrised.
 
     From the Jacobian of the coarse closure; E a^2 / lambda^2.
     """

@@ -102,7 +102,7 @@ class ContactIndicator:
 
 
 def contact_indicator(mesh: LayerMesh) -> ContactIndicator:
-    """Membership of local positions X in the contact of a mesh."""
+    """Return the membership of local positions X in the contact of a mesh."""
     return ContactIndicator(mesh.local_edges)
 
 
@@ -168,7 +168,7 @@ def solve_unit_states(problem: Problem, mesh: LayerMesh, order: int, kept: KeptF
 
 
 def _reactions(spaces: Spaces, stiffness: Stiffness, constraints: Constraints, fields: FloatArray) -> FloatArray:
-    """Nodal forces (2, n_contact) on the contact values, both sides of the seam added."""
+    """Return the nodal forces (2, n_contact) on the contact values, both sides of the seam added."""
     n, _ = spaces.sizes
     force = stiffness.times(fields)[:, n : 2 * n]
     summed = np.zeros((len(fields), n))
@@ -178,7 +178,7 @@ def _reactions(spaces: Spaces, stiffness: Stiffness, constraints: Constraints, f
 
 
 def _mean_on_face(spaces: Spaces, field: FloatArray) -> float:
-    """Mean of u_y over the face."""
+    """Return the mean of u_y over the face."""
     n, _ = spaces.sizes
     nodes = face_nodes(spaces)
     value = field[n + nodes.index]
@@ -189,7 +189,7 @@ def _mean_on_face(spaces: Spaces, field: FloatArray) -> float:
 
 
 def projected_pressure(states: UnitStates, load: float) -> FloatArray:
-    """Pressure at the sorted face nodes (n_face,), zero outside the contact.
+    """Return the pressure at the sorted face nodes (n_face,), zero outside the contact.
 
     At an edge it is the one-sided value of the projection; the exact pressure is singular there, so pointwise values
     within a few of the smallest triangles of an edge mean little.

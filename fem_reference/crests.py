@@ -20,7 +20,7 @@ SHORT_OF_VALLEY = 0.95
 
 
 def chosen_crests(problem: Problem, patches: int) -> FloatArray:
-    """Positions (patches,) of the highest crests, in order along the period.
+    """Return the positions (patches,) of the highest crests, in order along the period.
 
     Raises
     ------
@@ -35,7 +35,7 @@ def chosen_crests(problem: Problem, patches: int) -> FloatArray:
 
 
 def crest_patches(problem: Problem, crests: FloatArray, depth: float) -> FloatArray:
-    """Patches (n_patches, 2) of the family at depth tau, in periods.
+    """Return the patches (n_patches, 2) of the family at depth tau, in periods.
 
     Parameters
     ----------
@@ -74,6 +74,6 @@ def crest_patches(problem: Problem, crests: FloatArray, depth: float) -> FloatAr
 
 
 def scaled_patches(edges: FloatArray, factor: float) -> FloatArray:
-    """Patches (n_patches, 2) with their widths multiplied about their middles."""
+    """Return the patches (n_patches, 2) with their widths multiplied about their middles."""
     middle, half = edges.mean(axis=1, keepdims=True), 0.5 * np.diff(edges, axis=1)
     return np.asarray(middle + factor * half * np.array([-1.0, 1.0]))

@@ -46,7 +46,10 @@ ELEMENTS = {2: (ElementTriP2, ElementTriP1), 4: (ElementTriP4, ElementTriP3)}
 
 
 def taylor_hood(triangles: Any, order: int, quadrature_order: int | None = None) -> Spaces:
-    """P2/P1 (order 2) or P4/P3 (order 4) spaces on a triangle mesh; quadrature exact for the stiffness by default."""
+    """Return P2/P1 (order 2) or P4/P3 (order 4) spaces on a triangle mesh.
+
+    The quadrature is exact for the stiffness by default.
+    """
     degree = 2 * order - 2 if quadrature_order is None else quadrature_order
     displacement, pressure = (Basis(triangles, element(), intorder=degree) for element in ELEMENTS[order])
     return Spaces(displacement, pressure, order)
@@ -87,7 +90,10 @@ class Stiffness:
 
 @lru_cache(maxsize=2)
 def _reference_integrals(order: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Integrals over the reference triangle: of products of derivatives, of derivative times pressure, of pressures."""
+    """Return integrals over the reference triangle.
+
+    They are of products of derivatives, of derivatives times pressures, and of products of pressures.
+    """
     points, weights = get_quadrature(RefTri, 2 * order - 2)
     displacement, pressure = (element() for element in ELEMENTS[order])
     gradient = np.array([displacement.lbasis(points, i)[1] for i in range(displacement.doflocs.shape[0])])
@@ -100,7 +106,9 @@ def _reference_integrals(order: int) -> tuple[FloatArray, FloatArray, FloatArray
 
 
 def assemble(spaces: Spaces, shear_modulus: float, inverse_bulk_modulus: float) -> Stiffness:
-    """Matrices of all elements: sides are straight, so that each is a sum of those of the reference triangle.
+    """Return the matrices of all elements.
+
+    Sides are straight, so that each matrix is a sum of those of the reference triangle.
 
     Parameters
     ----------
@@ -173,7 +181,7 @@ class Coefficients:
 
 
 def _shapes(mesh: Any, chosen: IntArray | slice) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Twice the area of elements, (n,), and dX_r / dx and dX_r / dy, (n, 2) each."""
+    """Return twice the area of elements, (n,), and dX_r / dx and dX_r / dy, (n, 2) each."""
     corners = mesh.p[:, mesh.t[:, chosen]]
     sides = (corners[:, 1:] - corners[:, :1]).transpose(2, 0, 1)  # dx_i / dX_r
     x, y = np.linalg.inv(sides).transpose(2, 0, 1)
@@ -181,12 +189,12 @@ def _shapes(mesh: Any, chosen: IntArray | slice) -> tuple[FloatArray, FloatArray
 
 
 def _outer(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Products (n, 2, 2) of vectors (n, 2)."""
+    """Return products (n, 2, 2) of vectors (n, 2)."""
     return np.asarray(first[:, :, None] * second[:, None, :])
 
 
 def _combined(order: int, shear_modulus: float, inverse_bulk_modulus: float, given: Coefficients) -> FloatArray:
-    """Matrices (n_elements, k, k): sums of those of the reference triangle, each times one coefficient."""
+    """Return the matrices (n_elements, k, k): sums of those of the reference triangle, each times one coefficient."""
     parts = _parts(order, shear_modulus, inverse_bulk_modulus)
     count = len(given.area)
     each = (given.xx, given.yy, given.xy, given.x, given.y, given.area)
@@ -214,7 +222,7 @@ def _parts(order: int, shear_modulus: float, inverse_bulk_modulus: float) -> Flo
 
 
 def _representatives(basis: Any) -> IntArray:
-    """Index (n,) of the nodal value each one stands for: those at X = 1 by those at X = 0 and the same y."""
+    """Return the index (n,) of the nodal value each one stands for: those at X = 1 by those at X = 0 and the same y."""
     x, y = basis.doflocs
     left, right = (np.flatnonzero(np.abs(x - end) < 1e-12) for end in (0.0, 1.0))
     left, right = left[np.argsort(y[left])], right[np.argsort(y[right])]

@@ -27,7 +27,7 @@ STENCIL = {1: 8.0, -1: -8.0, 2: -1.0, -2: 1.0}  # over 12
 
 
 def energy_difference(state: Result) -> tuple[FloatArray, FloatArray]:
-    """G and its uncertainty, both (n_patches, 2), at the edges of a state.
+    """Return G and its uncertainty, both (n_patches, 2), at the edges of a state.
 
     Raises
     ------
@@ -64,7 +64,7 @@ def _step(finest: Evaluation, place: tuple[int, ...]) -> float:
 def _energy(
     finest: Evaluation, place: tuple[int, ...], outwards: float, held: Control, resolution: Resolution
 ) -> float:
-    """Strain energy with one edge moved outwards and the plate held, E a^2."""
+    """Return the strain energy with one edge moved outwards and the plate held, E a^2."""
     problem, edges = finest.states.problem, finest.edges.copy()
     edges[place] += outwards * (1.0 if place[1] else -1.0)
     mesh = layer_mesh(problem.depth, edges, resolution, problem.highest_order)

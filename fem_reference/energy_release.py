@@ -56,7 +56,7 @@ class EdgeStates:
     defect: FloatArray
 
     def at_load(self, load: float) -> "EdgeValues":
-        """Values at a load per period."""
+        """Return the values at a load per period."""
         form = self.release_rate
         rate = form[..., 0, 0] + 2.0 * load * form[..., 0, 1] + load**2 * form[..., 1, 1]
         signed = self.stress_intensity[..., 0] + load * self.stress_intensity[..., 1]
@@ -74,7 +74,7 @@ class EdgeValues:
 
 
 def motion_around(states: UnitStates, tip: float, radius: float) -> FloatArray:
-    """Velocity theta (n_vertices,) that carries the tip and dies out at a distance.
+    """Return the velocity theta (n_vertices,) that carries the tip and dies out at a distance.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def motion_around(states: UnitStates, tip: float, radius: float) -> FloatArray:
 
 
 def energy_derivative(states: UnitStates, motion: FloatArray) -> FloatArray:
-    """Bilinear derivative (2, 2) of the energy of states A and B under a motion of the vertices in x.
+    """Return the bilinear derivative (2, 2) of the energy of states A and B under a motion of the vertices in x.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def energy_derivative(states: UnitStates, motion: FloatArray) -> FloatArray:
 
 
 def _volume_term(states: UnitStates, elements: IntArray, motion: FloatArray) -> FloatArray:
-    """Energy of the elements in which theta changes, by the derivatives of their matrices at constant nodal values."""
+    """Return the energy of the elements in which theta changes, by derivatives of their matrices."""
     mu, softness = states.problem.shear_modulus, states.problem.inverse_bulk_modulus
     matrices = moved_elements(states.spaces, mu, softness, elements, motion)
     nodal = states.fields.T[states.stiffness.dofs[elements]]
@@ -112,7 +112,7 @@ def _volume_term(states: UnitStates, elements: IntArray, motion: FloatArray) -> 
 
 
 def _profile_term(states: UnitStates, motion: FloatArray) -> FloatArray:
-    """Sum over contact values of r_i (h' theta)_i; only state A follows the profile."""
+    """Return the sum over contact values of r_i (h' theta)_i; only state A follows the profile."""
     vertices = states.mesh.triangles.p
     face = np.flatnonzero(np.abs(vertices[1]) < 1e-14)
     face = face[np.argsort(vertices[0, face])]
@@ -127,7 +127,7 @@ def _profile_term(states: UnitStates, motion: FloatArray) -> FloatArray:
 
 
 def edge_states(states: UnitStates, radius: float = RADIUS) -> EdgeStates:
-    """Energy release rate and signed stress intensity of the unit states at every edge.
+    """Return the energy release rate and signed stress intensity of the unit states at every edge.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ COUNTER_CLOCKWISE = [0, 2, 1, 5, 4, 3]  # vertices and mid-sides of a six-node t
 
 
 def field_mesh(result: Result) -> meshio.Mesh:
-    """Whole layer of a result as a meshio mesh with its fields, SI units."""
+    """Return the whole layer of a result as a meshio mesh with its fields, SI units."""
     states, load, problem = result.evaluation.states, result.evaluation.load, result.problem
     triangles = states.mesh.triangles
     nodes = Basis(triangles, ElementTriP2(), intorder=0)
@@ -59,7 +59,7 @@ def field_mesh(result: Result) -> meshio.Mesh:
 
 
 def _pressure_at_nodes(states: UnitStates, nodal: FloatArray, nodes: Basis) -> FloatArray:
-    """Hydrostatic pressure at vertices and mid-sides: linear or cubic along a side."""
+    """Return the hydrostatic pressure at vertices and mid-sides: linear or cubic along a side."""
     space, facets = states.spaces.pressure, states.mesh.triangles.facets
     at_vertices = nodal[space.nodal_dofs[0]]
     values = np.empty(nodes.N)
@@ -71,7 +71,7 @@ def _pressure_at_nodes(states: UnitStates, nodal: FloatArray, nodes: Basis) -> F
 
 
 def _stress_and_energy(states: UnitStates, field: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Means over each triangle of the stress tensor, (n_triangles, 9), the von Mises stress and the energy density."""
+    """Return means over each triangle: stress (n_triangles, 9), von Mises stress, energy density."""
     spaces, n = taylor_hood(states.mesh.triangles, states.spaces.order), states.spaces.sizes[0]
     space = spaces.displacement
     mu, softness = states.problem.shear_modulus, states.problem.inverse_bulk_modulus

@@ -42,7 +42,7 @@ class FaceNodes:
 
 
 def face_nodes(spaces: Spaces) -> FaceNodes:
-    """Nodes of the lower face, sorted."""
+    """Return the nodes of the lower face, sorted."""
     x, y = spaces.displacement.doflocs
     index = np.flatnonzero(np.abs(y) < 1e-14)
     index = index[np.argsort(x[index])]
@@ -50,7 +50,7 @@ def face_nodes(spaces: Spaces) -> FaceNodes:
 
 
 def newton_cotes(order: int) -> FloatArray:
-    """Weights (order + 1,) of the closed rule on [0, 1] that integrates the element's polynomials exactly."""
+    """Return the weights (order + 1,) of the closed rule on [0, 1] that is exact for the element's polynomials."""
     nodes = np.linspace(0.0, 1.0, order + 1)
     powers = np.arange(order + 1)
     return np.asarray(np.linalg.solve(nodes[None, :] ** powers[:, None], 1.0 / (powers + 1.0)))
@@ -78,7 +78,7 @@ def interpolate(x: FloatArray, nodes_x: FloatArray, values: FloatArray, order: i
 
 
 def nodal_profile(nodes: FaceNodes, function: Callable[[FloatArray], FloatArray]) -> FloatArray:
-    """Nodal values (n_face,) that carry a function: exact at the ends of each facet, its moments inside.
+    """Return the nodal values (n_face,) that carry a function: exact at the ends of each facet, its moments inside.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def nodal_profile(nodes: FaceNodes, function: Callable[[FloatArray], FloatArray]
 
 @cache
 def _moments(order: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Gauss points (n,) of a facet on [0, 1], its shape functions there, (order + 1, n), and what takes moments."""
+    """Return Gauss points (n,) on [0, 1], shape functions (order + 1, n), and weights of moments (order - 1, n)."""
     gauss, weights = np.polynomial.legendre.leggauss(order + 4)
     t = 0.5 * (gauss + 1.0)
     shapes = np.array([interpolate(t, np.linspace(0.0, 1.0, order + 1), row, order) for row in np.eye(order + 1)])

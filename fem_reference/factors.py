@@ -46,7 +46,7 @@ class Factorised:
     factors: Any
 
     def times(self, free: FloatArray) -> FloatArray:
-        """T^T K T times vectors of the free unknowns, (n_free, n_rhs), of the same shape: no matrix is put together."""
+        """Return T^T K T times vectors (n_free, n_rhs) of the free unknowns, without assembling the matrix."""
         T = self.constraints.matrix
         return np.asarray(T.T @ self.stiffness.times((T @ free).T).T)
 
@@ -99,7 +99,7 @@ def factorise(
 
 
 def constrained(stiffness: Stiffness, constraints: Constraints, elements: FloatArray) -> csc_matrix:
-    """T^T K T of the free unknowns, (n_free, n_free): a nodal value is one of them, or held."""
+    """Return T^T K T of the free unknowns, (n_free, n_free): a nodal value is one of them, or held."""
     T = constraints.matrix
     free = T.shape[1]
     number = np.full(T.shape[0], free, dtype=np.int32)

@@ -1,27 +1,21 @@
-"""Solve on a mesh of the layer that Gmsh made, read through meshio.
+"""Mesh of one period of the layer that Gmsh made, read through meshio.
 
-`read_layer_mesh` reads a .msh file of one period of the layer: straight-sided triangles with four named boundaries,
-`face` (y = 0), `plate` (y = thickness), `left` and `right` (the seam, with equal vertices on both). Contact edges
-prescribed on such a mesh must be vertices of its face. `solve_on_mesh` solves with P4/P3 elements, and with P2/P1
-elements on the same triangles for the uncertainty, which is therefore far too wide for P4/P3: no finer mesh is at hand.
+`read_layer_mesh` reads a .msh file: straight-sided triangles with four named boundaries, `face` (y = 0), `plate` (y =
+thickness), `left` and `right` (the seam, with equal vertices on both). `by_forms` solves on its mesh, with contact
+edges at vertices of the face.
 
 Limits: Gmsh formats 2.2 and 4.1, nodes without parametric coordinates, every element in a physical group.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import meshio
 import numpy as np
-from numpy.typing import ArrayLike
 from skfem import MeshTri1
 
-from fem_reference.closure import ControlKind, evaluate
-from fem_reference.mesh import LayerMesh, Resolution, check_edges
-from fem_reference.problem import FloatArray, IntArray, InvalidProblemError, Problem
-from fem_reference.result import Result, uncertainties
-from fem_reference.solve import control_of, judged
+from fem_reference.problem import FloatArray, IntArray, InvalidProblemError
 
 BOUNDARIES = ("face", "plate", "left", "right")
 STRAIGHT = 1e-9  # of the period: how far a boundary vertex may be off its line
@@ -106,7 +100,7 @@ def _gmsh_file(path: Path) -> meshio.Mesh:
 
 
 def _named_vertices(source: meshio.Mesh, name: str) -> IntArray:
-    """Vertex numbers of a named boundary of lines."""
+    """Return the vertex numbers of a named boundary of lines."""
     tag, dimension = source.field_data.get(name, (None, None))
     if tag is None or dimension != 1:
         known = sorted(source.field_data) or "none"
@@ -135,60 +129,3 @@ def _check_shape(layer: ImportedLayer) -> None:
     heights = [np.sort(layer.points[1, layer.boundaries[side]]) for side in ("left", "right")]
     if len(heights[0]) != len(heights[1]) or np.max(np.abs(heights[0] - heights[1])) > STRAIGHT * period:
         raise InvalidProblemError("mesh", "left and right do not carry the same vertices")
-
-
-def layer_mesh_of(layer: ImportedLayer, edges: FloatArray) -> LayerMesh:
-    """Mesh in periods with contact edges (n_patches, 2), periods, at vertices of the face.
-
-    Raises
-    ------
-    InvalidProblemError
-        Naming `edges` when one is not a vertex of the face.
-    """
-    points = layer.points / layer.period
-    on_face, plate = layer.boundaries["face"], layer.boundaries["plate"]
-    points[1, on_face] = 0.0
-    points[1, plate] = layer.thickness / layer.period
-    points[0, layer.boundaries["left"]], points[0, layer.boundaries["right"]] = 0.0, 1.0
-    snapped = edges
-    if edges.size:
-        check_edges(edges)
-        wanted = (edges % 1.0).ravel()
-        nearest = on_face[np.argmin(np.abs(points[0, on_face][:, None] - wanted), axis=0)]
-        if np.max(np.abs(points[0, nearest] - wanted)) > STRAIGHT or np.any(np.isin(wanted, [0.0, 1.0])):
-            raise InvalidProblemError("edges", "each must be a vertex of the mesh's face, off its seam")
-        points[0, nearest] = wanted
-    triangles = MeshTri1(np.ascontiguousarray(points), np.ascontiguousarray(layer.triangles))
-    return LayerMesh(triangles, points, snapped % 1.0, snapped, 0.0, layer.thickness / layer.period)
-
-
-def solve_on_mesh(
-    problem: Problem, layer: ImportedLayer, control: ControlKind, value: float, edges: ArrayLike | None = None
-) -> Result:
-    """Solve prescribed edges (m), or complete contact without them, on an imported mesh.
-
-    Parameters
-    ----------
-    problem : Problem
-        With the mesh's period and thickness.
-    layer : ImportedLayer
-    control, value
-        As in `fem_reference.solve`.
-    edges : array_like, shape (n_patches, 2), optional
-
-    Raises
-    ------
-    InvalidProblemError
-        Naming `mesh` when its sizes are not the problem's, else as in `fem_reference.solve`.
-    """
-    sizes = np.array([problem.period, problem.thickness])
-    if np.max(np.abs(np.array([layer.period, layer.thickness]) / sizes - 1.0)) > 1e-6:
-        raise InvalidProblemError("mesh", f"measures {layer.period:g} by {layer.thickness:g} m, not the layer's sizes")
-    pairs = np.zeros((0, 2)) if edges is None else np.asarray(edges, dtype=float) / problem.period
-    mesh = layer_mesh_of(layer, pairs)
-    wanted = control_of(problem, control, value)
-    if edges is None and control != "mean_pressure":
-        raise InvalidProblemError("control", "complete contact on an imported mesh takes mean_pressure")
-    fine = Resolution(4)
-    evaluations = [evaluate(problem, mesh, replace(fine, order=order), wanted) for order in (2, 4)]
-    return judged(evaluations[1], uncertainties(evaluations), None)

@@ -4,7 +4,7 @@ A path (`path`) locates its jumps on one coarse mesh. Here the last state of the
 meshes (`solve.companions`), and every number carries the uncertainty that follows from the three (`result`).
 
 - Fold, bifurcation: five points of the branch on planes across its tangent at the coarse fold, as far apart as the
-  control changes by 4e-3 of its unit, by its curvature there. The control has its extremum on the polynomial through
+  control changes by 5e-4 of its unit, by its curvature there. The control has its extremum on the polynomial through
   them; all other numbers are those of their own polynomials there.
 - Touch: three points at fixed values of the control about the coarse touch; the least gap near the crest vanishes on
   the polynomial through them.
@@ -25,7 +25,7 @@ from numpy.polynomial import Polynomial
 
 from fem_reference.closure import ControlKind, Evaluation
 from fem_reference.contact import KeptFactors
-from fem_reference.continuation import Branch, Point, Solution, gap_minima
+from fem_reference.continuation import Branch, Point, Solution, gap_near
 from fem_reference.mesh import Resolution, layer_mesh
 from fem_reference.path import LOADS, Jump, PathError
 from fem_reference.problem import FloatArray, Problem
@@ -34,8 +34,9 @@ from fem_reference.solve import companions
 
 PLANES = np.array([-1.0, -0.5, 0.0, 0.5, 1.0])  # across the branch at a fold, over the outer ones
 FARTHEST, NEAR = 0.1, 0.01  # outer planes at most, and where the curvature is measured, in units of the scales
+TURN = 5e-4  # units of its own by which the control changes between a fold and the outer planes
 VALUES = np.array([-4e-3, 0.0, 4e-3])  # about a touch, from its own on, rms heights or shares of the largest load
-CLOSED = 1e-7  # residual of K
+CLOSED = 1e-9  # residual of K
 NUMBERS = ("penetration", "total_displacement", "mean_pressure", "contact_fraction", "total_energy")
 
 
@@ -79,7 +80,7 @@ def _numbers(branch: Branch, jump: Jump) -> dict[str, float]:
         places, states = _about(branch, jump.before) if touch else _across(branch, jump.before)
         line = Polynomial.fit(
             places,
-            [_gap_near(state.evaluation, jump.changes[0].position) for state in states]
+            [gap_near(state.evaluation, jump.changes[0].position) for state in states]
             if touch
             else [state.value for state in states],
             len(places) - 1,
@@ -115,7 +116,7 @@ def _across(branch: Branch, point: Point) -> tuple[FloatArray, list[Solution]]:
 
     before, at, behind = (state.value for state in row(np.array([-NEAR, 0.0, NEAR])))
     curvature = abs(before - 2.0 * at + behind) / (2.0 * NEAR**2 * branch.unit)  # of the control in its units
-    places = PLANES * min(FARTHEST, float(np.sqrt(VALUES[-1] / curvature)))
+    places = PLANES * min(FARTHEST, float(np.sqrt(TURN / curvature)))
     return places, row(places)
 
 
@@ -150,8 +151,3 @@ def potential(kind: ControlKind, evaluation: Evaluation) -> float:
         return numbers["strain_energy"] + numbers["adhesion_energy"]
     work = numbers["load"] * numbers["penetration"] if kind == "mean_pressure" else 0.0
     return numbers["total_energy"] - work
-
-
-def _gap_near(evaluation: Evaluation, position: float) -> float:
-    """Return the least gap, rms heights, among the minimum nearest to a position (periods)."""
-    return min((abs((x - position + 0.5) % 1.0 - 0.5), gap) for x, gap in gap_minima(evaluation))[1]

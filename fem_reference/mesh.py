@@ -38,14 +38,14 @@ class Resolution:
     order : int
         Order of the displacement elements: 2 (P2/P1) or 4 (P4/P3).
     cells : int
-        Base cells per period (more are taken for thin layers and high harmonics), >= 4.
+        Base cells per period (more are taken for thin layers and high harmonics), >= 3.
     tip_levels : int
         Halvings from the shortest interval beside an edge to the smallest triangle there, 4 to 24.
 
     Examples
     --------
-    >>> Resolution(4, 8, 20).coarser()
-    Resolution(order=4, cells=6, tip_levels=17)
+    >>> Resolution(4, 8, 20).coarser(0.5)
+    Resolution(order=4, cells=4, tip_levels=12)
     """
 
     order: int = 4
@@ -55,23 +55,19 @@ class Resolution:
     def __post_init__(self) -> None:
         if self.order not in (2, 4):
             raise InvalidProblemError("resolution", f"order must be 2 or 4, got {self.order!r}")
-        if self.cells < 4:
-            raise InvalidProblemError("resolution", f"cells must be at least 4, got {self.cells!r}")
+        if self.cells < 3:
+            raise InvalidProblemError("resolution", f"cells must be at least 3, got {self.cells!r}")
         if not FEWEST_LEVELS <= self.tip_levels <= 24:
             raise InvalidProblemError("resolution", f"tip_levels must lie in 4..24, got {self.tip_levels!r}")
 
-    @property
-    def _cells_of_coarser(self) -> int:
-        return int(np.ceil(0.75 * self.cells))
+    def coarser(self, share: float) -> "Resolution":
+        """Return the resolution with a share of the cells, rounded up.
 
-    @property
-    def levels_fewer(self) -> int:
-        """By how many tip levels the next coarser member has fewer: the tip keeps pace with the order of a load."""
-        return round(2 * self.order * float(np.log2(self.cells / self._cells_of_coarser)))
-
-    def coarser(self) -> "Resolution":
-        """Return the next coarser resolution: 3/4 of the cells, rounded up, and fewer tip levels at the same pace."""
-        return replace(self, cells=self._cells_of_coarser, tip_levels=self.tip_levels - self.levels_fewer)
+        The sizes at the tips keep pace with the order of a load: 2 m levels for each halving.
+        """
+        cells = int(np.ceil(share * self.cells))
+        fewer = round(2 * self.order * float(np.log2(self.cells / cells)))
+        return replace(self, cells=cells, tip_levels=self.tip_levels - fewer)
 
 
 @dataclass(frozen=True)
@@ -107,7 +103,7 @@ class LayerMesh:
         return np.asarray((self.edges - self.seam) % 1.0)
 
     def reach(self) -> FloatArray:
-        """Distance (n_patches, 2) from each edge to the next edge, the seam or the plate, whichever is nearest."""
+        """Return the distance (n_patches, 2) from each edge to the nearest of the next edge, the seam and the plate."""
         tips = self.local_edges.ravel()
         knots = np.concatenate([[0.0], np.sort(tips), [1.0]])
         where = np.searchsorted(knots[1:-1], tips) + 1
@@ -134,7 +130,7 @@ def check_edges(edges: FloatArray, argument: str = "edges") -> None:
 
 
 def crisscross(x: FloatArray, y: FloatArray) -> Any:
-    """Triangle mesh of the tensor grid x (n,), y (m,), every rectangle cut in four by its diagonals.
+    """Return a triangle mesh of the tensor grid x (n,), y (m,), every rectangle cut in four by its diagonals.
 
     Examples
     --------
@@ -152,7 +148,7 @@ def crisscross(x: FloatArray, y: FloatArray) -> Any:
 
 
 def _grid(depth: float, resolution: Resolution, highest_order: int) -> tuple[int, int]:
-    """Columns and rows of the base mesh."""
+    """Return the numbers of columns and rows of the base mesh."""
     n = resolution.cells
     size = min(1.0 / n, 4.0 * depth / n, 4.0 / (n * highest_order))
     rows = max(2, int(np.ceil(GROWTH / size * np.log1p(depth / GROWTH) - 1e-9)))
@@ -160,7 +156,7 @@ def _grid(depth: float, resolution: Resolution, highest_order: int) -> tuple[int
 
 
 def base_unknowns(depth: float, resolution: Resolution, highest_order: int) -> float:
-    """About how many unknowns a mesh has before it is graded to any edge, and without making it.
+    """Return about how many unknowns a mesh has before it is graded to any edge, without making it.
 
     Examples
     --------
@@ -172,7 +168,7 @@ def base_unknowns(depth: float, resolution: Resolution, highest_order: int) -> f
 
 
 def _base(depth: float, resolution: Resolution, highest_order: int) -> Any:
-    """Crisscross mesh without edges."""
+    """Return a crisscross mesh without edges."""
     columns, rows = _grid(depth, resolution, highest_order)
     y = GROWTH * np.expm1(np.linspace(0.0, np.log1p(depth / GROWTH), rows + 1))
     y[-1] = depth
@@ -207,14 +203,14 @@ def _seam_matched(mesh: Any) -> Any:
 
 
 def _seam_of(edges: FloatArray) -> float:
-    """Middle of the longest interval between successive edges."""
+    """Return the middle of the longest interval between successive edges."""
     knots = np.append(edges.ravel(), edges[0, 0] + 1.0)
     longest = int(np.argmax(np.diff(knots)))
     return float((0.5 * (knots[longest] + knots[longest + 1])) % 1.0)
 
 
 def layer_mesh(depth: float, edges: FloatArray, resolution: Resolution, highest_order: int = 1) -> LayerMesh:
-    """Mesh of the layer graded towards the given edges.
+    """Return the mesh of the layer graded towards the given edges.
 
     Parameters
     ----------

@@ -26,7 +26,7 @@ from typing import Literal
 import numpy as np
 
 from fem_reference.closure import ControlKind, intervals, start_edges
-from fem_reference.continuation import Branch, Point, gap_minima
+from fem_reference.continuation import Branch, Point, gap_minima, gap_near
 from fem_reference.crests import chosen_crests
 from fem_reference.descent import NARROW, SEED, Change, NoRestError, descend, with_patch, without_narrow
 from fem_reference.factors import SingularSystemError
@@ -210,14 +210,14 @@ def _jump(branch: Branch, start: Point, end: Point, target: float, direction: fl
     entered = [x for x, gap in gap_minima(place.evaluation) if gap < -TOUCHED]
     if entered:
         cause = "touch"
-        place = _zero(branch, start, place, lambda p: _lowest(p, entered), TOUCHED)
+        place = _zero(branch, start, place, lambda p: min(gap_near(p.evaluation, x) for x in entered), TOUCHED)
     elif not (turned or not end.stable):
         return None
     beyond = BEYOND_TOUCH if cause == "touch" and branch.problem.work_of_adhesion == 0.0 else BEYOND
     value = place.value + direction * min(beyond * branch.unit, abs(target - place.value))
     begun: tuple[Change, ...] = ()
     if cause == "touch":
-        x = min(entered, key=lambda x: _lowest(place, [x]))
+        x = min(entered, key=lambda x: gap_near(place.evaluation, x))
         edges, begun = with_patch(place.edges, x), (Change("new_contact", x % 1.0),)
     else:
         lengths = branch.scales(place.edges)[:-1]
@@ -229,12 +229,6 @@ def _jump(branch: Branch, start: Point, end: Point, target: float, direction: fl
         edge = int(np.argmax(np.abs(place.softest)))
         changes = (Change("bifurcation", float(place.edges.flat[edge] % 1.0)),)
     return Jump(cause, place.value, changes, place, rest.point)
-
-
-def _lowest(point: Point, near: list[float]) -> float:
-    """Return the least gap of a point among the minima near some positions, rms heights."""
-    minima = gap_minima(point.evaluation)
-    return min(min((abs((x - m + 0.5) % 1.0 - 0.5), gap) for m, gap in minima)[1] for x in near)
 
 
 def _zero(branch: Branch, start: Point, end: Point, of: Callable[[Point], float], within: float) -> Point:

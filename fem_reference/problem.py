@@ -210,15 +210,15 @@ class Problem:
         return result
 
     def height(self, x: ArrayLike) -> FloatArray:
-        """Profile height h/a at positions x/lambda of any shape."""
+        """Return the profile height h/a at positions x/lambda of any shape."""
         return self._series(x, 0)
 
     def slope(self, x: ArrayLike) -> FloatArray:
-        """d(h/a)/d(x/lambda) at positions x/lambda; times a/lambda it is the true slope."""
+        """Return d(h/a)/d(x/lambda) at positions x/lambda; times a/lambda it is the true slope."""
         return self._series(x, 1)
 
     def curvature(self, x: ArrayLike) -> FloatArray:
-        """d^2(h/a)/d(x/lambda)^2 at positions x/lambda."""
+        """Return d^2(h/a)/d(x/lambda)^2 at positions x/lambda."""
         return self._series(x, 2)
 
     @cached_property
@@ -238,10 +238,10 @@ class Problem:
         return float(self.height(self.crests[0])) if self.crests.size else 0.0
 
     def critical_stress_intensity(self, x: ArrayLike) -> FloatArray:
-        """sqrt(2 E* gamma sqrt(1 + h'^2)) (or without the root) at positions x/lambda, in E a / sqrt(lambda)."""
+        """Return sqrt(2 E* gamma sqrt(1 + h'^2)) (or without the root) at positions x/lambda, in E a / sqrt(lambda)."""
         return np.sqrt(2.0 * self.plane_strain_modulus * self.work_of_opening(x))
 
     def work_of_opening(self, x: ArrayLike) -> FloatArray:
-        """gamma sqrt(1 + h'^2), or gamma without the slope term, at positions x/lambda, in E a^2 / lambda."""
+        """Return gamma sqrt(1 + h'^2), or gamma without the slope term, at positions x/lambda, in E a^2 / lambda."""
         true_slope = self.slope(x) * self.unit_height / self.period if self.slope_term else np.zeros(np.shape(x))
         return self.work_of_adhesion / self.unit_release_rate * np.sqrt(1.0 + true_slope**2)

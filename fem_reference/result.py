@@ -1,4 +1,4 @@
-"""Result of a solution: SI values, each with its uncertainty, and the rule that gives it from several meshes.
+"""Result of a solution: SI values, each with its uncertainty.
 
 Energies and loads are per period of the profile and unit length in the third direction. u_tot is the displacement of
 the plate from first touch of the undeformed layer; Delta = u_tot - mean(u_y over the face) is the penetration, its
@@ -7,27 +7,14 @@ mean part computed from the finite element field itself (for the exact solution 
 
     elastic_energy = strain_energy - load * mean(u_y) / 2.
 
-The uncertainty of a quantity q with values q_1 .. q_n on meshes of increasing fineness h_k = 1 / cells_k is
-
-    U_n = 1.5 max( |q_n - q_{n-1}|, f |q_{n-1} - q_{n-2}| ) + 1e-11 |q_n|,
-
-the second term (with three meshes or more) against two meshes that agree by chance. Where both differences have one
-sign the values converge monotonically and f = (h_n / h_{n-1})^(3m/2), m the order of the displacement elements. Where
-the sign turns they show no order, and f = 1: the range of values counts whole, as of every oscillating sequence
-(Stern, Wilson, Coleman and Paterson, J. Fluids Eng. 123 (2001) 793, doi:10.1115/1.1412235; Eca and Hoekstra, J. Comput.
-Phys. 262 (2014) 104, doi:10.1016/j.jcp.2014.01.006). Fields have no sign: theirs are differences in the largest norm
-of a facet, with f as above. Nothing is divided by what the observed order promises: with cells in ratio 3:4 the error
-is at most |q_n - q_{n-1}| for every observed order above 2.4. Stress intensities and release rates also carry the
-rank-one defect, which needs no second mesh.
-
-This is a statement of 95 %, no bound: meshes whose cells are not in ratio 1:2 are not similar, and the error of one
-need not be below that of the coarser. README.md has the coverage measured.
+Uncertainties are those of `uncertainty`, on meshes of sizes h = 1 / cells. The theoretical order of every number is
+2 m, m that of the displacement elements: each is a linear or quadratic functional of the solution, and the levels at
+the edges keep pace. Displacements and gaps at a point have the order m + 1, pressures m.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -38,6 +25,7 @@ from fem_reference.contact import projected_pressure
 from fem_reference.face import face_nodes, interpolate, nodal_profile
 from fem_reference.mesh import Resolution
 from fem_reference.problem import FloatArray, IntArray, Problem
+from fem_reference.uncertainty import ROUNDING, uncertainty
 
 Status = Literal[
     "converged",
@@ -50,8 +38,6 @@ Status = Literal[
 Quantity = float | FloatArray
 
 WINDOW = 0.8  # of a patch: what its middle pressure is averaged over
-SAFETY = 1.5  # times the difference of two meshes
-ROUNDING = 1e-11  # relative: what the linear solver leaves, measured 1e-13 to 1e-12
 
 
 @dataclass(frozen=True)
@@ -157,18 +143,18 @@ class Result:
         return None if self.min_eigenvalue is None else self.min_eigenvalue > 0.0
 
     def displacement(self, x: ArrayLike) -> FloatArray:
-        """u_y of the face at positions x in m (any shape), evaluated in the elements."""
+        """Return u_y of the face at positions x in m (any shape), evaluated in the elements."""
         local = (np.asarray(x, dtype=float) / self.problem.period - self.evaluation.states.mesh.seam) % 1.0
         return face_displacement(self.evaluation, local) * self.problem.unit_height
 
     def gap(self, x: ArrayLike) -> FloatArray:
-        """Gap u_y - (h - h_max + u_tot) at positions x in m (any shape)."""
+        """Return the gap u_y - (h - h_max + u_tot) at positions x in m (any shape)."""
         at = np.asarray(x, dtype=float)
         rigid = (self.problem.height(at / self.problem.period) - self.problem.highest) * self.problem.unit_height
         return np.asarray(self.displacement(at) - rigid - self.total_displacement)
 
     def uncertainty_at(self, field: Literal["displacement", "gap", "pressure"], x: ArrayLike) -> FloatArray:
-        """Uncertainty of a field of the interface at positions x in m (any shape): that of the nodes on both sides."""
+        """Return the uncertainty of a field at positions x in m (any shape): the larger of the nodes beside x."""
         nodes = self.interface.x
         local = nodes[0] + (np.asarray(x, dtype=float) - nodes[0]) % self.problem.period
         after = np.clip(np.searchsorted(nodes, local), 1, len(nodes) - 1)
@@ -189,18 +175,18 @@ def face_displacement(evaluation: Evaluation, local: FloatArray) -> FloatArray:
 
 
 def patch_order(evaluation: Evaluation) -> IntArray:
-    """Order (n_patches,) of the patches by a in [0, period), as results list them."""
+    """Return the order (n_patches,) of the patches by a in [0, period), as results list them."""
     return np.asarray(np.argsort(evaluation.edges[:, 0] % 1.0)) if evaluation.edges.size else np.zeros(0, dtype=int)
 
 
 def contact_edges(evaluation: Evaluation) -> FloatArray:
-    """Edges (n_patches, 2) in periods with every a in [0, 1), in the order of the computation."""
+    """Return the edges (n_patches, 2) in periods with every a in [0, 1), in the order of the computation."""
     edges = evaluation.edges
     return edges - np.floor(edges[:, :1]) if edges.size else edges
 
 
 def adhesion_energy(problem: Problem, edges: FloatArray) -> float:
-    """- int gamma sqrt(1 + h'^2) over the patches (n_patches, 2), E a^2; a full period without edges.
+    """Return - int gamma sqrt(1 + h'^2) over the patches (n_patches, 2), E a^2; a full period without edges.
 
     Composite Gauss rule with 16 points on pieces of 1/8 of the shortest wavelength: exact to rounding.
     """
@@ -216,7 +202,7 @@ def adhesion_energy(problem: Problem, edges: FloatArray) -> float:
 
 
 def middle_pressure(evaluation: Evaluation) -> FloatArray:
-    """Weighted mean pressure (n_patches,) of the middle of each patch, E a / lambda, in the order of the computation.
+    """Return the weighted mean pressure (n_patches,) of the middle of each patch, E a / lambda.
 
     The weight is carried by nodal values as the profile is, so that no pressure is projected and none interpolated.
     """
@@ -238,13 +224,13 @@ def middle_pressure(evaluation: Evaluation) -> FloatArray:
 
 
 def strain_energy(evaluation: Evaluation) -> float:
-    """Whole elastic energy of the layer, E a^2."""
+    """Return the whole elastic energy of the layer, E a^2."""
     energy, load = evaluation.states.energy, evaluation.load
     return float(energy[0, 0] + 2.0 * load * energy[0, 1] + load**2 * energy[1, 1])
 
 
 def quantities(evaluation: Evaluation, order: IntArray | None = None) -> dict[str, Quantity]:
-    """Every scalar and edge quantity of one mesh in SI units, by the names of `Result`.
+    """Return every scalar and edge quantity of one mesh in SI units, by the names of `Result`.
 
     Patches are listed by `patch_order`, or in the order given: meshes compared with one another need the same one, even
     when an edge near the end of the period falls on either side of it.
@@ -276,7 +262,7 @@ def quantities(evaluation: Evaluation, order: IntArray | None = None) -> dict[st
 
 
 def interface_fields(evaluation: Evaluation) -> Interface:
-    """Fields along the face of one mesh, SI units."""
+    """Return the fields along the face of one mesh, SI units."""
     states, problem = evaluation.states, evaluation.states.problem
     nodes = face_nodes(states.spaces)
     x = states.mesh.seam + nodes.x
@@ -291,32 +277,18 @@ def interface_fields(evaluation: Evaluation) -> Interface:
     )
 
 
-def resolutions_of(evaluations: Sequence[Evaluation]) -> list[Resolution]:
-    """Return the resolution of each evaluation."""
-    return [evaluation.resolution for evaluation in evaluations]
+def sizes_of(resolutions: Sequence[Resolution]) -> list[float]:
+    """Return the size of each mesh, periods."""
+    return [1.0 / resolution.cells for resolution in resolutions]
 
 
 def spread(values: Sequence[FloatArray], resolutions: Sequence[Resolution]) -> FloatArray:
-    """Uncertainty (module docstring) of the last of two or more values of one quantity, coarsest mesh first."""
-    before, last = [np.signbit(b - a) for a, b in pairwise(values[-3:])][-2:] if len(values) > 2 else (False, False)
-    return _expanded(values, np.where(before == last, _shrinkage(resolutions), 1.0))
-
-
-def _expanded(values: Sequence[FloatArray], factor: FloatArray | float) -> FloatArray:
-    """Return the uncertainty of the last value, with the difference before the last multiplied by a factor."""
-    steps = [np.abs(b - a) for a, b in pairwise(values)]
-    largest = np.maximum(steps[-1], factor * steps[-2]) if len(steps) > 1 else steps[-1]
-    return np.asarray(SAFETY * largest + ROUNDING * np.abs(values[-1]))
-
-
-def _shrinkage(resolutions: Sequence[Resolution]) -> float:
-    """(h_n / h_{n-1})^(3m/2) of the last two meshes."""
-    fine, coarse = resolutions[-1], resolutions[-2]
-    return float((coarse.cells / fine.cells) ** (1.5 * fine.order))
+    """Return the uncertainty of the last of two or more values of one quantity, coarsest mesh first."""
+    return uncertainty(values, sizes_of(resolutions), 2 * resolutions[-1].order)
 
 
 def aligned_values(name: str, evaluations: Sequence[Evaluation]) -> list[FloatArray]:
-    """Values of one quantity on every mesh, edges taken to the period of the last."""
+    """Return the values of one quantity on every mesh, edges taken to the period of the last."""
     order = patch_order(evaluations[-1])
     values = [np.asarray(quantities(e, order)[name], dtype=float) for e in evaluations]
     if name == "edges" and values[-1].size:
@@ -325,26 +297,18 @@ def aligned_values(name: str, evaluations: Sequence[Evaluation]) -> list[FloatAr
     return values
 
 
-def defect_spread(name: str, evaluation: Evaluation) -> FloatArray | float:
-    """Return what the rank-one defect adds to the uncertainty of a quantity of the edges, zero for the others."""
-    if name not in ("stress_intensity", "energy_release_rate"):
-        return 0.0
-    return np.asarray(evaluation.values.defect[patch_order(evaluation)] * np.abs(quantities(evaluation)[name]))
-
-
 def uncertainties(evaluations: Sequence[Evaluation]) -> dict[str, Quantity]:
-    """Uncertainty of every quantity of the last evaluation, from two or more meshes, coarsest first."""
-    fine = evaluations[-1]
+    """Return the uncertainty of every quantity of the last evaluation, from two or more meshes, coarsest first."""
+    resolutions = [evaluation.resolution for evaluation in evaluations]
     result: dict[str, Quantity] = {}
-    for name in quantities(fine):
-        total = spread(aligned_values(name, evaluations), resolutions_of(evaluations)) + defect_spread(name, fine)
+    for name in quantities(evaluations[-1]):
+        total = spread(aligned_values(name, evaluations), resolutions)
         result[name] = total if total.ndim else float(total)
-    result |= _field_uncertainties(evaluations)
-    return result
+    return result | _field_uncertainties(evaluations)
 
 
 def _field_uncertainties(evaluations: Sequence[Evaluation]) -> dict[str, Quantity]:
-    """Uncertainty of displacement, gap and pressure at the face nodes of the last evaluation, SI units.
+    """Return the uncertainty of displacement, gap and pressure at the face nodes of the last evaluation, SI units.
 
     That of a node is the largest in the facets it belongs to: two meshes may agree at a point by chance.
     """
@@ -359,15 +323,15 @@ def _field_uncertainties(evaluations: Sequence[Evaluation]) -> dict[str, Quantit
         values["gap"].append(displacement - float(quantities(evaluation)["total_displacement"]))
         values["pressure"].append(interpolate(local, nodes.x, face.pressure, nodes.order))
     units = (problem.unit_height, problem.unit_height, problem.unit_stress)
-    order, shrinkage = fine.resolution.order, _shrinkage(resolutions_of(evaluations))
+    m, sizes = fine.resolution.order, sizes_of([evaluation.resolution for evaluation in evaluations])
     return {
-        name: _largest_beside(_expanded(values[name], shrinkage), order) + ROUNDING * unit
+        name: _largest_beside(uncertainty(values[name], sizes, m + (name != "pressure")), m) + ROUNDING * unit
         for name, unit in zip(values, units, strict=True)
     }
 
 
 def _largest_beside(values: FloatArray, order: int) -> FloatArray:
-    """Largest of (n_facets * order + 1,) nodal values in the facets a node belongs to."""
+    """Return the largest of (n_facets * order + 1,) nodal values in the facets a node belongs to."""
     inner = np.lib.stride_tricks.sliding_window_view(values, order + 1)[::order].max(axis=1)
     result = np.repeat(inner, order)
     result[order::order] = np.maximum(inner[1:], inner[:-1])

@@ -35,10 +35,7 @@ from fem_reference.result import Quantity, Result, Status, interface_fields, pat
 Harmonics = tuple[ArrayLike, ArrayLike, ArrayLike]
 Edges = ArrayLike | Literal["complete"] | None
 
-FEWEST_CELLS = {
-    2: 10,
-    4: 6,
-}  # by order; from these on 299 of 300 true errors of P2 were within the uncertainty, one 1.18
+FEWEST_CELLS = {2: 10, 4: 8}  # by order: half of them are the coarsest mesh of the three
 
 
 def solve(
@@ -114,30 +111,28 @@ def solve(
 
 
 def companions(finest: Resolution) -> list[Resolution]:
-    """Return the resolution and two coarser members of its family, coarsest first.
+    """Return the resolutions with half and three quarters of the cells, and the one given.
 
     Raises
     ------
     InvalidProblemError
-        Naming `resolution`: too coarse to tell its error from its companions. With fewer cells than `FEWEST_CELLS` two
-        errors cancelled and were up to 4.7 times the uncertainty; where companions have no fewer tip levels, all three
-        meshes share the error of the tips, and it was up to 7 times.
+        Naming `resolution`: fewer cells than `FEWEST_CELLS`, or too few tip levels for half of them.
 
     Examples
     --------
-    >>> [r.cells for r in companions(Resolution(4, 10, 20))]
-    [6, 8, 10]
+    >>> [r.cells for r in companions(Resolution(4, 8, 18))]
+    [4, 6, 8]
     """
-    fewest = FEWEST_CELLS[finest.order]
+    fewest, levels = FEWEST_CELLS[finest.order], FEWEST_LEVELS + 2 * finest.order
     if finest.cells < fewest:
         reason = f"needs at least {fewest} cells with elements of order {finest.order}, got {finest.cells}"
         raise InvalidProblemError("resolution", f"{reason}: on coarser meshes the uncertainty is not reliable")
-    middle = finest.coarser()
-    fewer = finest.levels_fewer + middle.levels_fewer
-    if finest.tip_levels < FEWEST_LEVELS + fewer:
-        reason = f"needs at least {FEWEST_LEVELS + fewer} tip levels with {finest.cells} cells, got {finest.tip_levels}"
-        raise InvalidProblemError("resolution", f"{reason}: the coarsest of its three meshes has {fewer} fewer")
-    return [middle.coarser(), middle, finest]
+    if finest.tip_levels < levels:
+        reason = f"needs at least {levels} tip levels with elements of order {finest.order}, got {finest.tip_levels}"
+        raise InvalidProblemError(
+            "resolution", f"{reason}: the coarsest of its three meshes has {2 * finest.order} fewer"
+        )
+    return [finest.coarser(0.5), finest.coarser(0.75), finest]
 
 
 def problem_of(
@@ -178,7 +173,7 @@ def control_of(problem: Problem, control: ControlKind, value: float) -> Control:
 def prescribed(
     problem: Problem, control: Control, edges: ArrayLike | str, ladder: Sequence[Resolution]
 ) -> list[tuple[Resolution, LayerMesh]]:
-    """Meshes for prescribed edges (m) or complete contact, one for each resolution.
+    """Return meshes for prescribed edges (m) or complete contact, one for each resolution.
 
     Raises
     ------
@@ -206,7 +201,7 @@ def closed(
     start_scale: float = 1.0,
     start: ArrayLike | None = None,
 ) -> list[Closure]:
-    """Closures on a coarse mesh and then each resolution, from edges given in m or from the crests of the profile.
+    """Return closures on a coarse mesh and on each resolution, from edges given in m or from the crests.
 
     Raises
     ------
@@ -225,7 +220,7 @@ def closed(
 
 
 def pairs_of(argument: str, edges: ArrayLike, problem: Problem) -> FloatArray:
-    """Edges (n_patches, 2) in periods of those given in m; raises `InvalidProblemError` naming the argument."""
+    """Return edges (n_patches, 2) given in m in periods; raise `InvalidProblemError` naming the argument."""
     try:
         pairs = np.asarray(edges, dtype=float) / problem.period
     except (TypeError, ValueError):

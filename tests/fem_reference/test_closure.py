@@ -150,7 +150,7 @@ def test_total_energy_is_stationary_and_its_hessian_symmetric(sinusoid):
 
 def exact_jacobian(problem, closure, control):
     here = closure.evaluation
-    return difference_jacobian(problem, here.states.mesh, here.resolution, control, residual(problem, here, control))
+    return difference_jacobian(problem, here.states.mesh, here.resolution, control, residual(problem, here))
 
 
 def test_the_small_contact_at_the_same_tension_is_unstable(sinusoid):

@@ -1,9 +1,11 @@
-"""The domain integral against differences of the energy, its independence of the domain, and the sign of K."""
+"""Energy release rate against differences of energies, its independence of the domain, and the sign of K."""
 
 import numpy as np
 import pytest
 
+from fem_reference import solve
 from fem_reference.contact import solve_unit_states
+from fem_reference.energy_difference import energy_difference
 from fem_reference.energy_release import edge_states, energy_derivative, motion_around
 from fem_reference.face import face_nodes, nodal_profile
 from fem_reference.mesh import Resolution, layer_mesh, moved
@@ -108,3 +110,31 @@ def test_rank_one_defect_shrinks_with_the_mesh(refined_edge_states, load):
     # measured 1.7e-3, 3.1e-4, 3.7e-7 (load -0.5); 1.5e-3, 2.3e-4, 3.2e-7 (load 2)
     assert defects[1] < 0.3 * defects[0]
     assert defects[2] < 0.05 * defects[1]
+
+
+PERIOD, MODULUS = 0.01, 1e6 / (1 - 0.3**2)
+WORK = (0.3 * np.pi * MODULUS * 50e-6 / PERIOD) ** 2 * PERIOD / (2 * MODULUS)  # Johnson's alpha = 0.3
+WAVE = {
+    "youngs_modulus": 1e6,
+    "poisson_ratio": 0.3,
+    "thickness": 2 * PERIOD,
+    "period": PERIOD,
+    "harmonics": ([1], [50e-6], [0.7]),
+    "work_of_adhesion": WORK,
+    "control": "penetration",
+    "resolution": Resolution(2, 10, 10),
+}
+
+
+def test_release_rate_by_energies_is_the_work_of_adhesion():
+    rate, uncertainty = energy_difference(solve(**WAVE, value=-1.2e-5))
+    assert rate.shape == (1, 2)
+    assert np.all(np.abs(rate - WORK) <= uncertainty)
+    assert np.all(uncertainty < 0.01 * WORK)  # measured 2e-3
+
+
+def test_release_rate_by_energies_is_the_domain_integral_off_equilibrium():
+    given = solve(**WAVE, value=1e-5, edges=[[-0.0021, 0.0009]])
+    rate, uncertainty = energy_difference(given)
+    assert np.all(np.abs(rate - given.energy_release_rate) <= uncertainty + given.uncertainty["energy_release_rate"])
+    assert rate.max() > 2 * rate.min()  # far from equilibrium: the two edges differ

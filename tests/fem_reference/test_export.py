@@ -21,7 +21,7 @@ COMMON = {
 
 @pytest.fixture(scope="module", params=[2, 4], ids=["P2/P1", "P4/P3"])
 def result(request):
-    return solve(**COMMON, resolution=Resolution(request.param, 10, 10))
+    return solve(**COMMON, resolution=Resolution(request.param, 10, 12))
 
 
 def test_fields_read_back_bit_for_bit(result, tmp_path):
@@ -84,7 +84,7 @@ def test_exported_pressure_is_that_of_the_elements(result):
 
 def test_a_uniformly_compressed_layer_has_uniform_fields():
     flat = COMMON | {"harmonics": ([], [], []), "edges": "complete"}
-    mesh = field_mesh(solve(**flat, resolution=Resolution(4, 8, 10)))
+    mesh = field_mesh(solve(**flat, resolution=Resolution(4, 8, 12)))
     nu = 0.3
     # uniaxial strain: sigma_yy = -p, sigma_xx = sigma_zz = -p nu / (1 - nu)
     lateral = 0.01 * nu / (1 - nu)

@@ -173,9 +173,9 @@ GOOD = {"control": "penetration", "value": 7e-5, "edges": EDGES}
     ("resolution", "told"),
     [
         (Resolution(2, 8, 8), "at least 10 cells with elements of order 2, got 8"),
-        (Resolution(4, 5, 12), "at least 6 cells with elements of order 4, got 5"),
-        (Resolution(2, 10, 6), "at least 7 tip levels with 10 cells, got 6"),
-        (Resolution(4, 10, 9), "at least 10 tip levels with 10 cells, got 9"),
+        (Resolution(4, 5, 12), "at least 8 cells with elements of order 4, got 5"),
+        (Resolution(2, 10, 6), "at least 8 tip levels with elements of order 2, got 6"),
+        (Resolution(4, 10, 9), "at least 12 tip levels with elements of order 4, got 9"),
     ],
     ids=["P2 cells", "P4 cells", "P2 tips", "P4 tips"],
 )

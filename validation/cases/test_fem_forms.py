@@ -19,8 +19,7 @@ from validation.plugin.rows import Code, Quantity
 
 MODULUS, RATIO, HEIGHT, EDGES, PENETRATION = 1e6, 0.3, 0.01, np.array([[0.3, 0.7]]), 0.004
 WAVE = 2 * np.pi
-PROFILE = (lambda x: -HEIGHT * np.cos(WAVE * x), lambda x: HEIGHT * WAVE * np.sin(WAVE * x),
-           lambda x: HEIGHT * WAVE**2 * np.cos(WAVE * x))
+PROFILE = (lambda x: -HEIGHT * np.cos(WAVE * x), lambda x: HEIGHT * WAVE * np.sin(WAVE * x))
 
 
 @pytest.mark.quick
@@ -35,7 +34,7 @@ def test_gmsh_mesh(rows):
     coarse, fine = (layer_state(each, MODULUS, RATIO, PROFILE, EDGES, moved - HEIGHT, 2)
                     for each in (mesh, mesh.refined()))
     energy = state.elastic_energy + 0.5 * softness * load**2
-    pair = rows.between(Code.FEM, Code.BEM, f"{fine.displacement_basis.N} values of displacement, Gmsh 4.1")
+    pair = rows.between(Code.FEM, Code.BEM, f"{fine.basis.N} values of displacement, Gmsh 4.1")
     for name, value, before, ours, quantity, unit in (
         ("load", fine.load, coarse.load, load, Quantity.PRESSURE, "N/m"),
         ("strain energy", fine.strain_energy, coarse.strain_energy, energy, Quantity.ENERGY, "J/m"),

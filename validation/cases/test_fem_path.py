@@ -11,8 +11,8 @@ Without adhesion the boundary elements list no events but first touch: there is 
 where status or number of patches differ: it is counted, its numbers are not compared, and a table states the branch of
 each code and the first jump that the two do not share.
 
-U is a statement of 95 %: of some 300 numbers fifteen may be beyond it, and a table counts them. A number fails beyond
-twice the combined U, four standard deviations.
+U is a statement of 95 % (test_fem_calibration.py): of some 300 numbers fifteen may be beyond it, and a table counts
+them. A number fails beyond twice the combined U.
 """
 
 from dataclasses import dataclass
@@ -26,10 +26,9 @@ from bem.scene.result import Event
 from bem.scene.result import Result as Solved
 from fem_reference import Resolution, Result, solve
 from fem_reference.jumps import LocatedJump, locate
-from fem_reference.path import Path, follow, step_unit
-from fem_reference.solve import control_of, problem_of
+from fem_reference.path import Path
 from validation.plugin.rows import Code, Quantity
-from validation.routes.fem_scenes import fem_arguments, uncertain
+from validation.routes.fem_scenes import BECAUSE, TWICE, fem_arguments, follow_fem, uncertain
 
 PERIOD, HEIGHT, TOLERANCE, ELEMENTS = 0.01, 50e-6, 1e-9, Resolution(2, 10, 10)
 TARGETS = np.array([0.3, 0.7, 0.2, -1.0])  # of h_max, 1.6 times as much on the thin layer; the last one is apart
@@ -74,19 +73,16 @@ class Both:
 
 def both_codes(posed):
     """Solve a scene by both codes."""
+    problem, path, unit = follow_fem(posed)
     arguments = fem_arguments(posed)
-    kind, values = arguments["control"], [float(target) for target in posed.loading.targets]
-    problem = problem_of(**{key: value for key, value in arguments.items() if key not in ("control", "value")})
-    wanted = [control_of(problem, kind, value).value for value in values]
-    path = follow(problem, kind, wanted)
-    assert path.failure == "", path.failure
-    targets = [solve(**arguments | {"value": value}, start=target.edges * PERIOD, resolution=ELEMENTS)
+    kind = arguments["control"]
+    targets = [solve(**arguments | {"value": float(value)}, start=target.edges * PERIOD, resolution=ELEMENTS)
                if target.status == "converged" else None
-               for value, target in zip(values, path.targets, strict=True)]
+               for value, target in zip(posed.loading.targets, path.targets, strict=True)]
     result = bem.solve(posed)
     events = [list(group) for _, group in groupby(result.events, lambda event: event.penetration)]
     adhesive = posed.adhesion is not None
-    jumps = [locate(problem, kind, jump, step_unit(kind, wanted), ELEMENTS) for jump in path.jumps] if adhesive else []
+    jumps = [locate(problem, kind, jump, unit, ELEMENTS) for jump in path.jumps] if adhesive else []
     return Both(kind, result, path, targets, events, jumps)
 
 
@@ -94,8 +90,7 @@ def compare(rows, name, ours, theirs, uncertainty, quantity, unit):
     """Add a row; return its difference over the combined U."""
     combined = float(np.hypot(*uncertainty))
     rows.compare(name, ours, theirs, of=Code.BEM, by=Code.FEM, quantity=quantity, unit=unit, uncertainty=uncertainty,
-                 source="P2/P1, path of its own", required=2 * combined,
-                 because="twice U of both sides: U holds 95 % of the errors")
+                 source="P2/P1, path of its own", required=TWICE * combined, because=BECAUSE)
     return abs(ours - theirs) / combined
 
 

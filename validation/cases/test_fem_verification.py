@@ -1,4 +1,4 @@
-"""Code verification of the finite elements: manufactured solutions, Richardson and GCI, coverage of their uncertainty.
+"""Code verification of the finite elements: manufactured solutions, Richardson and GCI.
 
 - A plane wave u = A sin(k x + c), p = p0 cos(k x + c) with the body force it needs, on uniform crisscross meshes of the
   unit square: errors in L2 fall as h^(m+1) for displacements of order m and h^m for pressures, any nu.
@@ -6,9 +6,6 @@
   h^2m.  With the observed order p, or 2 m where that is less, Roache (1998, ch. 5) has
 
       q_R = q_3 + (q_3 - q_2) / (2^p - 1),   GCI = 1.25 |q_3 - q_2| / (2^p - 1).
-
-- Coverage: states, Poisson's ratios, adhesion and resolutions drawn at random from all that the reference accepts; how
-  often the true error is within the uncertainty stated.
 """
 
 from itertools import pairwise
@@ -17,15 +14,15 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
 
-import fem_reference
 from fem_reference import Resolution
 from fem_reference.elasticity import assemble, taylor_hood
 from fem_reference.mesh import crisscross
-from fem_reference.refine import observed_order
+from fem_reference.result import spread
 from validation.plugin.rows import Code, Quantity
 from validation.references.closed_forms import Sinusoid
+from validation.routes.fem_scenes import on_meshes
 
-PERIOD, AMPLITUDE, E, SEED = 0.01, 50e-6, 1e6, 47
+PERIOD, AMPLITUDE, E = 0.01, 50e-6, 1e6
 WAVE_VECTOR, SHIFT = np.array([2.0, 3.0]), 0.3
 CELLS = {2: (8, 16), 4: (3, 6)}
 LADDERS = {  # halved, tips keeping pace
@@ -101,11 +98,10 @@ def test_richardson(rows, order):
     """Are graded meshes in the asymptotic range, and do GCI and stated uncertainty hold the true error?"""
     wave, fraction, predicted = Sinusoid(AMPLITUDE, PERIOD, E, 0.3, 0.3), 0.4, 2 * order
     exact, scale = float(wave.mean_pressure(fraction * np.pi / 2)), wave.full_contact_pressure
-    load = fem_reference.refine(**arguments(wave, fraction), resolutions=LADDERS[order]).estimates["mean_pressure"]
-    values = [float(value) for value in load.levels]
+    values = [float(each["mean_pressure"]) for each in on_meshes(LADDERS[order], **arguments(wave, fraction))]
     cells = [resolution.cells for resolution in LADDERS[order]]
     steps = [abs(b - a) for a, b in pairwise(values)]
-    observed = observed_order(steps, [1 / count for count in cells])
+    observed = float(np.log2(steps[0] / steps[1]))  # cells double
     refined = 2 ** min(observed, predicted) - 1
     richardson, index = values[-1] + (values[-1] - values[-2]) / refined, 1.25 * steps[-1] / refined
     rate = rows.between(Code.FEM, Code.RATE, "energy norm of order m: 2 m of the load on graded meshes")
@@ -116,44 +112,10 @@ def test_richardson(rows, order):
     rate.compare("ratio of differences over 2^2m", steps[0] / steps[1] / 2**predicted, 1.0, quantity=Quantity.RATE,
                  uncertainty=0.1, required=0.1, because="a tenth: the asymptotic range")
     johnson = rows.between(Code.FEM, Code.EXACT, "Johnson 1995; a layer of two periods: 1e-8", unit="Pa")
-    for name, value, spread in (("load on the finest mesh, U its GCI", values[-1], index),
-                                ("load on the finest mesh, U as stated", values[-1], float(load.uncertainty)),
-                                ("Richardson's value, U its GCI", richardson, index)):
-        johnson.compare(name, value, exact, quantity=Quantity.PRESSURE,
-                        uncertainty=(spread, 1e-8 * scale))
+    stated = float(spread(np.array(values), LADDERS[order]))
+    for name, value, u in (("load on the finest mesh, U its GCI", values[-1], index),
+                           ("load on the finest mesh, U as stated", values[-1], stated),
+                           ("Richardson's value, U its GCI", richardson, index)):
+        johnson.compare(name, value, exact, quantity=Quantity.PRESSURE, uncertainty=(u, 1e-8 * scale))
     rows.curves("Error of the load at given edges", "cells per period", "error / p*",
                 {f"P{order}, graded": (cells, [abs(value - exact) / scale for value in values])}, log="xy")
-
-
-def ratios(order, draws):
-    """Return true error over stated uncertainty of the load and of K at both edges, (draws, 3).
-
-    Resolutions are among the coarsest that the reference accepts.
-    """
-    rng, shares = np.random.default_rng([SEED, order]), []
-    for _ in range(draws):
-        ratio, alpha = float(rng.choice([0.0, 0.5, rng.uniform(0, 0.5)])), float(rng.uniform(0.05, 0.5))
-        cells = int(rng.integers(*((10, 17) if order == 2 else (6, 11))))
-        tips = int(rng.integers(*((8, 15) if order == 2 else (12, 21))))
-        wave, fraction = Sinusoid(AMPLITUDE, PERIOD, E, ratio, alpha), float(rng.uniform(0.08, 0.92))
-        fem = fem_reference.solve(**arguments(wave, fraction), resolution=Resolution(order, cells, tips))
-        critical = wave.alpha * wave.full_contact_pressure * np.sqrt(PERIOD)
-        load = abs(fem.mean_pressure - float(wave.mean_pressure(fraction * np.pi / 2)))
-        intensity = np.abs(fem.stress_intensity - critical) / np.asarray(fem.uncertainty["stress_intensity"])
-        shares.append([load / float(np.max(fem.uncertainty["mean_pressure"])), *intensity.ravel()])
-    return np.array(shares)
-
-
-@pytest.mark.parametrize("draws", [pytest.param(8, marks=pytest.mark.quick),
-                                   pytest.param(100, marks=pytest.mark.full)])
-def test_coverage(rows, draws):
-    """Is the true error within the uncertainty that finite elements state, in 95 % of random states?"""
-    shares = ratios(2, draws)
-    johnson = rows.between(Code.FEM, Code.EXACT, f"Johnson 1995, {shares.size} values of P2/P1")
-    johnson.compare("share of true errors within their uncertainty", float(np.mean(shares <= 1)), 1.0,
-                    quantity=Quantity.COUNT, uncertainty=0.0, required=0.05, because="U claims 95 %")
-    johnson.compare("largest true error over its uncertainty", float(shares.max()), 0.0, quantity=Quantity.COUNT,
-                    uncertainty=0.0, required=2.0, because="four standard deviations, where U is two")
-    at = (0.1, 0.2, 0.5, 1.0, 2.0)
-    rows.table("Share of true errors up to a part of the stated uncertainty", [f"{part:g} U" for part in at],
-               [[float(np.mean(shares <= part)) for part in at]])

@@ -420,10 +420,17 @@ class Rows:
         numbers = {"error": float(error), "seconds": float(seconds), "spread": float(spread)}
         self.costs.append({"problem": problem, "route": str(route), "setting": setting} | numbers)
 
-    def table(self, title: str, columns: Sequence[str], lines: Sequence[Sequence[str | float | int | None]]) -> None:
-        """Add a table of numbers and texts."""
+    def table(
+        self,
+        title: str,
+        columns: Sequence[str],
+        lines: Sequence[Sequence[str | float | int | None]],
+        *,
+        front: bool = False,
+    ) -> None:
+        """Add a table of numbers and texts; with `front` it stands on the first screen, among the three ways."""
         plain = [[cell.item() if isinstance(cell, np.generic) else cell for cell in line] for line in lines]
-        self.tables.append({"title": title, "columns": list(columns), "lines": plain})
+        self.tables.append({"title": title, "columns": list(columns), "lines": plain, "front": front})
 
     def content(self) -> dict[str, Any]:
         """Return rows, figures, tables and costs as plain values."""

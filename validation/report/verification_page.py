@@ -56,6 +56,7 @@ def page(content: Mapping[str, Any]) -> str:
         failures=[row for row in rows if row["failed"]],
         matrix=matrix(rows),
         ways=three_ways(rows),
+        fronts=[(case, table) for case in cases for table in case["tables"] if table.get("front")],
         prices=prices(content["costs"]),
         precisions=PRECISIONS,
         run_of_paper=sum(line["verdict"] != "not run" for line in content["statements"]),
@@ -94,7 +95,7 @@ def matrix(rows: Iterable[Mapping[str, Any]]) -> dict[str, dict[str, dict[str, A
 def three_ways(rows: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """Return numbers that both solvers and a third side give: case, codes, and of each number its value and U by code.
 
-    A case is shown if theory is among its sides, or if at least `SHARED` of its numbers have all three sides.
+    A case is shown if at least `SHARED` of its numbers have all three sides.
     """
     cases: dict[str, dict[tuple[str, str], dict[str, tuple[float, float]]]] = {}
     for row in rows:
@@ -106,7 +107,7 @@ def three_ways(rows: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
     for case, lines in cases.items():
         codes = [code for code in SIDES if any(code in line for line in lines.values())]
         shared = sum(len(line) >= len(SIDES) - 1 for line in lines.values())
-        if {"bem", "fem"} <= set(codes) and ("theory" in codes or shared >= SHARED):
+        if {"bem", "fem"} <= set(codes) and shared >= SHARED:
             table = [{"name": name, "unit": unit, "by": line} for (name, unit), line in lines.items()]
             table.sort(key=lambda line: not {*SIDES[2:]} & {*line["by"]})  # third sides first
             shown.append({"case": case, "codes": codes, "numbers": table})
