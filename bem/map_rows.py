@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.geometry.ranges import Mistake, shown
 from bem.loading.crew import at_work
 from bem.scene.provenance import digest
 from bem.scene.result import Result
@@ -89,6 +90,9 @@ def rows_of(tables: Content, base: Path) -> tuple[range, Scene]:
     SceneError
         No row can be solved: the mistakes of the first.
     """
+    every = tables["profile"].get("every", 1)
+    if not isinstance(every, int) or isinstance(every, bool) or every < 1:
+        raise SceneError([Mistake("profile.every", f"= {shown(every)}", "an integer >= 1")])
     first: SceneError | None = None
     row, count = 0, 1
     while row < count:
@@ -96,10 +100,10 @@ def rows_of(tables: Content, base: Path) -> tuple[range, Scene]:
             scene = parse_scene(tables_of_row(tables, row), base)
         except SceneError as error:
             first, count = first or error, _count(tables, base, error)
-            row += int(tables["profile"].get("every", 1))
+            row += every
             continue
         assert scene.scan is not None
-        return range(0, scene.scan.steps[0]["rows"], tables["profile"].get("every", 1)), scene
+        return range(0, scene.scan.steps[0]["rows"], every), scene
     assert first is not None
     raise first
 

@@ -13,6 +13,7 @@ from typing import Any
 
 from bem.command_line.answer_table import (
     NO_NUMBER,
+    NOTHING,
     PULL_OFF,
     QUANTITIES,
     aligned,
@@ -63,6 +64,8 @@ def run_alone(tables: Mapping[str, Any], options: argparse.Namespace, new: bool)
     outcome = solve_rows(options.scene, options.jobs, options.out, told)
     write_atomically(options.out / TABLE, csv_text(outcome))
     failures = {str(row): reason for row, reason in outcome.failures.items()}
+    for line in warning_lines(outcome):
+        print(line, file=sys.stderr)
     if options.json:
         facts = {"rows": len(rows), "answered": len(outcome.results), "failures": failures, "out": str(options.out)}
         print(json.dumps(facts))
@@ -72,6 +75,16 @@ def run_alone(tables: Mapping[str, Any], options: argparse.Namespace, new: bool)
     for row, reason in failures.items():
         print(f"FAILED: row {row}: {reason}", file=sys.stderr)
     return FAILED if failures else DONE
+
+
+def warning_lines(outcome: RowResults) -> list[str]:
+    """Return a line for each subject of warnings: the first warning, and of how many rows."""
+    messages: dict[str, list[str]] = {}
+    for result in outcome.results.values():
+        for about, message in {warning.about: warning.message for warning in result.warnings}.items():
+            messages.setdefault(about, []).append(message)
+    count = len(outcome.results)
+    return [f"warning: {about}: {told[0]} ({len(told)} of {count} rows)" for about, told in messages.items()]
 
 
 def _prepare(options: argparse.Namespace, new: bool) -> None:
@@ -113,11 +126,17 @@ def table_lines(outcome: RowResults, control: str) -> list[str]:
     """Return the answer for a terminal: a line for each quantity, a column for each target, and the pull-off."""
     cells: dict[str, dict[str, str]] = {}
     last = ""
-    for target, branch, name, unit, rows, median, scatter in entries_of(outcome):
-        words = " ± ".join(readable(value, unit, TABLE_DIGITS) for value in (median, scatter))
-        words += f" ({rows} rows)" if rows < len(outcome.results) else ""
+    entries = entries_of(outcome)
+    largest: dict[str, float] = {}
+    for _, _, name, _, _, median, _ in entries:
+        largest[name] = max(largest.get(name, 0.0), abs(median))
+    for target, branch, name, unit, rows, median, scatter in entries:
+        shown = [value if abs(value) > NOTHING * largest[name] else 0.0 for value in (median, scatter)]
+        words = " ± ".join(readable(value, unit, TABLE_DIGITS) for value in shown[: 2 if rows > 1 else 1])
+        words += f" ({rows} of {len(outcome.results)} rows)" if rows < len(outcome.results) else ""
         if name == PULL_OFF:
-            last = f"Pull-off: {words}"
+            apart = "" if rows == len(outcome.results) else "; the others do not come apart on their paths"
+            last = f"Pull-off: {words}{apart}"
         elif name in QUANTITIES and name != control:
             cells.setdefault(name, {})[f"{quantity(target, UNITS[control])}, {branch}"] = words
     heads = list(dict.fromkeys(head for row in cells.values() for head in row))

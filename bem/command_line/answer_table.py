@@ -248,7 +248,8 @@ def pull_off_words(result: Result, inputs: Inputs | None = None) -> str:
         if math.isfinite(outer):
             known, figures = f"{known}, {share(outer)} input", digits(max(error, outer))
         where = f"{_in(load, -tension.mean_pressure, figures)} ({known}), at a separation of "
-        where += _in(height, tension.separation)
+        nothing = abs(tension.separation) < NOTHING * abs(tension.penetration)
+        where += _in(height, 0.0 if nothing else tension.separation)
     forced = was_forced_open(result)
     if end is not None:
         words = "The way out ends in tension"

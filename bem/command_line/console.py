@@ -29,7 +29,7 @@ LINE_SECONDS = 5.0  # format: s between lines of progress
 TARGET_SECONDS = 0.5  # format: s, the same at targets
 BAR_SECONDS = 0.2  # format: s between redraws of the bar
 MINUTES = 3  # format: time left from which on it is told in minutes
-LEAST_DONE = 0.02  # format: of the way, before which the pace says little
+LEAST_DONE = 0.1  # format: of the way, before which the pace says little
 
 
 def positive(text: str) -> int:

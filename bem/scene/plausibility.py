@@ -5,9 +5,10 @@ harmonics h_m of the profile, q_m = 2 pi m / period and E* = E / (1 - nu^2), `ME
 of complete contact is that of Persson, Tosatti, J. Chem. Phys. 115 (2001) 5597; for one wave the group is 2 pi alpha^2
 with the alpha of Johnson, Int. J. Solids Struct. 32 (1995) 423.
 
-Seven mistakes are looked for: lengths in mm instead of m, pressures or moduli in MPa instead of Pa, slopes beyond small
-strain, adhesion that outweighs elasticity, a cut within the noise of a scan, a scan without any heights but constant
-ones, and a form (an arc) that a scan keeps.  Nothing that is computed depends on this module.
+Eight mistakes are looked for: lengths in mm instead of m, pressures or moduli in MPa instead of Pa, slopes beyond small
+strain, a layer that is thin beside its heights, adhesion that outweighs elasticity, a cut within the noise of a scan, a
+scan without any heights but constant ones, and a form (an arc) that a scan keeps.  Nothing that is computed depends on
+this module.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ MEANINGS = {
     "noise_share_of_slope": "share of the mean square slope that noise makes, of samples with a noise floor",
 }
 SMALL_SLOPE = 0.5  # format: rms slope above which small strain fails
+SQUEEZED = 0.1  # format: rms height over the thickness of a layer above which small strain fails
 SLOPES = (1e-7, 1.0)  # format: rms slopes of real surfaces, from a silicon wafer on
 PERIODS = (1e-9, 1.0)  # format: m, lengths that are probably right
 SCANS = (0.1, 1e-4)  # format: m, longest period and largest rms height of a scan whose unit the scene states
@@ -119,10 +121,13 @@ def _pressures(scene: Scene, groups: Mapping[str, float]) -> Warnings:
 
 
 def _slopes(scene: Scene, groups: Mapping[str, float]) -> Warnings:
-    """Yield a warning of slopes beyond the limit of small strain."""
+    """Yield warnings of slopes, and of layers thin beside the heights, beyond the limit of small strain."""
     slope = groups["rms_slope"]
     if SMALL_SLOPE < slope <= SLOPES[1]:
         yield "rms_slope", f"the rms slope {slope:.3g} is above {SMALL_SLOPE:g}, the limit of small strain"
+    if scene.layer is not None and groups["rms_height"] > SQUEEZED * scene.layer.thickness:
+        told = f"the rms height {groups['rms_height']:.3g} m is above {SQUEEZED:g} of the thickness"
+        yield "layer.thickness", f"{told}: contact squeezes the layer beyond small strain"
 
 
 def _adhesion(scene: Scene, groups: Mapping[str, float]) -> Warnings:

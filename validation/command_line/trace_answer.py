@@ -102,7 +102,8 @@ def add_command(commands: Any) -> None:
     parser = commands.add_parser(
         "answer",
         help="a measured trace to a page of answers: writes the scene that it made, solves it to three digits",
-        description="Make a scene of a measured trace, solve it to three digits, and write the page of its answers. "
+        description="Make a scene of a measured trace, solve it to three digits, and write the page of its answers; of "
+        "a map with --profile row=all, the median and scatter of its rows. "
         "Every choice is a commented line of DIR/scene.toml: edit the scene, then run it again with linecontact run.",
     )
     parser.add_argument(

@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 from markupsafe import Markup
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 from threadpoolctl import threadpool_limits
@@ -33,8 +32,9 @@ from bem.command_line.preparation_words import preparation_sentences
 from bem.geometry.regular_file import read_regular
 from bem.scene.atomic_file import write_atomically
 from bem.scene.plausibility import MEANINGS
-from bem.scene.result import Result
+from bem.scene.result import Result, asked_for
 from bem.scene.result_file import read_result
+from bem.scene.result_views import UNITS as RESULT_UNITS
 from bem.scene.state import LARGEST, State
 from bem.scene.stored_json import verified
 from validation.report.figures import svg_of
@@ -58,7 +58,6 @@ STUDIED = {  # answers of a study, as quantities of the answer
     "peak pressure": "peak_pressure",
 }
 DOUBTFUL = 0.1  # relative uncertainty of the input beyond which an answer is no more than a hint
-LEAST_SHARE = 0.1  # of the largest answer of its kind on the path, by which a smaller one is judged
 FEW_EVENTS = 20  # more are folded
 SAME = 1e-6  # relative distance of the numbers of a run and of its study
 MOST_ROWS = 500  # of a table; all are in result.json
@@ -184,21 +183,22 @@ def render_run(result: Result, inputs: Inputs | None = None) -> str:
 
 
 def largest_input(result: Result, inputs: Inputs) -> tuple[float, str]:
-    """Return the largest uncertainty of the input over its number, or a tenth of the largest of its kind, and words.
+    """Return the largest uncertainty of the input over its number, and words; NaN and no words without a study.
 
-    NaN and no words without a study.
+    A number of zero has its uncertainty in the table.
     """
-    answers, shares = result.to_table("targets"), []
+    answers, shares, loading = result.to_table("targets"), [], result.scene["loading"]
     for place, known in inputs.items():
         for name, uncertainty in known.items():
             if place is None:
-                value = largest = 0.0 if result.largest_tension is None else -result.largest_tension.mean_pressure
+                value = 0.0 if result.largest_tension is None else -result.largest_tension.mean_pressure
                 of = "of the pull-off"
             else:
-                value, largest = float(answers[name][place]), float(np.nanmax(np.abs(answers[name])))
-                of = f"of the {name.replace('_', ' ')} of target {place + 1}"
-            scale = max(abs(value), LEAST_SHARE * largest)
-            shares.append((uncertainty / scale if scale else 0.0, of))
+                value, state = float(answers[name][place]), result.targets[place]
+                held, asked = asked_for(loading, state.index or 0)
+                of = f"of the {name.replace('_', ' ')} at {quantity(asked, RESULT_UNITS[held])}, {state.branch}"
+            if value:
+                shares.append((uncertainty / abs(value), of))
     if not shares:
         return math.nan, ""
     largest_share, of = max(shares)

@@ -27,6 +27,7 @@ from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 import bem
 from bem.command_line.answer_table import axis_unit, pull_off
 from bem.command_line.answer_table import quantity as readable
+from bem.command_line.answer_table import readable as rounded
 from bem.geometry.regular_file import read_regular
 from bem.loading.crew import at_work
 from bem.scene.atomic_file import write_atomically
@@ -39,13 +40,13 @@ from bem.scene.stored_json import CorruptResultError, verified
 from validation.harness.provenance import provenance
 from validation.plugin.content import finite
 from validation.report.pages import ReportError, filled
-from validation.report.run_page import LEAST_SHARE
 from validation.studies.scene_settings import BASE, SAME_CUT, SEED, SOURCES, TOLERANCE, Setting, settings_of
 
 SCHEMA = "linecontact-scene-study/3"
 FILE, PAGE, PARTS = "study.json", "study.html", "parts"
 SEEDS, FEW_SEEDS = 8, 2  # realisations besides the scene's own, and with --quick
 BUDGET = 3600  # CPU s
+LEAST_SHARE = 0.1  # of the largest answer of its kind on the path
 SLACK, LEAST_LIMIT = 30.0, 60.0  # times the seconds of the scene as it is, and s: a setting is stopped beyond both
 UNITS = {
     "contact fraction": "",
@@ -158,7 +159,7 @@ def run(
     rows, tolerances = moves_of(settings, solved)
     for row in rows:
         row["at"] = None if row["target"] is None else f"{_place(resolved['loading'], row['target'])}, {row['branch']}"
-    untold = left_out(scene, path.parent, settings, solved)
+    untold = [*without_answer(rows, settings, solved), *left_out(scene, path.parent, settings, solved)]
     listed = [_listed(setting, solved.get(setting.title)) for setting in settings]
     store(answers=rows, tolerances=tolerances, settings=listed, left_out=untold, most_open=most_open(rows))
     print("\n".join([*map(words_of, rows), *filter(None, [most_open(rows), *untold])]))
@@ -179,7 +180,11 @@ def with_uncertainty(value: float, uncertainty: float, unit: str) -> str:
     --------
     >>> with_uncertainty(58379.0, 4.9e3, "Pa"), with_uncertainty(0.0, 3.4e-7, "m"), with_uncertainty(0.87396, 1e-11, "")
     ('58.4 ± 4.9 kPa', '0 ± 340 nm', '0.8740 ± < 0.0001')
+    >>> with_uncertainty(0.0, 0.0, "m")
+    '0 m'
     """
+    if value == uncertainty == 0:
+        return f"0 {unit}".strip()
     factor, prefixed = axis_unit(max(abs(value), uncertainty), unit) if unit else (1.0, "")
     larger = max(abs(value), uncertainty) * factor
     most = max(3 - math.floor(math.log10(larger)), 0) if larger else 0
@@ -198,11 +203,27 @@ def most_open(rows: Sequence[Mapping[str, Any]]) -> str:
     return f"Most open: {words_of(row)}; the {source} moves it by {share(move)}."
 
 
+def without_answer(
+    rows: Sequence[Mapping[str, Any]], settings: Sequence[Setting], solved: Mapping[str, Solved]
+) -> Iterator[str]:
+    """Yield sentences on answers of the scene that a solved setting does not have, such as no pull-off."""
+    for row in rows:
+        key = row["target"], row["branch"], row["quantity"]
+        good = (setting.title for setting in settings if setting.title in solved and solved[setting.title].good)
+        absent = [title for title in good if key not in _values(solved[title])]
+        if absent:
+            place = "" if row["at"] is None else f" at {row['at']}"
+            yield f"± of the {row['quantity']}{place} does not hold {', '.join(absent)}: none is there."
+
+
 def left_out(scene: Scene, base: Path, settings: Sequence[Setting], solved: Mapping[str, Solved]) -> list[str]:
     """Return sentences on choices of which no setting was solved, and on the waves of a scan that none has."""
     answered = {setting.source for setting in settings if setting.title in solved and solved[setting.title].answers}
     kinds = dict.fromkeys(setting.source for setting in settings if setting.tables and setting.source not in answered)
     sentences = [f"± does not hold the choice of {', '.join(kinds)}: no such setting was solved."] if kinds else []
+    if scene.adhesion is not None:
+        flaw = "" if scene.loading.flaw is None else " and the flaw"
+        sentences.append(f"± does not hold the work of adhesion{flaw}, by which the pull-off goes: solve with others.")
     if scene.scan is None:
         return sentences
     scan, shortest = scene.scan, math.inf
@@ -213,7 +234,7 @@ def left_out(scene: Scene, base: Path, settings: Sequence[Setting], solved: Mapp
             shortest = min(shortest, max(wave, profile.cutoff_short or 0.0))
     least = max(scan.spectrum.crossing or 0.0, scan.period / scan.max_harmonics)
     if shortest > least * (1 + SAME_CUT):
-        waves = f"waves shorter than {readable(shortest, 'm')}"
+        waves = f"waves shorter than {rounded(shortest, 'm', 3)}"
         sentences.append(f"± does not hold roughness of {waves}: no setting with them was solved.")
     return sentences
 

@@ -166,7 +166,8 @@ class Change:
         """Yield other trends, except those that leave the profile tilted."""
         level = _left_by_detrending(self.scene)
         for method in DETRENDS:
-            if method == self.scene.profile.detrend:
+            same = {method, self.scene.profile.detrend} <= {"none", "mean"}  # a constant height changes nothing
+            if method == self.scene.profile.detrend or same:
                 continue
             setting = self.to("detrending", method, {"profile": {"detrend": method}})
             left = _left_by_detrending(parse_scene(setting.tables, self.base)) if setting.tables else 0.0

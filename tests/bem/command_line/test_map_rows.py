@@ -109,6 +109,21 @@ def test_check_says_that_rows_are_ridges(tmp_path, capsys):
     assert json.loads(capsys.readouterr().out)["rows"] == [0, 3, 6]
 
 
+@pytest.mark.parametrize("every", ["0", "-1", "0.5", "true", '"all"'])
+def test_a_step_between_rows_that_is_no_whole_number_is_refused(every, tmp_path, capsys):
+    path = write(tmp_path, f'"all"\nevery = {every}')
+    assert main(["check", str(path)]) == run(path, tmp_path / "out") == 2
+    assert capsys.readouterr().err.count("; allowed: an integer >= 1") == 2
+
+
+def test_warnings_of_rows_are_told_once(tmp_path, capsys):
+    path = write(tmp_path, '"all"\nevery = 3')
+    path.write_text(path.read_text().replace("youngs_modulus = 5e6", "youngs_modulus = 5.0"))
+    run(path, tmp_path / "out", "--jobs", "1")
+    (line,) = [line for line in capsys.readouterr().err.splitlines() if line.startswith("warning: solid")]
+    assert line.endswith("(3 of 3 rows)")
+
+
 def test_python_solves_rows(tmp_path):
     rows = bem.solve_rows(write(tmp_path, '"all"\nevery = 4', missing=(4, 2)))
     assert sorted(rows.results) == [0]

@@ -158,11 +158,17 @@ def test_work_beyond_sense_is_refused():
         parse_scene(WAVE | {"profile": profile, "loading": path})
 
 
+@pytest.mark.parametrize(("thickness", "about"), [(3e-4, set()), (2e-4, {"layer.thickness"})])
+def test_a_layer_that_is_thin_beside_its_heights_is_named(thickness, about):
+    """The wave has an rms height of 2.2e-5 m."""
+    assert set(said(changed("layer.thickness", thickness))) == about
+
+
 @pytest.mark.parametrize(("slope", "about"), [(0.49, set()), (0.51, {"rms_slope"})])
 def test_slopes_that_are_not_small_are_named(slope, about):
     factor = slope / groups_of(parse_scene(WAVE))["rms_slope"]
     scene = changed("profile.amplitudes", [factor * height for height in WAVE["profile"]["amplitudes"]])
-    assert set(said(scene)) - {"loading.targets"} == about
+    assert set(said(scene)) - {"loading.targets", "layer.thickness"} == about
 
 
 @pytest.mark.parametrize("by_file", [False, True])
