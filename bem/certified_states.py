@@ -176,6 +176,14 @@ def _margin(correction: float, value: float = 0.0) -> float:
     return SAFETY * abs(correction) + ERROR_FLOOR * max(1.0, abs(value))
 
 
+def _pressure_margin(problem: Problem, error: float, load: float) -> float:
+    """Return the error of the mean pressure (Pa) of an event: its floor is one of pressures, a load sums them over 2 pi.
+
+    2e-13 of a load was measured where a jump begins, with a BLAS that rounds each product.
+    """
+    return float(_margin(error / (2 * np.pi), load / (2 * np.pi)) * problem.scales.stress)
+
+
 def separated_state(problem: Problem, penetration: float) -> State:
     """Return surfaces apart, at a `penetration` <= 0 in units of the rms height."""
     depth = penetration * problem.scales.height
@@ -249,7 +257,7 @@ def event_of(problem: Problem, event: PathEvent) -> Event:
         energy_released=float(event.energy_released * energy) if known else None,
         error_estimate=EventError(
             penetration=float(_margin(error.penetration, at.penetration) * height),
-            mean_pressure=float(problem.mean_pressure(_margin(error.load, at.load))) if bounded else None,
+            mean_pressure=_pressure_margin(problem, error.load, at.load) if bounded else None,
             energy_released=float(doubt * energy) if known and math.isfinite(doubt) else None,
         ),
     )
@@ -279,7 +287,7 @@ def tension_of(problem: Problem, tension: PathTension | None) -> LargestTension 
         penetration=float(at.penetration * height),
         separation=float(problem.surface.max_height - at.penetration * height),
         kind=tension.kind,
-        error_estimate=TensionError(float(problem.mean_pressure(_margin(tension.error.load, at.load)))),
+        error_estimate=TensionError(_pressure_margin(problem, tension.error.load, at.load)),
     )
 
 
