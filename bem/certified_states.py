@@ -177,7 +177,7 @@ def _margin(correction: float, value: float = 0.0) -> float:
 
 
 def _pressure_margin(problem: Problem, error: float, load: float) -> float:
-    """Return the error of the mean pressure (Pa) of an event: its floor is one of pressures, a load sums them over 2 pi.
+    """Return the error of the mean pressure (Pa) of an event; its floor is of pressures, a load sums them over 2 pi.
 
     2e-13 of a load was measured where a jump begins, with a BLAS that rounds each product.
     """
