@@ -221,7 +221,14 @@ def _cell(row: Mapping[str, Any], name: str, inputs: Mapping[str, float], unit: 
 
 
 def _relative(row: Mapping[str, float], name: str, inputs: Mapping[str, float]) -> tuple[float, float]:
-    """Return the relative uncertainties of a number, numerical and of the input; nan where one is not known."""
+    """Return the relative uncertainties of a number, numerical and of the input; nan where one is not known.
+
+    The mean contact pressure is the mean pressure over the contact fraction.
+    """
+    if name == "contact_pressure":
+        parts = zip(*(_relative(row, part, inputs) for part in ("mean_pressure", "contact_fraction")), strict=True)
+        numerical, outer = (area if math.isnan(load) else math.hypot(load, area) for load, area in parts)
+        return numerical, outer
     value, error = row[name], row.get(f"error_estimate_{name}", math.nan)
     return (abs(error / value), inputs.get(name, math.nan) / abs(value)) if value else (math.nan, math.nan)
 

@@ -108,8 +108,9 @@ def test_a_quantity_has_one_unit_in_all_columns():
 
 def test_an_uncertainty_belongs_to_one_quantity_and_is_never_printed_at_another(wave):
     (cells,) = shown(wave, open_in(wave, contact_fraction=0.14))
-    assert [head for head, text in cells.items() if "14 %" in text] == ["± contact fraction"]
-    assert {head for head in cells if head.startswith("±")} == {"± contact fraction", "± separation"}
+    known = ["± contact fraction", "± contact pressure: mean"]  # this is the pressure held over the fraction
+    assert [head for head, text in cells.items() if "14 %" in text] == known
+    assert {head for head in cells if head.startswith("±")} == {*known, "± separation"}
 
 
 def test_the_open_share_is_as_uncertain_as_the_contact_fraction(wave):
@@ -127,7 +128,7 @@ def test_a_zero_has_the_uncertainty_of_the_input_in_its_unit():
 
 def test_what_is_not_known_is_a_dash_and_an_empty_cell(rough):
     apart = list(shown(rough)[-1].values())  # the surfaces are apart
-    assert apart.count(NO_NUMBER) == 5  # uncertainties of no pressure and no area, both contact pressures, widths
+    assert apart.count(NO_NUMBER) == 6  # uncertainties of no pressure and no area, both contact pressures and a ±, widths
     table = list(csv.DictReader(io.StringIO(csv_text(rough))))
     assert len(table) == len(rough.targets)
     assert table[-1]["peak_pressure / Pa"] == ""
