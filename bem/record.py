@@ -1,4 +1,4 @@
-"""Record of a run: certified states with events and fields, as a result at any time.
+"""Growing result of a run: states with certificates, passed or failed, with events and fields.
 
 A state is added at once with the events on the way to it and its fields, or not at all: an interrupt leaves nothing
 half done.  Every state has the cost since the state before.  Fields are computed at the targets that ask for them, by
@@ -58,7 +58,7 @@ MOST_AT_ENDS = 100  # format: patches at an end of a jump that is stored; of mor
 
 @dataclass
 class Record:
-    """Entries of a result in the making.
+    """Growing result of a run: an entry for each stored state or missed target.
 
     Attributes
     ----------
@@ -66,16 +66,16 @@ class Record:
         Result without states: scene, effects, provenance, groups and warnings of the scene.
     entries : list of Entry
         In the order of the path.
-    ahead, warned : list of Event, list of Caution
-        Events and warnings since the last entry, which the next entry takes.
+    pending_events, pending_warnings : list of Event, list of Caution
+        Events and warnings since the last entry; `add` moves both into the new entry.
     evaluations, cpu
         Totals up to the last entry.
     """
 
     scene: Scene
     entries: list[Entry] = field(default_factory=list)
-    ahead: list[Event] = field(default_factory=list)
-    warned: list[Caution] = field(default_factory=list)
+    pending_events: list[Event] = field(default_factory=list)
+    pending_warnings: list[Caution] = field(default_factory=list)
     evaluations: int = 0
     cpu: float = field(default_factory=time.process_time)
     begun: Result = field(init=False)
@@ -107,15 +107,15 @@ class Record:
 
         `place` has its other attributes: branch, target, index, evaluations, cpu_seconds.
         """
-        events, stored = self._events + len(self.ahead), self.stored if fields else None
+        events, stored = self._events + len(self.pending_events), self.stored if fields else None
         state = not_below_rounding(replace(state, events=events, stored=stored, **place))
         if not (state.target or state.certificate.ok):
             told = f"a state between targets is not certified, {uncertified(state)}; the run is judged by its targets"
-            self.warned.append(Caution(BETWEEN, told))
+            self.pending_warnings.append(Caution(BETWEEN, told))
         if not state.target:
             state = replace(state, peak_pressure=None, largest_gap=None, gaps=None)
-        self.entries.append(Entry(tuple(self.ahead), state, fields, tuple(self.warned), tension))
-        self.ahead, self.warned = [], []
+        self.entries.append(Entry(tuple(self.pending_events), state, fields, tuple(self.pending_warnings), tension))
+        self.pending_events, self.pending_warnings = [], []
         return state
 
     def miss(self, state: State, tension: LargestTension | None = None, **place: Any) -> None:
@@ -206,7 +206,7 @@ class Recorder:
             if released is not None and error is not None and released < -error:
                 at = f"{event.kind} at a penetration of {event.penetration:.9g} m"
                 raise EnergyGainedError(f"{at} releases {released:.3g} +- {error:.1g} J/m^2")
-            self.record.ahead.append(event)
+            self.record.pending_events.append(event)
 
     def _ends(self, event: PathEvent, before: Any, after: Any) -> tuple[JumpEnd | None, JumpEnd | None]:
         """Return the points before and after a jump; None where nothing jumps, or for too many patches."""
@@ -268,7 +268,7 @@ class Recorder:
     def _warn_of_tension(self, state: Evaluation | GapEvaluation, work: FloatArray) -> None:
         """Warn once where the tension inside the contact would open it at a flaw of atomic size."""
         tension, record, scales = import_module("bem.adhesive.interior_tension"), self.record, self.problem.scales
-        warned = [*record.warned, *(caution for entry in record.entries for caution in entry.warnings)]
+        warned = [*record.pending_warnings, *(caution for entry in record.entries for caution in entry.warnings)]
         if any(caution.about == TENSION for caution in warned):
             return
         flaw = ATOMIC / scales.length
@@ -277,7 +277,7 @@ class Recorder:
             told = f"at a penetration of {state.penetration * scales.height:.4g} m the tension inside the contact is "
             told += f"{largest * scales.stress:.3g} Pa; {opening * scales.stress:.3g} Pa open a flaw of "
             told += f"{ATOMIC:g} m, the distance of atoms. The path holds it closed: bem/README.md, section 10"
-            record.warned.append(Caution(TENSION, told))
+            record.pending_warnings.append(Caution(TENSION, told))
 
     def _cost(self) -> dict[str, Any]:
         """Return evaluations and CPU seconds since the last entry."""

@@ -2,7 +2,7 @@
 
 The steps follow the method: the scene is posed in dimensionless form, complete contact is written down,
 the path is followed from target to target (with adhesion event by event, without adhesion target by target), and
-every stored state is refined, assessed by a finer evaluation and certified by an independent one.  Increments
+every stored state is refined, assessed by a finer evaluation and judged by an independent one.  Increments
 between targets are stored at most once per largest increment, of the control and by default of the penetration, at
 the same accuracy as targets.  BLAS runs on one thread: the matrices are small, two threads are slower, and digits do
 not depend on the number of cores.
@@ -10,9 +10,10 @@ not depend on the number of cores.
 From a target the path continues from the numbers stored of it, not from those in memory: an interrupted path takes up
 its last target and continues to the same states and events, bit for bit on the same machine.
 
-Nothing but an interrupt leaves `solve`.  A target that is not met, because nothing is there or because of what double
-precision or memory cannot do (NUMERICAL_FAILURES), has a row with the reason, and the path goes on from the last state
-kept (missed.py); with adhesion that is where it turns, and the states behind are those of such a path.
+A target that cannot be met, because nothing is there or because of what double precision or memory cannot do
+(NUMERICAL_FAILURES), does not stop `solve`: the result has a row with the reason (missed.py), and the path goes on from
+the last stored state; with adhesion that is where it turns, and the states behind are those of such a path.  Ctrl-C on
+the path returns the states so far, status `interrupted`.  Mistakes of a scene raise SceneError.
 """
 
 from __future__ import annotations
@@ -147,7 +148,9 @@ class _Run:
         if scene.start_state is not None:
             self.last, self.branch = (scene.start_state, None), scene.start_state.branch
         self.point: AnyPoint = self._start()
-        self.stands = self.last is None  # whether the path goes on from `point`, not from the last state as stored
+        self.continues_from_point = (
+            self.last is None
+        )  # whether the path goes on from `point`, not from the last state as stored
 
     def _start(self) -> AnyPoint:
         """Return the first point of a path: surfaces apart, or complete contact."""
@@ -158,9 +161,9 @@ class _Run:
         tension = -float(np.min(self.complete.pressure.valleys[1]))  # no flaw opens under a pressure that leaves none
         return Complete(self.problem.profile.max_height if fixed else max(first, 2 * np.pi * tension) + 1.0)
 
-    def _standing(self) -> AnyPoint:
-        """Return the point from which the path continues: the last state, from its stored numbers."""
-        if self.stands:
+    def _next_start(self) -> AnyPoint:
+        """Return the point from which to follow the path: the current one, or one rebuilt from the state stored last."""
+        if self.continues_from_point:
             return self.point
         if self.last is None:
             return self._start()
@@ -178,7 +181,7 @@ class _Run:
             self._take_branch(state.branch)
             goal = None if state.index is None or state.index >= len(self.goals) else self.goals[state.index]
             if goal is not None:
-                self._meet(goal)
+                self._mark_target_pressure(goal)
                 self.done = goal.index + 1
             elif state.index is not None:
                 self.met.add(self._asked_at(state.index))
@@ -187,7 +190,7 @@ class _Run:
             if self._is_stop(state):
                 self.done = len(self.goals)
         self.record.entries = list(entries)
-        self.stands = self.stands and not entries
+        self.continues_from_point = self.continues_from_point and not entries
 
     def follow(self) -> tuple[Ending, str | None]:
         """Visit the remaining targets; return the status of the result, and the reason unless `converged`."""
@@ -208,7 +211,7 @@ class _Run:
             why = error
         except NUMERICAL_FAILURES as error:
             why = missed.not_computed(error)
-        self.record.ahead, self.stands = [], False
+        self.record.pending_events, self.continues_from_point = [], False
         self._miss(why, f"target {index + 1} of {len(self.goals)}", index)
         return False
 
@@ -219,11 +222,11 @@ class _Run:
 
     def _visit(self, goal: Goal, index: int) -> bool:
         """Follow the path to a target and store its state; return whether the path ends on the way, as asked."""
-        self.point, self.stands = self._standing(), True
+        self.point, self.continues_from_point = self._next_start(), True
         direction = self.path.direction(self.point, goal.value, goal.separation)
         if direction:
             self._take_branch("loading" if direction > 0 else "unloading")
-        self._meet(goal)
+        self._mark_target_pressure(goal)
         self._check_reach(goal.value)
         if self._follow_to(goal, self._spacing(goal.value), index):
             return True
@@ -231,7 +234,7 @@ class _Run:
             raise missed.passed_over()
         self.point = self._refined(self.point, direction)
         self._keep(self.point, index, goal.value)
-        self.stands = not self.path.has_history
+        self.continues_from_point = not self.path.has_history
         return False
 
     def _follow_to(self, goal: Goal, spacing: float, index: int) -> bool:
@@ -240,7 +243,7 @@ class _Run:
         for point in self.path.advance(self.point, goal.value, goal.separation):
             before, self.point = self.point, self._checked(point)
             self._report(index)
-            if self._passed(before, point, index):
+            if self._store_crossings(before, point, index):
                 return True
             if self._lost_under_load(point, goal.value):
                 self._keep(point)
@@ -297,13 +300,13 @@ class _Run:
             self.met.clear()
         self.branch = branch
 
-    def _meet(self, goal: Goal) -> None:
-        """Count a mean pressure asked for as met where it is a target, whose own state answers it."""
+    def _mark_target_pressure(self, goal: Goal) -> None:
+        """Mark the pressure of a target as met, so that an equal one of at_mean_pressures stores no second state."""
         if self.control == "mean_pressure" and goal.target != self.scene.loading.stop_at_mean_pressure:
             self.met.add(goal.target)
 
-    def _passed(self, before: AnyPoint, after: AnyPoint, index: int) -> bool:
-        """Keep the events between two points, and states where asked mean pressures are crossed, in their order.
+    def _store_crossings(self, before: AnyPoint, after: AnyPoint, index: int) -> bool:
+        """Record the events between two points, and store a state at each mean pressure asked for, in path order.
 
         `index` is the index of the target ahead.
 

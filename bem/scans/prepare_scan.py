@@ -86,7 +86,10 @@ def prepare(raw: RawScan, values: Mapping[str, Any]) -> Scan:
 
 
 def _detrended(line: Trace, method: str) -> tuple[Trace, Step]:
-    """Return the line less its least-squares polynomial, and the range of the polynomial."""
+    """Return the line without the least-squares polynomial that `method` names, and what was subtracted.
+
+    The tilt and the bow of the line, and the values subtracted at its first and last sample.
+    """
     x, h = line
     tilt, parabola = (np.polynomial.Polynomial.fit(x, h, degree) for degree in (1, 2))
     facts: Step = {"tilt": float(tilt.deriv()(0.0)), "rms_without_tilt": float(np.std(h - tilt(x)))}

@@ -63,8 +63,8 @@ class Scan:
         return np.cumsum(power), np.cumsum(power * wavenumbers**2)
 
     @property
-    def carrying(self) -> int:
-        """Least order whose cut loses at most `CARRIED` of the rms slope; the highest order without such an order."""
+    def harmonics_needed(self) -> int:
+        """Smallest number of harmonics that keeps the rms slope but for `CARRIED` of it; at most `max_harmonics`."""
         slopes = self._moments[1]
         return min(int(np.searchsorted(slopes, (1 - CARRIED) ** 2 * slopes[-1])) + 1, self.max_harmonics)
 

@@ -1,8 +1,8 @@
-"""Rows of a map in a text file.
+"""Rows of a map from any file, and detection of axes in text tables.
 
-Every line of the file is a row of heights: `row` names one, or the mean of all.  A line or column of axes at a side is
-refused: numbers in order where those of the next two lines or columns are not.  An axis that is in order but for a
-number at its end has a corner there, so that the side that it meets holds an axis too.
+`row` names a row of heights, or the mean of all.  A first or last line, or column, of a text table counts as an axis,
+and is refused, if its numbers only rise or only fall while those of the next two do not.  If all of them do so but a
+number at an end, that number is the corner of two axes, and the side that crosses there is refused too.
 """
 
 from __future__ import annotations

@@ -53,7 +53,7 @@ from bem.scene.scene_tables import (
     required_keys,
 )
 from bem.scene.state import State
-from bem.scene.stored_start import StoredState, other_problem, stored_start
+from bem.scene.stored_start import StartingState, other_problem, stored_start
 from bem.scene.surface import surface_of
 from bem.scene.targets import equal_target, expanded, origin
 
@@ -361,7 +361,7 @@ def _scan(
     return scan, list(scan_mistakes(profile, scan))
 
 
-def _resolved(title: str, tables: dict[str, Any], scan: Scan | None, start: StoredState | None) -> Scene:
+def _resolved(title: str, tables: dict[str, Any], scan: Scan | None, start: StartingState | None) -> Scene:
     """Return the scene of tables without mistakes: defaults, targets; SceneError for mistakes of the whole."""
     loading: Loading = tables["loading"]
     cut_by_default = scan is not None and tables["profile"].harmonics is None
@@ -399,7 +399,7 @@ def _profile(profile: ProfileTable, scan: Scan | None) -> ProfileTable:
         return profile
     read = scan.steps[0]
     units = {key: read[key] for key in ("unit_x", "unit_h")}
-    carried = SAMPLED_HARMONICS if profile.cutoff_short is None else min(scan.carrying, MOST_HARMONICS)
+    carried = SAMPLED_HARMONICS if profile.cutoff_short is None else min(scan.harmonics_needed, MOST_HARMONICS)
     defaults = DEFAULTS | units | {"period": scan.period, "harmonics": min(scan.max_harmonics, carried)}
     update = {key: value for key, value in defaults.items() if getattr(profile, key) is None}
     if profile.harmonics == "all":

@@ -15,14 +15,14 @@ from bem.scene.stored_json import CorruptResultError
 
 
 @dataclass(frozen=True)
-class StoredState:
-    """State with the resolved scene of its computation."""
+class StartingState:
+    """Stored state from which a path starts, with the resolved scene that it was computed for."""
 
     state: State
     scene: dict[str, Any]
 
 
-def stored_start(initial: Any, control: str | None, base_dir: Path) -> tuple[StoredState | None, list[Mistake]]:
+def stored_start(initial: Any, control: str | None, base_dir: Path) -> tuple[StartingState | None, list[Mistake]]:
     """Return the state that a valid loading.initial names, None if loading.initial names no state, and the mistakes.
 
     The state must provide the quantity of loading.control; relative names start from `base_dir`.
@@ -46,10 +46,10 @@ def stored_start(initial: Any, control: str | None, base_dir: Path) -> tuple[Sto
         return None, [Mistake("loading.initial.state", f"= {index} has status {state.status}", "a converged state")]
     if control is not None and getattr(state, control) is None:
         return None, [Mistake("loading.initial.state", f"= {index} has no {control}", "a state of a layer")]
-    return StoredState(state, result.scene), []
+    return StartingState(state, result.scene), []
 
 
-def other_problem(resolved: Mapping[str, Any], start: StoredState | None) -> Iterator[Mistake]:
+def other_problem(resolved: Mapping[str, Any], start: StartingState | None) -> Iterator[Mistake]:
     """Yield a mistake for every table but `QUESTIONS` that differs between a stored start and the resolved scene."""
     if start is None:
         return

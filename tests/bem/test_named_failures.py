@@ -132,7 +132,7 @@ def test_a_jump_that_gains_energy_beyond_its_error_is_refused_by_name(errors, en
     gained = -errors * doubt / recorder.problem.scales.energy_per_area
     with pytest.raises(EnergyGainedError, match="detachment at a penetration of ") if ends else nullcontext():
         recorder.note((replace(event, energy_released=gained),))
-    assert len(recorder.record.ahead) == (not ends)
+    assert len(recorder.record.pending_events) == (not ends)
 
 
 def test_a_state_between_targets_that_is_not_certified_is_a_warning_and_targets_decide():

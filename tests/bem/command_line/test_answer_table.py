@@ -128,7 +128,9 @@ def test_a_zero_has_the_uncertainty_of_the_input_in_its_unit():
 
 def test_what_is_not_known_is_a_dash_and_an_empty_cell(rough):
     apart = list(shown(rough)[-1].values())  # the surfaces are apart
-    assert apart.count(NO_NUMBER) == 6  # uncertainties of no pressure and no area, both contact pressures and a ±, widths
+    assert (
+        apart.count(NO_NUMBER) == 6
+    )  # uncertainties of no pressure and no area, both contact pressures and a ±, widths
     table = list(csv.DictReader(io.StringIO(csv_text(rough))))
     assert len(table) == len(rough.targets)
     assert table[-1]["peak_pressure / Pa"] == ""
