@@ -162,7 +162,7 @@ class _Run:
         return Complete(self.problem.profile.max_height if fixed else max(first, 2 * np.pi * tension) + 1.0)
 
     def _next_start(self) -> AnyPoint:
-        """Return the point from which to follow the path: the current one, or one rebuilt from the state stored last."""
+        """Return the point from which to follow the path: the current one, or the state stored last, rebuilt."""
         if self.continues_from_point:
             return self.point
         if self.last is None:

@@ -74,8 +74,8 @@ class Event:
     Penetration and mean pressure are those of the equilibrium from which the contact jumps.  The pressure is NaN
     where the last gap closes, or the first opens, under a given separation: the tension there has no
     bound.  The first event of an avalanche holds all of the energy released, later ones 0; the energy is None if the
-    surfaces part under a held load.  The first holds `before` and `after`, too, the states at the ends of the jump; both
-    are None where nothing jumps, or where more than 100 patches touch.
+    surfaces part under a held load.  The first holds `before` and `after` too, the states at the ends of the jump;
+    both are None where nothing jumps, or where more than 100 patches touch.
     """
 
     kind: EventKind

@@ -70,8 +70,10 @@ def judge(rows: Rows, drawn: Drawn, folder: Path) -> None:
                      required=2 * (own + rounding), because="errors that both estimate")
         if confirmed:
             at = [k for k, _ in confirmed]
+            held = {"separation": "penetration"}.get(scene.loading.control, scene.loading.control)
             rows.compare(name.replace("_", " "), values[at], [each[name] for _, each in confirmed], of=Code.BEM,
                          by=Code.DENSE, quantity=quantity, unit=unit, source="equilibrium next to the edges",
+                         kind="construction" if name == held else "accuracy",
                          uncertainty=(own[at], rounding[at]))
 
 

@@ -112,7 +112,8 @@ def test_smooth_wave(rows):
     curves = {
         "boundary elements": price(rows, name, Code.BEM, ours, lambda r: off(r.targets[-1].contact_fraction)),
         "finite elements": price(rows, name, Code.FEM, meshes, lambda s: off(s.contact_fraction)),
-        "dense algebra at a given penetration": price(rows, name, Code.DENSE, nodes, off),
+        "dense algebra at a given penetration": price(
+            rows, "smooth wave at a given penetration, one patch", Code.DENSE, nodes, off),
     }
     if find_spec("Adhesion") and find_spec("ContactMechanics"):
         curves["grid method (extra peers)"] = price(rows, name, Code.GRID, peers(problem), off)
@@ -142,7 +143,9 @@ def test_rough_adhesive(rows):
     curves = {
         "boundary elements": price(rows, "rough adhesive", Code.BEM, ours,
                                    lambda r: abs(r.targets[-1].contact_fraction / finer - 1)),
-        "theory against its own limit": price(rows, "rough adhesive", Code.THEORY, theory, lambda a: abs(a / own - 1)),
+        "theory against its own limit": price(
+            rows, "rough adhesive: error against the theory's own limit", Code.THEORY, theory,
+            lambda a: abs(a / own - 1)),
     }
     rows.curves("Rough adhesive contact: CPU seconds against true error", "relative error of the contact fraction",
                 "CPU seconds", {label: (*points, "points") for label, points in curves.items()}, log="xy",

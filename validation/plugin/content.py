@@ -87,12 +87,14 @@ def _bare(case: str, verdict: str, reason: str) -> dict[str, Any]:
 
 
 def headline(rows: Iterable[Mapping[str, Any]], ran: int, failed: int, not_run: int) -> str:
-    """Return the outcome in one sentence; rows of accuracy alone are counted."""
+    """Return the outcome in one sentence; rows of accuracy alone are counted, known deviations apart."""
     accuracy = [row for row in rows if row["kind"] == "accuracy" and row["routes"]]
-    agree = sum(row["verdict"] in PASSING for row in accuracy)
+    known = sum(row["verdict"] == "expected deviation" for row in accuracy)
+    agree = sum(row["verdict"] in PASSING for row in accuracy) - known
+    apart = f", {known} known deviation{'s' * (known != 1)} inside the band" if known else ""
     cases = f"{failed} of {ran} cases failed" if failed else f"all {ran} cases passed"
     missing = f", {not_run} did not run" if not_run else ""
-    return f"{agree} of {len(accuracy)} independent comparisons agree; {cases}{missing}"
+    return f"{agree} of {len(accuracy) - known} independent comparisons agree{apart}; {cases}{missing}"
 
 
 def finite(value: Any) -> Any:
