@@ -1,8 +1,8 @@
 """Steps along a branch: predicted to second order, corrected in the plane of the step, judged by its misfit.
 
 A step is accepted if K > 0 at its end, the Newton step that is left is short, and the chord agrees with the derivatives
-at both ends (stand.py).  Where it nearly does, the end is evaluated again more finely before a shorter step is tried,
-and then the start, because what Newton left there turns the tangent of a soft motion.
+at both ends (stand.py).  Where it does not, the end is evaluated again more finely before a shorter step is tried, and
+then the start: what Newton left there, or the error of a faint K, turns the tangent of a soft motion.
 
 The Newton step and the misfit are of third order in the length of the step, which grows or shrinks with the cube root
 of the ratio of the Newton step to the step it should be (pacopy's and AUTO's control does the same by the count of
@@ -82,9 +82,7 @@ def step_from(system: System, at: Stand, ahead: tuple[FloatArray, float], way: W
     if stand.off > tried / SHORTER:
         return Refused.DIVERGED
     span = Span.between(at, stand)
-    if span is None or span.misfit > SHORTER * MISFIT:
-        return Refused.MISFIT
-    if span.misfit > MISFIT or not stand.is_clear:
+    if span is None or span.misfit > MISFIT or not stand.is_clear:
         refined = evaluated_at_itself(system, stand, way)
         if isinstance(refined, Refused):
             return refined
