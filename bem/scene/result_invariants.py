@@ -143,7 +143,7 @@ def _derived(result: Result) -> Iterator[Derived]:
         if state.index is not None:
             quantity, asked = asked_for(loading, state.index)
             size = abs(asked)  # of a distance with the crest, penetration + separation: 1e-300 m is 0
-            size += abs(state.penetration) + abs(state.separation) if quantity in ("separation", "penetration") else 0
+            size += 0 if quantity == "mean_pressure" else abs(state.penetration) + abs(state.separation)
             error = getattr(state.error_estimate, quantity) or 0.0
             yield f"{key}.{quantity}", getattr(state, quantity), float(asked), error + SUM_ROUNDING * size
         if state.gaps is not None:

@@ -107,3 +107,13 @@ def test_a_separation_below_rounding_is_a_separation_of_zero():
     result = solve(rough_scene([], profile=wave, loading=loading, adhesion=None))
     assert result.status == "converged"
     assert result.targets[0].separation == 0
+
+
+def test_a_plate_that_returns_to_its_first_place_has_moved_by_nothing_but_rounding():
+    """Displacement and mean compression cancel in complete contact: what is left is rounding of the heights."""
+    loading = {"control": "total_displacement", "initial": "complete_contact", "targets": [1.5e-5, 1.5e-6, 0.0]}
+    profile = {"kind": "self_affine", "period": 0.012, "hurst": 0.1, "rms_height": 1.4e-7, "harmonics": 8, "seed": 3}
+    tables = {"solid": {"youngs_modulus": 15e3, "poisson_ratio": 0.26}, "layer": {"thickness": 0.05}}
+    result = solve(profile=profile, loading=loading, adhesion={"work_of_adhesion": 1.9e-10}, **tables)
+    assert result.status == "converged"
+    assert abs(result.targets[-1].total_displacement) < 1e-9 * 1.4e-7
