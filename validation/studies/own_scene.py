@@ -25,9 +25,8 @@ import numpy as np
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 
 import bem
-from bem.command_line.answer_table import axis_unit, pull_off
-from bem.command_line.answer_table import quantity as readable
-from bem.command_line.answer_table import readable as rounded
+from bem.command_line.answer_table import axis_unit, pull_off, readable
+from bem.command_line.answer_table import quantity as given_in_full
 from bem.geometry.regular_file import read_regular
 from bem.loading.crew import at_work
 from bem.scene.atomic_file import write_atomically
@@ -234,7 +233,7 @@ def left_out(scene: Scene, base: Path, settings: Sequence[Setting], solved: Mapp
             shortest = min(shortest, max(wave, profile.cutoff_short or 0.0))
     least = max(scan.spectrum.crossing or 0.0, scan.period / scan.max_harmonics)
     if shortest > least * (1 + SAME_CUT):
-        waves = f"waves shorter than {rounded(shortest, 'm', 3)}"
+        waves = f"waves shorter than {readable(shortest, 'm', 3)}"
         sentences.append(f"± does not hold roughness of {waves}: no setting with them was solved.")
     return sentences
 
@@ -242,7 +241,7 @@ def left_out(scene: Scene, base: Path, settings: Sequence[Setting], solved: Mapp
 def _place(loading: Mapping[str, Any], target: int) -> str:
     """Return the value of a target as a person reads it."""
     control, value = asked_for(loading, target)
-    return readable(value, "Pa" if control == "mean_pressure" else "m")
+    return given_in_full(value, "Pa" if control == "mean_pressure" else "m")
 
 
 def read_solved(folder: Path, sha256: str, overwrite: bool) -> dict[str, Solved]:
