@@ -60,7 +60,9 @@ def test_a_sample_is_killed_survives_and_is_continued(tmp_path):
 
     def run(number: int) -> str:
         words = [*command, "--count", str(number)]
-        return subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+        ended = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)
+        assert ended.returncode == 0, ended.stdout + ended.stderr
+        return ended.stdout
 
     run(count)
     found = {line["change"]: line["tests"] for line in read(tmp_path / "out/mutants.csv").values()}

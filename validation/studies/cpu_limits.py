@@ -17,4 +17,4 @@ LIMITS: dict[str, float] = json.loads(Path("limits.json").read_text("utf-8"))
 def pytest_runtest_setup(item: pytest.Item) -> None:
     """Set the limit of a test; beyond it SIGXCPU ends the process."""
     limit = int(time.process_time() + LIMITS[item.nodeid]) + 1
-    resource.setrlimit(resource.RLIMIT_CPU, (limit, resource.RLIM_INFINITY))
+    resource.setrlimit(resource.RLIMIT_CPU, (limit, resource.getrlimit(resource.RLIMIT_CPU)[1]))

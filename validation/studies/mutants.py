@@ -34,6 +34,7 @@ import signal
 import sys
 import time
 import tomllib
+import traceback
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -157,20 +158,23 @@ def pytest_on(tree: Path, words: Sequence[str], limit: float | None = None, **en
         status: Any = 1
         try:
             os.setsid()
-            resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
             for number, source in enumerate((os.open(os.devnull, os.O_RDONLY), there, there)):
                 os.dup2(source, number)
+            most = resource.getrlimit(resource.RLIMIT_AS)[1]
+            resource.setrlimit(resource.RLIMIT_AS, (MEMORY if most == resource.RLIM_INFINITY else most, most))
             os.chdir(tree)
             os.environ.pop("PYTEST_CURRENT_TEST", None)
             os.environ |= {"PYTHONPATH": str(tree), "PYTEST_ADDOPTS": "", "CI": "1"} | environment
             for name in [name for name in sys.modules if name.partition(".")[0] in COPIED]:
                 del sys.modules[name]
-            sys.path[:] = [str(tree), *(path for path in sys.path if path and Path(path).resolve() != ROOT)]
+            sys.path.insert(0, str(tree))
             sys.dont_write_bytecode = "PYTHONDONTWRITEBYTECODE" in environment
             sys.argv = ["pytest", "-n", "0", "-p", "no:cacheprovider", *words]
             runpy.run_module("pytest", run_name="__main__", alter_sys=True)
         except SystemExit as end:
             status = end.code
+        except BaseException:
+            traceback.print_exc()
         finally:
             sys.stdout.flush(), sys.stderr.flush()
             os._exit(int(status))
