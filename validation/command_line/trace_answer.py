@@ -11,7 +11,7 @@ cut        the wavelength at which the trace falls below its noise floor, where 
 tolerance  1e-3, three digits
 
 --pull-off unloads the contact from the last pressure until it comes apart.  Of a map, --profile row=all solves every
-row, every=n each n-th, with the choices of the first; the answer is the median and scatter of the rows, without a page.
+row, every=n each n-th, with the choices of the first; the page has the median and scatter of their answers.
 
 The scene is then solved as `linecontact run DIR/scene.toml` solves it.  The trace stays where it is; the scene names
 its path from DIR.
@@ -43,6 +43,7 @@ from bem.scene.memory_estimate import refuse_beyond_memory
 from bem.scene.plausibility import cautions_of, groups_of
 from bem.scene.scene import Scene, SceneError, load_scene, parse_scene, read_tables
 from validation.report.pages import PAGE
+from validation.report.rows_page import write_rows_page
 from validation.report.run_page import write_run_page
 from validation.studies.scene_settings import LARGEST_JUMP
 
@@ -165,7 +166,8 @@ def _answer(options: argparse.Namespace) -> int:
         run |= {"quiet": options.quiet, "json": False, "table": True, "jobs": options.jobs}
         if asks_for_rows(choice.tables):
             code = row_commands.run_alone(read_tables(folder / SCENE_FILE), argparse.Namespace(**run), new)
-            print(folder / "answer.csv", flush=True)
+            write_rows_page(folder)
+            print(folder / PAGE, flush=True)
             return code
         code = scene_commands.run_alone(load_scene(folder / SCENE_FILE), argparse.Namespace(**run), new)
         if code == INTERRUPTED:
