@@ -38,7 +38,7 @@ from bem.command_line.perform import BAD_INPUT, INTERRUPTED, perform
 from bem.geometry.ranges import Mistake
 from bem.map_rows import asks_for_rows, rows_of, tables_of_row
 from bem.path_for import check_path
-from bem.scans.prepared_scan import Scan
+from bem.scans.periodic_samples import PeriodicSamples
 from bem.scene.atomic_file import write_atomically
 from bem.scene.memory_estimate import refuse_beyond_memory
 from bem.scene.plausibility import cautions_of, groups_of
@@ -67,7 +67,7 @@ class Choice:
 
     tables: dict[str, Any]
     scene: Scene
-    scan: Scan
+    scan: PeriodicSamples
     given: Mapping[str, Any]
     jump: float
 
@@ -263,7 +263,7 @@ def _way_out(options: argparse.Namespace) -> list[float]:
     return [0.0, -float(f"{modulus:.1e}")]
 
 
-def _scan(tables: Mapping[str, Any], trace: Path) -> Scan:
+def _scan(tables: Mapping[str, Any], trace: Path) -> PeriodicSamples:
     """Return the prepared samples of a trace."""
     scan = parse_scene(tables, trace.parent).scan
     assert scan is not None
@@ -280,7 +280,7 @@ def _most(tables: Mapping[str, Any]) -> int:
     return MOST_ADHERING if "adhesion" in tables else MOST_WAVES
 
 
-def _coarse(scan: Scan, most: int) -> tuple[float, str]:
+def _coarse(scan: PeriodicSamples, most: int) -> tuple[float, str]:
     """Return the shortest wave (m) that a first answer has, at most so many along the trace, and the reason."""
     samples = scan.spectrum.h.size
     if samples > FEWEST_SAMPLES * most:

@@ -1,6 +1,6 @@
 """A scan before and after its preparation: heights as measured and as solved, and its power spectrum.
 
-The numbers are those that a result stores (`Scan.drawn` in bem/scans/prepared_scan.py): scan_x, scan_h and
+The numbers are those that a result stores (`PeriodicSamples.drawn` in bem/scans): scan_x, scan_h and
 profile_x, profile_h in m.  Both lines are drawn about their own mean.  A second figure is the power spectrum of the
 scan, scan_density over scan_wavelength, with its noise floor and the profile's power law, as far as they are found, and
 the wavelengths at which it is cut and should be (bem/scans/noise_floor.py).
