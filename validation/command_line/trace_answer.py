@@ -243,6 +243,9 @@ def choice_for(options: argparse.Namespace, given: Mapping[str, Any]) -> Choice:
     if "periodic" not in given:
         tables["profile"]["periodic"] = "mirror" if scan.end_jump > LARGEST_JUMP else "as_is"
     if not {"cutoff_short", "harmonics"} & given.keys():
+        if scan.spectrum.h.size < 2 * FEWEST_SAMPLES:
+            few, allowed = f"has {scan.spectrum.h.size} samples", f"{2 * FEWEST_SAMPLES} or more, two waves"
+            raise SceneError([Mistake("profile.file", few, f"{allowed}; or a cut of yours, cutoff_short=.. (m)")])
         coarse = _coarse(scan, _most(tables))[0]
         tables["profile"]["cutoff_short"] = float(f"{max(scan.spectrum.crossing or 0.0, coarse):.4g}")
     choice = Choice(tables, parse_scene(tables, trace.parent), _scan(tables, trace), given, scan.end_jump)
@@ -270,7 +273,7 @@ def _scan(tables: Mapping[str, Any], trace: Path) -> PeriodicSamples:
     return scan
 
 
-def _step(scan: Scan, name: str) -> Mapping[str, Any]:
+def _step(scan: PeriodicSamples, name: str) -> Mapping[str, Any]:
     """Return the record of a step of the preparation of a trace."""
     return next(step for step in scan.steps if step["step"] == name)
 
