@@ -37,7 +37,7 @@ from bem.scene.effects import effects_of
 from bem.scene.plausibility import cautions_of, groups_of
 from bem.scene.provenance import provenance
 from bem.scene.result import Caution, Entry, Event, JumpEnd, LargestTension, Result, asked_for
-from bem.scene.result_invariants import check_result
+from bem.scene.result_invariants import judged
 from bem.scene.scene import Scene
 from bem.scene.scene_tables import OUTPUTS
 from bem.scene.state import Branch, Ending, State, Status
@@ -133,8 +133,8 @@ class Record:
         return self.entries[-1].state.events if self.entries else 0
 
     def result(self, status: Ending, failure: str | None = None) -> Result:
-        """Return the result of all entries; InvariantError, a fault of this program, where its parts do not match."""
-        return check_result(replace(self.begun.with_entries(self.entries), status=status, failure=failure))
+        """Return the result of all entries; one that contradicts itself is `not_converged`, with all its states."""
+        return judged(replace(self.begun.with_entries(self.entries), status=status, failure=failure))
 
 
 def entries_of(result: Result, begun: Result) -> Iterator[Entry]:
