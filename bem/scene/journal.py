@@ -17,7 +17,7 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from bem.scene.atomic_file import write_atomically
-from bem.scene.provenance import digest
+from bem.scene.digest import digest
 from bem.scene.result import Entry, Result
 from bem.scene.result_invariants import contradiction
 from bem.scene.stored_json import SCHEMA, CorruptResultError, read_bytes, typed, verified

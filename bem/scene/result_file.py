@@ -21,8 +21,8 @@ from pydantic import TypeAdapter
 
 from bem.geometry.ranges import shown
 from bem.scene.atomic_file import write_atomically
+from bem.scene.digest import digest
 from bem.scene.journal import JOURNAL_FILE, Journal
-from bem.scene.provenance import digest
 from bem.scene.result import Result
 from bem.scene.result_invariants import contradiction
 from bem.scene.stored_arrays import CorruptArraysError, packed, unpacked

@@ -18,12 +18,13 @@ from typing import Any
 from bem.audit.certificate import Demands
 from bem.geometry.ranges import Mistake, shown
 from bem.geometry.table import TableError, plain
-from bem.scene.provenance import FACTS, digest
+from bem.scene.array_names import array_mistakes
+from bem.scene.digest import digest
+from bem.scene.provenance import FACTS
 from bem.scene.result import Result, asked_for
 from bem.scene.scene_rules import loading_mistakes, profile_mistakes
 from bem.scene.scene_tables import REQUIRED_TABLES, TABLES, WITH_DEFAULTS, class_of
 from bem.scene.state import FINAL_STATUSES, GapNumbers, State
-from bem.scene.stored_arrays import array_mistakes
 
 SUM_ROUNDING = 1e-9  # derived: of a period or a sum of energies; rounding, with a margin
 MISSED = ("unreachable", "not_converged")
@@ -77,9 +78,9 @@ def _scene_claims(result: Result) -> Iterator[Claim]:
     for name in NEEDED_GROUPS:
         yield name in result.groups, f"groups.{name}", None, "a number"
     for name in FACTS:
-        yield (bool(result.provenance.get(name)), f"provenance.{name}", result.provenance.get(name), "a text")
+        yield bool(result.provenance.get(name)), f"provenance.{name}", result.provenance.get(name), "a text"
     date = result.provenance["date"]
-    yield (re.match(r"\d{4}-\d\d-\d\dT\d\d:\d\d", date), "provenance.date", date, "a date and time of ISO 8601")
+    yield re.match(r"\d{4}-\d\d-\d\dT\d\d:\d\d", date), "provenance.date", date, "a date and time of ISO 8601"
 
 
 def _table_claims(name: str, stored: Mapping[str, Any]) -> Iterator[Claim]:
@@ -94,7 +95,7 @@ def _table_claims(name: str, stored: Mapping[str, Any]) -> Iterator[Claim]:
         return
     for key in dict.fromkeys((*given, *anew)):
         same = key in given and key in anew and given[key] == anew[key]
-        yield (same, f"scene.{name}.{key}", given.get(key), f"{shown(anew.get(key))}, or no such key if that is null")
+        yield same, f"scene.{name}.{key}", given.get(key), f"{shown(anew.get(key))}, or no such key if that is null"
 
 
 def _of_scene(mistake: Mistake) -> Mistake:
@@ -203,15 +204,15 @@ def _part_claims(result: Result) -> Iterator[Claim]:
             yield holds, f"{key}.certificate.{name}", value, f"at least {bound:.3g} where ok is true"
         asymmetry, most = figures.hessian_asymmetry or 0.0, Demands().hessian_asymmetry
         holds = 0 <= asymmetry <= most or not figures.ok
-        yield (holds, f"{key}.certificate.hessian_asymmetry", asymmetry, f"0 to {most:.3g} where ok is true")
+        yield holds, f"{key}.certificate.hessian_asymmetry", asymmetry, f"0 to {most:.3g} where ok is true"
         if state.gaps is None or not state.found:
             continue
         heights, top = [*vars(state.gaps.quantiles).values()], max(state.largest_gap or 0.0, state.gaps.mean_open)
         rising = heights == sorted(heights) and heights[0] >= 0 and heights[-1] <= top * (1 + SUM_ROUNDING)
-        yield (rising, f"{key}.gaps.quantiles", heights, f"rising heights from 0 to {top:.9g}, the largest gap")
+        yield rising, f"{key}.gaps.quantiles", heights, f"rising heights from 0 to {top:.9g}, the largest gap"
         mean = state.mean_pressure / state.contact_fraction if state.contact_fraction > 0 else math.nan
         low = state.peak_pressure is not None and state.peak_pressure < mean - SUM_ROUNDING * abs(mean)
-        yield (not low, f"{key}.peak_pressure", state.peak_pressure, f"at least {mean:.9g}, the mean in contact")
+        yield not low, f"{key}.peak_pressure", state.peak_pressure, f"at least {mean:.9g}, the mean in contact"
 
 
 def _array_claims(result: Result) -> Iterator[Claim]:
@@ -229,9 +230,9 @@ def _array_claims(result: Result) -> Iterator[Claim]:
         rising, most = (x[1:] >= x[:-1]).all() and x[-1] - x[0] <= period * (1 + SUM_ROUNDING), max(state.n_patches, 1)
         yield rising, f"fields.x_{k}", x[:3].tolist(), f"rising within {period:g} m"
         yield gap.min() >= -height, f"fields.gap_{k}", gap[:3].tolist(), f"at least {-height:.3g} m"
-        yield (patch.min() >= -1 and patch.max() < most, f"fields.patch_{k}", patch[:3].tolist(), f"-1 to {most - 1}")
+        yield patch.min() >= -1 and patch.max() < most, f"fields.patch_{k}", patch[:3].tolist(), f"-1 to {most - 1}"
         finite = not (abs(pressure) == math.inf).any()
-        yield (finite, f"fields.pressure_{k}", pressure[:3].tolist(), "finite, or NaN where it does not exist")
+        yield finite, f"fields.pressure_{k}", pressure[:3].tolist(), "finite, or NaN where it does not exist"
 
 
 def _whole_claims(result: Result) -> Iterator[Claim]:
