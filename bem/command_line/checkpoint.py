@@ -26,7 +26,7 @@ from bem.scene.scene import Scene
 from bem.scene.state import Ending
 from bem.scene.stored_json import CorruptResultError
 
-ANSWERS = ("answer.csv", "report.html", "contact_fraction.png", "separation.png", "shape_[0-9]*.png")
+ANSWERS = ("answer.csv", "report.html", "rows.csv", "contact_fraction.png", "separation.png", "shape_[0-9]*.png")
 PAUSE = 10.0  # format: times the duration of a write of result.json until the next
 
 

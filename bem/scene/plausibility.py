@@ -156,13 +156,12 @@ def _noise(scene: Scene, groups: Mapping[str, float]) -> Warnings:
 
 def _constant(scene: Scene, groups: Mapping[str, float]) -> Warnings:
     """Yield a warning of a scan that is flat to the rounding of its heights."""
-    if scene.scan is not None and groups["rms_height"] <= LAST_DIGITS * np.spacing(
-        np.nanmax(np.abs(scene.scan.measured[1]))
-    ):
-        yield (
-            "rms_height",
-            "the heights are constant, less their trend: a flat surface is solved; are they the heights?",
-        )
+    if scene.scan is None:
+        return
+    highest = np.nanmax(np.abs(scene.scan.measured.h))
+    if groups["rms_height"] <= LAST_DIGITS * np.spacing(highest):
+        told = "the heights are constant, less their trend: a flat surface is solved; are they the heights?"
+        yield "rms_height", told
 
 
 def _form(scene: Scene, groups: Mapping[str, float]) -> Warnings:

@@ -60,7 +60,7 @@ from bem.scene.targets import equal_target, expanded, origin
 if TYPE_CHECKING:
     from bem.adhesive.adhesion import Adhesion
     from bem.elastic.layer import Layer
-    from bem.scans.prepared_scan import Scan, Step
+    from bem.scans.periodic_samples import PeriodicSamples, Step
 
 ALL_ROWS = "all"  # profile.row of a map whose rows are solved each (bem/map_rows.py)
 IN_MEMORY = "arrays in memory"  # the name of the file of samples that are given as arrays
@@ -96,7 +96,7 @@ class Scene:
         Tables, SI units; `loading.targets` holds all targets.
     origin : float
         Value of the controlled quantity where the path begins, possibly infinite.
-    scan : Scan, optional
+    scan : PeriodicSamples, optional
         Samples of profile.file.
     cut_by_default : bool
         Whether profile.harmonics was chosen for a scan, not given.
@@ -113,7 +113,7 @@ class Scene:
     accuracy: AccuracyTable
     output: Output
     origin: float
-    scan: Scan | None = field(default=None, compare=False)
+    scan: PeriodicSamples | None = field(default=None, compare=False)
     cut_by_default: bool = False
     start_state: State | None = None
 
@@ -153,7 +153,7 @@ class Scene:
         """Return all tables as plain values, defaults included; a file is given by its name and digest."""
         content = {"title": self.title} | {name: plain(getattr(self, name)) for name in TABLES}
         if self.scan is not None:
-            content["profile"] |= {"file": Path(str(self.profile.file)).name, "sha256": self.scan.sha256}
+            content["profile"] |= {"file": Path(str(self.profile.file)).name, "sha256": self.scan.measured.sha256}
         if self.start_state is not None and isinstance(self.loading.initial, StoredStart):
             content["loading"]["initial"]["result"] = Path(self.loading.initial.result).name
             content["loading"]["initial"]["penetration"] = self.start_state.penetration
@@ -337,7 +337,7 @@ def _made(name: str, raw: Any) -> tuple[Any, dict[str, Any], list[Mistake]]:
 
 def _scan(
     profile: Mapping[str, Any], given: set[str], base_dir: Path, arrays: Samples | None
-) -> tuple[Scan | None, list[Mistake]]:
+) -> tuple[PeriodicSamples | None, list[Mistake]]:
     """Return the prepared samples of profile.file or of arrays, if the keys of [profile] for reading are valid."""
     wrong = [key for key in given.intersection((*SCAN_KEYS, *DEFAULTS, *CUTOFFS)) if key not in profile]
     if profile.get("kind") != "samples" or "file" not in profile or wrong:
@@ -345,13 +345,13 @@ def _scan(
     if profile.get("row") == ALL_ROWS:
         allowed = 'a row, or "mean"; all are solved by linecontact run, and by bem.solve_rows in Python'
         return None, [Mistake("profile.row", f'= "{ALL_ROWS}" is many scenes', allowed)]
-    from bem.scans.prepare_scan import prepare
-    from bem.scans.read_scan import read_scan, scan_of_arrays
+    from bem.scans.prepare_line import prepare
+    from bem.scans.read_scan import line_of_arrays, read_scan
     from bem.scans.scan_file_error import ScanFileError
 
     name = profile["file"]
     try:
-        raw = read_scan(base_dir / name, profile) if arrays is None else scan_of_arrays(*arrays, profile)
+        raw = read_scan(base_dir / name, profile) if arrays is None else line_of_arrays(*arrays, profile)
         scan = prepare(raw, profile)
     except ScanFileError as error:
         named = f"= {shown(name)}: "
@@ -361,7 +361,7 @@ def _scan(
     return scan, list(scan_mistakes(profile, scan))
 
 
-def _resolved(title: str, tables: dict[str, Any], scan: Scan | None, start: StartingState | None) -> Scene:
+def _resolved(title: str, tables: dict[str, Any], scan: PeriodicSamples | None, start: StartingState | None) -> Scene:
     """Return the scene of tables without mistakes: defaults, targets; SceneError for mistakes of the whole."""
     loading: Loading = tables["loading"]
     cut_by_default = scan is not None and tables["profile"].harmonics is None
@@ -391,7 +391,7 @@ def _resolved(title: str, tables: dict[str, Any], scan: Scan | None, start: Star
     return scene
 
 
-def _profile(profile: ProfileTable, scan: Scan | None) -> ProfileTable:
+def _profile(profile: ProfileTable, scan: PeriodicSamples | None) -> ProfileTable:
     """Return [profile] with the defaults of its kind."""
     if profile.kind == "self_affine" and profile.seed is None:
         return replace(profile, seed=0)

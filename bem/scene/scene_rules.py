@@ -17,7 +17,7 @@ from bem.geometry.scaling import Solid
 from bem.scans.scan_keys import CUTOFFS, DEFAULTS, SCAN_KEYS
 
 if TYPE_CHECKING:
-    from bem.scans.prepared_scan import Scan
+    from bem.scans.periodic_samples import PeriodicSamples
 
 SAMPLED_HARMONICS = 1000  # format: default cut of a scan that is not filtered
 REQUIRED = {
@@ -70,7 +70,7 @@ def profile_mistakes(values: Mapping[str, Any], given: Collection[str]) -> Itera
     yield from harmonic_mistakes(values)
 
 
-def scan_mistakes(values: Mapping[str, Any], scan: Scan) -> Iterator[Mistake]:
+def scan_mistakes(values: Mapping[str, Any], scan: PeriodicSamples) -> Iterator[Mistake]:
     """Yield a period and a cut that do not fit the samples of a scan."""
     period, harmonics = values.get("period"), values.get("harmonics")
     if period is not None and abs(period - scan.period) > 0.5 * scan.spacing:

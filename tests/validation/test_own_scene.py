@@ -173,7 +173,7 @@ def test_settings_of_a_scan_keep_its_shortest_wave(tmp_path):
         assert shortest(one, tmp_path) == pytest.approx(own, rel=0.04)  # a whole number of waves
     first, second = (parse_scene(one.tables, tmp_path).scan for one in recut if one.source == "part")
     whole = parse_scene(scene, tmp_path).scan
-    assert np.array_equal(np.concatenate([first.measured[1], second.measured[1]]), whole.measured[1])
+    assert np.array_equal(np.concatenate([first.measured.h, second.measured.h]), whole.measured.h)
 
 
 def test_a_mirrored_row_of_256_points_has_all_its_settings(tmp_path):
@@ -229,7 +229,7 @@ def test_noise_of_the_floor_of_the_scan_is_added(tmp_path):
     noise = np.random.default_rng(1).normal(0.0, 0.05, 1024)
     scene = scan(tmp_path, rough(1024) + noise, harmonics=30)
     (setting,) = (one for one in settings(scene, tmp_path) if one.source == "noise")
-    added = parse_scene(setting.tables, tmp_path).scan.measured[1] - parse_scene(scene, tmp_path).scan.measured[1]
+    added = parse_scene(setting.tables, tmp_path).scan.measured.h - parse_scene(scene, tmp_path).scan.measured.h
     assert np.std(added) == pytest.approx(5e-8, rel=0.2)
 
 

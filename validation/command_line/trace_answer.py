@@ -11,7 +11,7 @@ cut        the wavelength at which the trace falls below its noise floor, where 
 tolerance  1e-3, three digits
 
 --pull-off unloads the contact from the last pressure until it comes apart.  Of a map, --profile row=all solves every
-row, every=n each n-th, with the choices of the first; the answer is the median and scatter of the rows, without a page.
+row, every=n each n-th, with the choices of the first; the page has the median and scatter of their answers.
 
 The scene is then solved as `linecontact run DIR/scene.toml` solves it.  The trace stays where it is; the scene names
 its path from DIR.
@@ -37,12 +37,13 @@ from bem.command_line.perform import BAD_INPUT, INTERRUPTED, perform
 from bem.geometry.ranges import Mistake
 from bem.map_rows import asks_for_rows, rows_of, tables_of_row
 from bem.path_for import check_path
-from bem.scans.prepared_scan import Scan
+from bem.scans.periodic_samples import PeriodicSamples
 from bem.scene.atomic_file import write_atomically
 from bem.scene.memory_estimate import refuse_beyond_memory
 from bem.scene.plausibility import cautions_of, groups_of
 from bem.scene.scene import Scene, SceneError, load_scene, parse_scene, read_tables
 from validation.report.pages import PAGE
+from validation.report.rows_page import write_rows_page
 from validation.report.run_page import write_run_page
 from validation.studies.scene_settings import LARGEST_JUMP
 
@@ -65,7 +66,7 @@ class Choice:
 
     tables: dict[str, Any]
     scene: Scene
-    scan: Scan
+    scan: PeriodicSamples
     given: Mapping[str, Any]
     jump: float
 
@@ -165,7 +166,8 @@ def _answer(options: argparse.Namespace) -> int:
         run |= {"quiet": options.quiet, "json": False, "table": True, "jobs": options.jobs}
         if asks_for_rows(choice.tables):
             code = row_commands.run_alone(read_tables(folder / SCENE_FILE), argparse.Namespace(**run), new)
-            print(folder / "answer.csv", flush=True)
+            write_rows_page(folder)
+            print(folder / PAGE, flush=True)
             return code
         code = scene_commands.run_alone(load_scene(folder / SCENE_FILE), argparse.Namespace(**run), new)
         if code == INTERRUPTED:
@@ -255,7 +257,7 @@ def _way_out(options: argparse.Namespace) -> list[float]:
     return [0.0, -float(f"{modulus:.1e}")]
 
 
-def _scan(tables: Mapping[str, Any], trace: Path) -> Scan:
+def _scan(tables: Mapping[str, Any], trace: Path) -> PeriodicSamples:
     """Return the prepared samples of a trace."""
     scan = parse_scene(tables, trace.parent).scan
     assert scan is not None
@@ -267,7 +269,7 @@ def _most(tables: Mapping[str, Any]) -> int:
     return MOST_ADHERING if "adhesion" in tables else MOST_WAVES
 
 
-def _coarse(scan: Scan, most: int) -> tuple[float, str]:
+def _coarse(scan: PeriodicSamples, most: int) -> tuple[float, str]:
     """Return the shortest wave (m) that a first answer has, at most so many along the trace, and the reason."""
     samples = scan.spectrum.h.size
     if samples > FEWEST_SAMPLES * most:

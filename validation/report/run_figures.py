@@ -6,7 +6,7 @@ The fitted law is drawn inside its domain.  Separations with adhesion need a lad
 
 Scan: heights as measured and as solved, each about its own mean, and the power spectrum of the scan with its noise
 floor and the wavelengths at which it is cut and should be (bem/scans/noise_floor.py).  The numbers are those that a
-result stores (`Scan.drawn` in bem/scans/prepared_scan.py): scan_x, scan_h, profile_x, profile_h in m, scan_density over
+result stores (`PeriodicSamples.drawn` in bem/scans): scan_x, scan_h, profile_x, profile_h in m, scan_density over
 scan_wavelength.
 """
 

@@ -214,7 +214,7 @@ class Change:
     @property
     def _measured(self) -> tuple[FloatArray, FloatArray]:
         assert self.scene.scan is not None
-        return self.scene.scan.measured
+        return self.scene.scan.measured.x, self.scene.scan.measured.h
 
     def _from_file(self, source: str, name: str, x: FloatArray, h: FloatArray) -> Setting:
         """Write samples as a text file in m, and return the setting that reads them."""
