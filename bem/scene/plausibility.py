@@ -70,7 +70,7 @@ def groups_of(scene: Scene) -> dict[str, float]:
 
 def cautions_of(scene: Scene, groups: Mapping[str, float]) -> tuple[Caution, ...]:
     """Return the warnings about a scene with these groups, each with the probable cause."""
-    warnings = (_lengths, _pressures, _slopes, _adhesion, _noise, _constant, _form)
+    warnings = (_lengths, _pressures, _slopes, _adhesion, _spikes, _noise, _constant, _form)
     return tuple(Caution(about, message) for warn in warnings for about, message in warn(scene, groups))
 
 
@@ -137,6 +137,17 @@ def _adhesion(scene: Scene, groups: Mapping[str, float]) -> Warnings:
         told = f"adhesion is {share:.3g} times the elastic energy of complete contact, surfaces close by themselves"
         cause = "is the unit of the heights or of the work of adhesion right?"
         yield "adhesion_over_elastic_energy", f"{told}: {cause}"
+
+
+def _spikes(scene: Scene, groups: Mapping[str, float]) -> Warnings:
+    """Yield a warning of spikes in a scan that are kept as heights."""
+    if scene.scan is None:
+        return
+    step = next(step for step in scene.scan.steps if step["step"] == "outliers")
+    if step["count"] and step["method"] == "keep":
+        spikes = "a spike" if step["count"] == 1 else f"{step['count']} spikes"
+        told = f"{spikes} of up to {step['largest']:.3g} m, the first at {step['first']}"
+        yield "profile.outliers", f'{told}: measured so? outliers = "replace" takes the median of the neighbours'
 
 
 def _noise(scene: Scene, groups: Mapping[str, float]) -> Warnings:

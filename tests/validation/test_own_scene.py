@@ -176,6 +176,14 @@ def test_settings_of_a_scan_keep_its_shortest_wave(tmp_path):
     assert np.array_equal(np.concatenate([first.measured.h, second.measured.h]), whole.measured.h)
 
 
+def test_a_half_whose_ends_part_is_followed_by_its_mirror_image(tmp_path):
+    wave = 10 * np.sin(2 * np.pi * np.arange(256) / 256) + rough(256)
+    scene = scan(tmp_path, wave, harmonics=20, detrend="none", periodic="as_is")
+    parts = [one for one in settings(scene, tmp_path) if one.source == "part"]
+    assert [one.name for one in parts] == [f"{k} half, then its mirror image" for k in ("first", "second")]
+    assert {parse_scene(one.tables, tmp_path).profile.periodic for one in parts} == {"mirror"}
+
+
 def test_a_mirrored_row_of_256_points_has_all_its_settings(tmp_path):
     scene = scan(tmp_path, rough(256), harmonics="all", detrend="line", periodic="mirror")
     for one in settings(scene, tmp_path):
