@@ -270,7 +270,7 @@ def _scan(tables: Mapping[str, Any], trace: Path) -> PeriodicSamples:
     return scan
 
 
-def _step(scan: Scan, name: str) -> Mapping[str, Any]:
+def _step(scan: PeriodicSamples, name: str) -> Mapping[str, Any]:
     """Return the record of a step of the preparation of a trace."""
     return next(step for step in scan.steps if step["step"] == name)
 
