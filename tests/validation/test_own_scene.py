@@ -17,7 +17,7 @@ import pytest
 from rough_scene import ROUGH
 
 from bem.loading.workers import ENDED
-from bem.scene.provenance import digest
+from bem.scene.digest import digest
 from bem.scene.scene import parse_scene
 from validation.command_line.front_door import main
 from validation.references.closed_forms import Sinusoid

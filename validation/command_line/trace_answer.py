@@ -42,7 +42,8 @@ from bem.scans.periodic_samples import PeriodicSamples
 from bem.scene.atomic_file import write_atomically
 from bem.scene.memory_estimate import refuse_beyond_memory
 from bem.scene.plausibility import cautions_of, groups_of
-from bem.scene.scene import Scene, SceneError, load_scene, parse_scene, read_tables
+from bem.scene.scene import Scene, SceneError, load_scene, parse_scene
+from bem.scene.scene_file import read_tables
 from validation.report.pages import PAGE
 from validation.report.rows_page import write_rows_page
 from validation.report.run_page import write_run_page
