@@ -135,6 +135,21 @@ def test_an_unknown_example_is_told_with_those_there_are(capsys):
     assert "paper-profile" in said
 
 
+@pytest.mark.parametrize("words", [["anwser"], ["studdy", "scene.toml"]])
+def test_a_command_with_a_slip_is_told_what_was_meant(words, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main(words)
+    assert f"did you mean {({'a': 'answer', 's': 'study'})[words[0][0]]}; allowed: " in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [["no.toml"], ["scene", "no.toml"]])
+def test_a_study_is_of_one_scene(words, tmp_path, capsys):
+    assert main(["study", *words, "--out", str(tmp_path / "out")]) == 2
+    assert "no.toml cannot be read" in capsys.readouterr().err
+    with pytest.raises(SystemExit, match="2"):
+        main(["study", *words, "other.toml", "--out", str(tmp_path)])
+
+
 def test_names_of_bem_are_listed_without_importing_what_they_name():
     code = "import sys, bem; print(*dir(bem)); print(*sorted(m for m in sys.modules if m.startswith('bem')))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
