@@ -111,13 +111,13 @@ def test_the_line_of_a_map_is_named_wherever_its_row_is(name, taken, tmp_path, c
     assert answer(*words, "row=3", "spacing=1", "unit_x=um", "unit_h=m", "harmonics=5") == 0
     np.testing.assert_allclose(bem.load_scene(tmp_path / "out" / "scene.toml").scan.measured.h, heights[:, 3])
     assert f"row = 3  # as given: {taken}\n" in (tmp_path / "out" / "scene.toml").read_text("utf-8")
-    assert f"one row of a map of 6 rows: {taken}, positions in um" in (tmp_path / "out" / "report.html").read_text(
+    assert f"one row of a map of 6 rows ({taken}), positions in um" in (tmp_path / "out" / "report.html").read_text(
         "utf-8"
     )
     capsys.readouterr()
     assert main(["check", str(tmp_path / "out" / "scene.toml")]) == main(["keys", "profile"]) == 0
     told = capsys.readouterr().out
-    assert f"one row of a map of 6 rows: {taken}, " in told
+    assert f"one row of a map of 6 rows ({taken}), " in told
     assert "the fourth line of a text, the column a[:, 3] of a .npy or .mat array" in told
     if name == "map.npy":
         words = (*words[:-4], "--out", tmp_path / "each", "--quiet", "--jobs", "1", "--profile", "row=all", "every=3")
