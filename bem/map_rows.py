@@ -22,12 +22,14 @@ from numpy.typing import NDArray
 
 from bem.geometry.ranges import Mistake, shown
 from bem.loading.crew import at_work
-from bem.scene.provenance import digest
+from bem.scene.digest import digest
 from bem.scene.result import Result
 from bem.scene.result_file import RESULT_FILE, read_result, write_result
 from bem.scene.result_views import UNITS
-from bem.scene.scene import ALL_ROWS, Scene, parse_scene, read_tables
+from bem.scene.scene import Scene, parse_scene
 from bem.scene.scene_error import SceneError
+from bem.scene.scene_file import read_tables
+from bem.scene.scene_scan import ALL_ROWS
 from bem.scene.state import FINAL_STATUSES
 from bem.scene.stored_json import CorruptResultError
 from bem.solver import solve

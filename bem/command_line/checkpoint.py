@@ -18,8 +18,8 @@ from types import FrameType
 from typing import Protocol
 
 from bem.scene.atomic_file import remove_remains
+from bem.scene.digest import digest
 from bem.scene.journal import JOURNAL_FILE, Journal
-from bem.scene.provenance import digest
 from bem.scene.result import Entry, Result
 from bem.scene.result_file import FIELDS_FILE, RESULT_FILE, read_result, write_result, write_states
 from bem.scene.scene import Scene

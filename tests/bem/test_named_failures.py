@@ -14,7 +14,8 @@ from bem.loading.path_events import EventNumbers, PathEvent
 from bem.missed import NUMERICAL_FAILURES, EnergyGainedError, no_point, sentence, verdict
 from bem.path_for import path_for
 from bem.problem import pose
-from bem.record import Record, Recorder
+from bem.record import Record
+from bem.recorder import Recorder
 from bem.solver import solve
 
 TARGETS = [70e-6, 50e-6, 60e-6]
@@ -75,11 +76,7 @@ def test_complete_contact_of_an_incompressible_layer_has_a_total_displacement():
 
 @pytest.mark.parametrize(
     ("control", "has_history", "remedies"),
-    [
-        ("mean_pressure", True, 4),
-        ("separation", True, 3),
-        ("separation", False, 1),
-    ],
+    [("mean_pressure", True, 4), ("separation", True, 3), ("separation", False, 1)],
 )
 def test_what_to_try_is_told_in_order(control, has_history, remedies):
     error = no_point("not_converged", 1.0, control, has_history)

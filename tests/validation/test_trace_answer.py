@@ -99,6 +99,19 @@ def test_a_map_is_answered_by_the_median_of_its_rows(tmp_path, capsys):
     assert (tmp_path / "out" / "report.html").read_text("utf-8") == page
 
 
+def test_a_spike_is_replaced_and_told_of_unless_it_is_asked_for(tmp_path, capsys):
+    trace = write_trace(tmp_path)
+    lines = trace.read_text().splitlines(keepends=True)
+    lines[200] = f"{lines[200].partition(';')[0]}; 90\n"
+    trace.write_text("".join(lines))
+    assert answer(trace, *SOLID, "--pressure", "5e4", "--out", tmp_path / "out") == 0
+    assert "note: profile.outliers: spikes (1 of up to 8" in capsys.readouterr().err
+    assert profile_of(tmp_path / "out")["outliers"] == "replace"
+    words = ("--profile", "outliers=keep", "--out", tmp_path / "kept")
+    assert answer(trace, *SOLID, "--pressure", "5e4", *words) == 0
+    assert "warning: profile.outliers: a spike of up to 8" in capsys.readouterr().err
+
+
 def test_a_row_without_an_answer_stands_on_the_page_of_its_map(tmp_path, capsys):
     heights = 2e-6 * np.random.default_rng(1).normal(size=(64, 3))
     heights[5, 1] = np.nan

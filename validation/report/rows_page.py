@@ -11,8 +11,7 @@ from bem.map_rows import ANSWERED, RowResults, read_rows
 from bem.row_commands import cells, pull_off_words, warning_lines
 from bem.scene.atomic_file import write_atomically
 from bem.scene.result_views import UNITS
-from validation.harness.figure_data import axes, drawn, marks
-from validation.harness.schema import Figure
+from validation.harness.figure_data import Figure, drawn, trace
 from validation.report.figures import svg_of
 from validation.report.pages import PAGE, filled
 from validation.report.run_words import scene_in_words
@@ -58,18 +57,16 @@ def figures_of(rows: RowResults) -> Iterator[Figure]:
         largest = max(float(np.nanmax(np.abs(values))) for values in series.values())
         factor, unit = axis_unit(largest, UNITS[name]) if name in UNITS else (1.0, "")
         lines = [
-            marks(words, numbers, [factor * value if np.isfinite(value) else None for value in values.tolist()])
+            trace(words, numbers, [factor * v if np.isfinite(v) else None for v in values.tolist()], "points")
             for words, values in series.items()
         ]
         label = QUANTITIES[name] + (f" / {unit}" if unit else "")
-        yield drawn(name, f"The {QUANTITIES[name].replace(':', ',')} of each row.", axes("row", label, *lines))
+        yield drawn(name, f"The {QUANTITIES[name].replace(':', ',')} of each row.", "row", label, *lines)
     known = {row: -own.mean_pressure for row, result in rows.results.items() if (own := pull_off(result)) is not None}
     if known:
         factor, unit = axis_unit(max(map(abs, known.values())), "Pa")
-        panel = axes(
-            "row", f"pull-off / {unit}", marks("pull-off", known, [factor * value for value in known.values()])
-        )
-        yield drawn("pull-off", "The pull-off of each row that comes apart.", panel)
+        points = trace("pull-off", known, [factor * value for value in known.values()], "points")
+        yield drawn("pull-off", "The pull-off of each row that comes apart.", "row", f"pull-off / {unit}", points)
 
 
 def _by_target(rows: RowResults, name: str) -> dict[str, NDArray[np.float64]]:
