@@ -72,7 +72,8 @@ def test_pull_off_is_the_tension_at_which_the_contact_comes_apart(tmp_path, caps
     result, told = bem.read_result(tmp_path / "out"), capsys.readouterr().out
     assert [state.status for state in result.targets] == ["converged", "converged", "unreachable"]
     assert result.events[-1].kind == "pull_off"
-    assert f"largest tension on the way out is {-result.largest_tension.mean_pressure / 1e3:.4g} kPa" in told
+    assert f"largest tension on the way out is {-result.largest_tension.mean_pressure:.4g} Pa" in told
+    assert re.search(r"5000 Pa +0 Pa +-6\.6 MPa$", told.splitlines()[0])
     assert "apart" in next(line for line in told.splitlines() if line.startswith("contacts"))
 
 
