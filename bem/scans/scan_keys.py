@@ -11,6 +11,7 @@ SCAN_KEYS = (
     "every",
     "channel",
 )  # how a scan is read
+ARRAY_KEYS = ("spacing", "row", "every")  # of SCAN_KEYS, those of arrays in memory
 DEFAULTS = {  # how it is prepared
     "dropouts": "missing",
     "missing": "refuse",
