@@ -21,9 +21,9 @@ from bem.scene.scene_tables import REQUIRED_TABLES, TABLES, class_of
 TYPES = {"number": "number", "integer": "integer", "string": "text", "boolean": "true or false", "array": "list"}
 TITLE = "What the scene is about, a text; it stands above its results."
 FROM_PYTHON = (
-    "From Python (`bem.solve`, `bem.solve_rows`) arrays in m stand in place of `file`: `h` (array, from Python), heights "
-    "that are missing where NaN or masked; `x` (array, from Python), their positions, or else `spacing` in m. An `h` of two "
-    "indices is a map, whose first index runs along x: `row` = 3 is h[:, 3]. "
+    "From Python (`bem.solve`, `bem.solve_rows`) arrays in m stand in place of `file`: `h` (array, from Python), "
+    "heights, missing where NaN or masked; `x` (array, from Python), their positions, or else `spacing` in m. "
+    "An `h` of two indices is a map, whose first index runs along x: `row` = 3 is h[:, 3]. "
     'Example: `profile={"kind": "samples", "h": heights, "spacing": 1e-6, "row": 3}`'
 )
 HEAD = f"""# The keys of a scene file
