@@ -29,7 +29,8 @@ from bem.scene.stored_json import CorruptResultError
 from validation.challenge import judge as challenge
 from validation.plugin import verify
 from validation.plugin.content import SCHEMA
-from validation.report.pages import PAGE, ReportError
+from validation.report.pages import PAGE, ReportError, counted
+from validation.report.rows_page import write_rows_page
 from validation.report.run_page import write_run_page
 from validation.report.run_words import outcome, succeeded
 from validation.report.verification_page import REPORT, page_of_file
@@ -54,16 +55,22 @@ def perform(options: argparse.Namespace) -> int:
     return perform_command(options, REFUSED)
 
 
+class _SceneFile(argparse.Action):
+    """Action that keeps the file of a scene, behind the word scene or alone."""
+
+    def __call__(self, parser: argparse.ArgumentParser, namespace: Any, values: Any, option: str | None = None) -> None:
+        words = values[1:] if values[0] == "scene" and len(values) > 1 else values
+        if len(words) != 1:
+            raise argparse.ArgumentError(self, f"{' '.join(values)!r}; allowed: scene and one scene file (TOML)")
+        setattr(namespace, self.dest, Path(words[0]))
+
+
 def read_report(folder: Path) -> dict[str, Any]:
     """Return the content of a verification report; ReportError where it is missing, not JSON, or of another schema."""
     path = folder / REPORT
     try:
         content = json.loads(read_regular(path).decode())
     except FileNotFoundError as error:
-        rows = sorted(folder.glob(ROW_FOLDERS))
-        if rows:
-            hint = f"holds a map that was solved row by row; linecontact report {rows[0]} writes the page of one row, "
-            raise ReportError(f"{folder}: {hint}answer.csv there has median and scatter over all rows") from error
         if not folder.is_dir():
             raise ReportError(f"{folder}: is no folder; a folder of a run or of a verification is needed") from error
         raise ReportError(f"{path}: no report there, and no result of a run") from error
@@ -98,6 +105,9 @@ def _report(options: argparse.Namespace) -> int:
         words, code = outcome(result), DONE if succeeded(result) else FAILED
         if code == FAILED:
             print(f"FAILED: {words}", file=sys.stderr)
+    elif not (folder / REPORT).exists() and any(folder.glob(ROW_FOLDERS)):
+        rows = write_rows_page(folder)
+        words, code = f"{counted(len(rows.results), 'row')} answered;", FAILED if rows.failures else DONE
     else:
         content = read_report(folder)
         write_atomically(folder / PAGE, page_of_file(content))
@@ -150,14 +160,14 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
 
     study = commands.add_parser(
         "study",
-        help="study scene SCENE: how far each choice of a scene moves each answer",
+        usage="linecontact study [scene] SCENE --out DIR [--quick] [--budget S] [--jobs N] [--overwrite]",
+        help="study SCENE: how far each choice of a scene moves each answer",
         description="Solve a scene again with other cuts, detrending, windows, rows, noise, seeds and tolerances, and "
         "write study.html: how far each choice moves each answer, the +- of the input that follows, and the CPU "
         "seconds of fewer and more digits.  In the folder of a run, the page of the run takes the +- over.  It takes "
         "some ten times as long as the scene.",
     )
-    study.add_argument("name", choices=["scene"], metavar="scene", help="the word scene")
-    study.add_argument("scene", type=Path, metavar="SCENE", help="scene file (TOML)")
+    study.add_argument("scene", nargs="+", action=_SceneFile, metavar="SCENE", help="scene file (TOML)")
     study.add_argument(
         "--budget", type=positive, default=BUDGET, metavar="S", help="CPU seconds (default: %(default)s)"
     )

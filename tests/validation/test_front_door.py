@@ -168,6 +168,21 @@ def test_an_unknown_example_is_told_with_those_there_are(capsys):
     assert "paper-profile" in said
 
 
+@pytest.mark.parametrize("words", [["anwser"], ["studdy", "scene.toml"]])
+def test_a_command_with_a_slip_is_told_what_was_meant(words, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main(words)
+    assert f"did you mean {({'a': 'answer', 's': 'study'})[words[0][0]]}; allowed: " in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [["no.toml"], ["scene", "no.toml"]])
+def test_a_study_is_of_one_scene(words, tmp_path, capsys):
+    assert main(["study", *words, "--out", str(tmp_path / "out")]) == 2
+    assert "no.toml cannot be read" in capsys.readouterr().err
+    with pytest.raises(SystemExit, match="2"):
+        main(["study", *words, "other.toml", "--out", str(tmp_path)])
+
+
 def test_mistakes_of_a_scene_are_told_as_by_the_solver(tmp_path, capsys):
     (tmp_path / "scene.toml").write_text("[solid]\nyoungs_modulus = -1.0\n")
     assert exit_code("check", str(tmp_path / "scene.toml")) == 2
