@@ -17,14 +17,7 @@ from importlib import import_module
 from pathlib import Path
 
 from bem.command_line.answer_table import table_text
-from bem.command_line.checkpoint import (
-    Checkpoint,
-    holds_result,
-    remove_answers,
-    stored_result,
-    uninterrupted,
-    usable,
-)
+from bem.command_line.checkpoint import Checkpoint, holds_result, remove_answers, stored_result, uninterrupted, usable
 from bem.command_line.console import (
     effects_text,
     groups_text,

@@ -18,14 +18,7 @@ from bem.scene.state import Bound, Ending, FinalStatus, MaybeNan, Quantity, Stat
 from bem.scene.stored_arrays import decoded, encoded
 
 EventKind = Literal[
-    "first_touch",
-    "new_contact",
-    "coalescence",
-    "detachment",
-    "pull_off",
-    "complete_contact",
-    "opening",
-    "bifurcation",
+    "first_touch", "new_contact", "coalescence", "detachment", "pull_off", "complete_contact", "opening", "bifurcation"
 ]
 Arrays = Annotated[dict[str, NDArray[Any]], PlainValidator(decoded), PlainSerializer(encoded)]  # base64 of an npz file
 

@@ -10,7 +10,7 @@ from bem.elastic.layer import Layer
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 from bem.loading.complete_contact import complete_contact
-from bem.observables.shapes import OUTSIDE, complete_contact_shape, separated_shape, shape
+from bem.observables.shapes import OUTSIDE, complete_contact_shape, shape
 from bem.problem import Problem, pose
 from bem.scene.scene_tables import OUTPUTS
 from bem.stored_fields import complete_contact_fields, contact_fields
@@ -116,12 +116,6 @@ def test_displacement_is_continuous_at_the_edges(rough):
     assert np.all(step <= bound)
 
 
-def test_separated_surfaces_keep_their_shape():
-    found = separated_shape(WAVE, -0.5)
-    np.testing.assert_array_equal(found.displacement, 0.0)
-    np.testing.assert_allclose(found.gap, 1.5 - np.cos(found.x), atol=1e-14)
-
-
 def test_complete_contact_follows_the_profile():
     found = complete_contact_shape(WAVE, WAVE, 3.0)
     np.testing.assert_array_equal(found.gap, 0.0)
@@ -185,12 +179,6 @@ def test_profile_spectrum_gives_the_rms_height(fields):
     q0 = 2 * np.pi / 0.02
     assert fields["q"][0] == pytest.approx(q0, rel=1e-14)
     assert np.sqrt(2 * q0 * np.sum(fields["C_h"])) == pytest.approx(3e-5, rel=1e-13)
-
-
-def test_only_what_is_asked_for_is_stored(problem, rough):
-    _, state = rough
-    stored = contact_fields(("spectra",), problem, state.pressure, state.penetration, 0)
-    assert set(stored) == {"q", "C_h", "C_u_0", "C_sigma_0"}
 
 
 def test_separated_state_stores_no_pressure(problem):

@@ -112,15 +112,6 @@ def test_scan_read_in_another_unit_is_named(unit, about, loading, folder):
     assert "unit" in found[about]
 
 
-def test_short_scan_in_mm_read_as_m_is_named(tmp_path):
-    """0.5 mm and 2.5 um rms, read as m under mean pressures: slope, pressures and adhesion are ordinary."""
-    np.savetxt(tmp_path / "scan.csv", np.column_stack([X, ROUGH.height(X)]) / 20, delimiter=",", fmt="%.12g")
-    assert said(scan_scene(tmp_path, loading=PRESSURE)) == {}
-    found = said(scan_scene(tmp_path, "m", "m", PRESSURE))
-    assert sorted(found) == ["profile.period", "rms_height"]
-    assert 'unit_x = "m"?' in found["profile.period"]
-
-
 @pytest.mark.parametrize(("units", "doubted"), [(("mm", "m"), 'unit_h = "m"'), (("um", "mm"), 'unit_x = "um"')])
 def test_one_of_two_units_mistaken_is_doubted(units, doubted, folder):
     assert doubted in said(scan_scene(folder, *units))["rms_slope"]
@@ -185,12 +176,6 @@ def test_units_that_the_file_states_are_not_doubted(unit_x, unit_h, about, by_fi
     found = said(parse_scene({**WAVE, "profile": profile}, tmp_path))
     assert about & set(found)
     assert any("unit_" in message and '"?' in message for message in found.values()) != by_file
-
-
-def test_all_harmonics_are_for_scans():
-    profile = {"kind": "self_affine", "period": 0.01, "hurst": 0.8, "rms_height": 1e-5, "harmonics": "all"}
-    with pytest.raises(SceneError, match=r'profile\.harmonics = "all"'):
-        parse_scene(WAVE | {"profile": profile})
 
 
 @pytest.mark.parametrize(
