@@ -140,7 +140,9 @@ class Result(Views):
         In the order visited.
     events : tuple of Event
     status : str
-        One of `Ending`.
+        "converged", "unreachable", "not_converged" or "interrupted".  A path whose contact was pulled off before a
+        tension asked for is `unreachable` too: no state carries that tension, and the pull-off is the answer.  Then
+        `answered` is true, and the terminal says "unreachable, answered: pulled off".
     fields : dict of arrays
         Contents of fields.npz.
     failure : str, optional
