@@ -22,13 +22,6 @@ def page(tmp_path_factory):
     return path.read_text("utf-8")
 
 
-def test_topics_are_listed_with_their_headings(capsys):
-    assert main(["docs"]) == 0
-    printed = capsys.readouterr().out
-    assert all(f"\n{topic}" in f"\n{printed}" for topic in TOPICS)
-    assert "10. Limits of the model" in printed
-
-
 def test_a_topic_is_the_document_beside_the_code(capsys):
     assert main(["docs", "theory"]) == 0
     assert capsys.readouterr().out == (ROOT / "persson" / "README.md").read_text("utf-8") + "\n"
