@@ -62,7 +62,7 @@ def solved(profile, left, right, penetration, work, kernel=None, fixed=False):
         left, right = left - step[:count], right + step[count:]
     if work is None:
         return State(profile, state.pressure, penetration, None, None, None)
-    hessian = state.elastic_hessian
+    hessian = state.stress_intensity[:, None] / 2 * state.stress_intensity_jacobian  # of the elastic energy
     asymmetry = float(np.max(np.abs(hessian - hessian.T)) / np.max(np.abs(hessian)))
     eigenvalue = float(np.linalg.eigvalsh((hessian + hessian.T) / 2)[0])
     return State(profile, state.pressure, penetration, np.full(2 * count, work), eigenvalue, asymmetry)
