@@ -1,8 +1,8 @@
 """Code verification of the finite elements by manufactured solutions.
 
 A plane wave u = A sin(k x + c), p = p0 cos(k x + c) with the body force it needs, on uniform crisscross meshes of the
-unit square: errors in L2 fall as h^(m+1) for displacements of order m and h^m for pressures, any nu.  Orders at singular
-edges are in test_convergence.py, stated uncertainties in test_fem_calibration.py.
+unit square: errors in L2 fall as h^(m+1) for displacements of order m and h^m for pressures, any nu.  Orders at
+singular edges are in test_convergence.py, stated uncertainties in test_fem_calibration.py.
 """
 
 import numpy as np
