@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from bem.geometry.profile import Profile as Profile
     from bem.geometry.scaling import Solid as Solid
     from bem.map_rows import RowResults as RowResults
+    from bem.map_rows import read_rows as read_rows
     from bem.map_rows import solve_rows as solve_rows
     from bem.scene.result import Result as Result
     from bem.scene.result_file import read_result as read_result
@@ -36,13 +37,14 @@ _HOME = {
     "load_scene": "bem.scene.scene",
     "parse_scene": "bem.scene.scene",
     "read_result": "bem.scene.result_file",
+    "read_rows": "bem.map_rows",
     "solve": "bem.solver",
     "solve_rows": "bem.map_rows",
 }
 
 __all__ = [
     *("Adhesion", "ContactState", "Layer", "Profile", "Result", "RowResults", "SceneError", "Solid"),
-    *("load_scene", "parse_scene", "read_result", "solve", "solve_rows"),
+    *("load_scene", "parse_scene", "read_result", "read_rows", "solve", "solve_rows"),
 ]
 
 

@@ -22,7 +22,7 @@ from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
 from bem.geometry.ranges import check, refuse
 from bem.geometry.scaling import Scales, Solid
-from bem.scene.scene_rules import magnitude_mistakes
+from bem.scene.magnitudes import magnitude_mistakes
 
 if TYPE_CHECKING:
     from bem.adhesive.adhesion import Adhesion, UniformLaw

@@ -11,6 +11,7 @@ are alike, and the scatter is of rows, not the error of a two-dimensional contac
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,17 +22,20 @@ from numpy.typing import NDArray
 
 from bem.geometry.ranges import Mistake, shown
 from bem.loading.crew import at_work
-from bem.scene.provenance import digest
+from bem.scene.digest import digest
 from bem.scene.result import Result
 from bem.scene.result_file import RESULT_FILE, read_result, write_result
 from bem.scene.result_views import UNITS
-from bem.scene.scene import ALL_ROWS, Scene, parse_scene, read_tables
+from bem.scene.scene import Scene, parse_scene
 from bem.scene.scene_error import SceneError
+from bem.scene.scene_file import read_tables
+from bem.scene.scene_scan import ALL_ROWS
 from bem.scene.state import FINAL_STATUSES
 from bem.scene.stored_json import CorruptResultError
 from bem.solver import solve
 
 ROW_FOLDERS = "row-[0-9]*"  # of `folder_of_row`
+OUTCOMES, ANSWERED = "rows.csv", "answered"  # file of the outcome of each row, and that of a row with an answer
 QUANTILES = (0.16, 0.5, 0.84)  # format: of the answers of all rows
 SKIPPED = ("branch", "status", "target", "certified")  # columns of the answer that are no quantities
 
@@ -177,8 +181,29 @@ def solve_rows(
             else:
                 results[row] = result
             if progress is not None:
-                progress(row, reason or "answered")
+                progress(row, reason or ANSWERED)
     return RowResults(results, failures)
+
+
+def read_rows(folder: Path | str) -> RowResults:
+    """Read the rows of a map that a run has solved into a folder.
+
+    Raises
+    ------
+    CorruptResultError
+        The folder holds no map that was solved to its end, or a row that cannot be read.
+    """
+    path = Path(folder) / OUTCOMES
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            outcomes = {int(line["row"]): line["outcome"] for line in csv.DictReader(file)}
+    except FileNotFoundError as error:
+        raise CorruptResultError(f"{folder}: holds no map that was solved row by row to its end") from error
+    except (KeyError, ValueError) as error:
+        raise CorruptResultError(f"{path}: not the outcomes of the rows of a map") from error
+    answered = [row for row, outcome in outcomes.items() if outcome == ANSWERED]
+    results = {row: read_result(folder_of_row(Path(folder), row)) for row in answered}
+    return RowResults(results, {row: outcome for row, outcome in outcomes.items() if row not in results})
 
 
 def solved_row(shared: OfRows, row: int) -> Outcome:

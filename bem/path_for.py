@@ -12,7 +12,8 @@ from bem.geometry.ranges import Mistake
 from bem.loading.complete_contact import CompleteContact, complete_contact
 from bem.loading.crew import Crew
 from bem.loading.loading_path import LoadingPath
-from bem.problem import FEW_DIGITS, Problem, increments_of, pose
+from bem.path_increments import FEW_DIGITS, increments_of
+from bem.problem import Problem, pose
 from bem.scene.scene import Scene
 from bem.scene.scene_error import SceneError
 

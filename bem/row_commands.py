@@ -3,29 +3,34 @@
 from __future__ import annotations
 
 import argparse
+import csv
+import io
 import json
 import math
 import shutil
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from bem.command_line.answer_table import (
+    FLAW,
     NO_NUMBER,
     NOTHING,
     PULL_OFF,
     QUANTITIES,
+    UNBOUNDED,
     aligned,
     pull_off,
     quantity,
     readable,
+    stays_complete,
 )
 from bem.command_line.checkpoint import ANSWERS, OutputFolderError, remove_answers, usable
 from bem.command_line.folder_lock import locked
 from bem.command_line.perform import DONE, FAILED
 from bem.geometry.ranges import Mistake
-from bem.map_rows import ROW_FOLDERS, RowResults, median_and_scatter, rows_of, solve_rows
+from bem.map_rows import ANSWERED, OUTCOMES, ROW_FOLDERS, RowResults, median_and_scatter, rows_of, solve_rows
 from bem.scene.atomic_file import write_atomically
 from bem.scene.journal import JOURNAL_FILE
 from bem.scene.memory_estimate import refuse_beyond_memory
@@ -35,6 +40,7 @@ from bem.scene.scene_error import SceneError
 
 TABLE = ANSWERS[0]
 MEDIANS = {"width_median": "width: median", "open_gap_p50": "open gap: median"}  # of one column in three
+SCATTER = "Median and scatter of {} rows: half of the distance of their 16 and 84 % quantiles."
 TABLE_DIGITS = 3  # format: of a median and its scatter
 
 
@@ -63,14 +69,16 @@ def run_alone(tables: Mapping[str, Any], options: argparse.Namespace, new: bool)
 
     outcome = solve_rows(options.scene, options.jobs, options.out, told)
     write_atomically(options.out / TABLE, csv_text(outcome))
+    write_atomically(options.out / OUTCOMES, outcomes_text(outcome))
     failures = {str(row): reason for row, reason in outcome.failures.items()}
     for line in warning_lines(outcome):
-        print(line, file=sys.stderr)
+        print(f"warning: {line}", file=sys.stderr)
     if options.json:
         facts = {"rows": len(rows), "answered": len(outcome.results), "failures": failures, "out": str(options.out)}
         print(json.dumps(facts))
     else:
-        print("\n".join(table_lines(outcome, first.loading.control)))
+        print("\n".join(filter(None, [*aligned(cells(outcome, first.loading.control)), pull_off_words(outcome)])))
+        print(SCATTER.format(len(outcome.results)))
         print(f"{len(outcome.results)} of {len(rows)} rows answered, each a ridge -> {options.out}")
     for row, reason in failures.items():
         print(f"FAILED: row {row}: {reason}", file=sys.stderr)
@@ -84,7 +92,7 @@ def warning_lines(outcome: RowResults) -> list[str]:
         for about, message in {warning.about: warning.message for warning in result.warnings}.items():
             messages.setdefault(about, []).append(message)
     count = len(outcome.results)
-    return [f"warning: {about}: {told[0]} ({len(told)} of {count} rows)" for about, told in messages.items()]
+    return [f"{about}: {told[0]} ({len(told)} of {count} rows)" for about, told in messages.items()]
 
 
 def _prepare(options: argparse.Namespace, new: bool) -> None:
@@ -122,28 +130,52 @@ def csv_text(outcome: RowResults) -> str:
     return "\n".join(lines) + "\n"
 
 
-def table_lines(outcome: RowResults, control: str) -> list[str]:
-    """Return the answer for a terminal: a line for each quantity, a column for each target, and the pull-off."""
-    cells: dict[str, dict[str, str]] = {}
-    last = ""
+def outcomes_text(outcome: RowResults) -> str:
+    """Return row, outcome and pull-off (Pa, where its path knows it) of each row as comma-separated values."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(("row", "outcome", PULL_OFF))
+    for row in sorted({*outcome.results, *outcome.failures}):
+        tension = pull_off(outcome.results[row]) if row in outcome.results else None
+        known = "" if tension is None else f"{-tension.mean_pressure:.17g}"
+        writer.writerow((row, outcome.failures.get(row, ANSWERED), known))
+    return text.getvalue()
+
+
+def cells(outcome: RowResults, control: str) -> list[list[str]]:
+    """Return the answer as texts: a line for each quantity, a column for each target, headings first."""
+    found: dict[str, dict[str, str]] = {}
     entries = entries_of(outcome)
     largest: dict[str, float] = {}
     for _, _, name, _, _, median, _ in entries:
         largest[name] = max(largest.get(name, 0.0), abs(median))
     for target, branch, name, unit, rows, median, scatter in entries:
-        shown = [value if abs(value) > NOTHING * largest[name] else 0.0 for value in (median, scatter)]
-        words = " ± ".join(readable(value, unit, TABLE_DIGITS) for value in shown[: 2 if rows > 1 else 1])
-        words += f" ({rows} of {len(outcome.results)} rows)" if rows < len(outcome.results) else ""
-        if name == PULL_OFF:
-            apart = "" if rows == len(outcome.results) else "; the others do not come apart on their paths"
-            last = f"Pull-off: {words}{apart}"
-        elif name in QUANTITIES and name != control:
-            cells.setdefault(name, {})[f"{quantity(target, UNITS[control])}, {branch}"] = words
-    heads = list(dict.fromkeys(head for row in cells.values() for head in row))
-    names = [name for name in QUANTITIES if name in cells]
+        if name in QUANTITIES and name != control:
+            shown = [value if abs(value) > NOTHING * largest[name] else 0.0 for value in (median, scatter)]
+            place = f"{quantity(target, UNITS[control])}, {branch}"
+            found.setdefault(name, {})[place] = _median_words(shown, unit, rows, len(outcome.results))
+    heads = list(dict.fromkeys(head for row in found.values() for head in row))
     texts = [
-        [MEDIANS.get(name, QUANTITIES[name]), *(cells[name].get(head, NO_NUMBER) for head in heads)] for name in names
+        [MEDIANS.get(name, words), *(found[name].get(head, NO_NUMBER) for head in heads)]
+        for name, words in QUANTITIES.items()
+        if name in found
     ]
-    table = [[f"{control.replace('_', ' ')} (held)", *heads], *texts] if heads else []
-    words = f"Median and scatter of {len(outcome.results)} rows: half of the distance of their 16 and 84 % quantiles."
-    return [*aligned(table), *filter(None, [last]), words]
+    return [[f"{control.replace('_', ' ')} (held)", *heads], *texts] if heads else []
+
+
+def pull_off_words(outcome: RowResults) -> str:
+    """Return median and scatter of the pull-off in words, and why rows have none; nothing without tension."""
+    count, words = len(outcome.results), []
+    for _, _, name, unit, rows, median, scatter in entries_of(outcome):
+        if name == PULL_OFF:
+            words.append(f"Pull-off: {_median_words((median, scatter), unit, rows, count)}.")
+    complete = sum(map(stays_complete, outcome.results.values()))
+    if complete:
+        words.append(f"No pull-off in {complete} of {count} rows: {UNBOUNDED} Set {FLAW}")
+    return " ".join(words)
+
+
+def _median_words(values: Sequence[float], unit: str, rows: int, count: int) -> str:
+    """Return median and scatter in words, of one row or of zeros the median alone; of how many rows, if not of all."""
+    words = " ± ".join(readable(value, unit, TABLE_DIGITS) for value in values[: 2 if rows > 1 and any(values) else 1])
+    return words + (f" ({rows} of {count} rows)" if rows < count else "")

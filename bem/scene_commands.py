@@ -46,7 +46,8 @@ from bem.scene.memory_estimate import memory_estimate, refuse_beyond_memory
 from bem.scene.plausibility import cautions_of, groups_of
 from bem.scene.provenance import installed_version
 from bem.scene.result import Caution, Result
-from bem.scene.scene import Scene, SceneError, StoredStart, parse_scene, read_tables
+from bem.scene.scene import Scene, SceneError, StoredStart, parse_scene
+from bem.scene.scene_file import read_tables
 from bem.scene.scene_tables import TABLES
 from bem.scene.state import FINAL_STATUSES
 from bem.solver import solve

@@ -35,7 +35,8 @@ from bem.loading.points_without_edges import Complete, Separated
 from bem.missed import FAILURES, NUMERICAL_FAILURES, MissedTargetError
 from bem.path_for import path_for
 from bem.problem import Problem, pose
-from bem.record import Record, Recorder, entries_of
+from bem.record import Record, entries_of
+from bem.recorder import Recorder
 from bem.scene.memory_estimate import refuse_beyond_memory
 from bem.scene.progress import Progress
 from bem.scene.result import Result, asked_for
@@ -43,7 +44,7 @@ from bem.scene.scene import Scene, Table, Tables, scene_of
 from bem.scene.state import Branch, Ending, State
 
 if TYPE_CHECKING:
-    from bem.record import AnyPoint
+    from bem.recorder import AnyPoint
 
 MOST_BETWEEN = 500  # limit: states stored between two targets
 DEEPER = 0.05  # format: rms heights of penetration between states stored, or the largest increment if that is less

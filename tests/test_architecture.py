@@ -79,7 +79,7 @@ APART = {  # besides the order: folders that these do not import from either
     "validation/studies": ("validation/cases",),
     "validation/paper": ("validation/cases",),
 }
-ONE_PATH = ("bem/solver.py", "bem/record.py")  # ask a path only what bem/loading/loading_path.py says
+ONE_PATH = ("bem/solver.py", "bem/recorder.py")  # ask a path only what bem/loading/loading_path.py says
 
 
 def named(path: Path) -> Iterator[str]:

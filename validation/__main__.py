@@ -29,7 +29,8 @@ from bem.scene.stored_json import CorruptResultError
 from validation.challenge import judge as challenge
 from validation.plugin import verify
 from validation.plugin.content import SCHEMA
-from validation.report.pages import PAGE, ReportError
+from validation.report.pages import PAGE, ReportError, counted
+from validation.report.rows_page import write_rows_page
 from validation.report.run_page import write_run_page
 from validation.report.run_words import outcome, succeeded
 from validation.report.verification_page import REPORT, page_of_file
@@ -60,10 +61,6 @@ def read_report(folder: Path) -> dict[str, Any]:
     try:
         content = json.loads(read_regular(path).decode())
     except FileNotFoundError as error:
-        rows = sorted(folder.glob(ROW_FOLDERS))
-        if rows:
-            hint = f"holds a map that was solved row by row; linecontact report {rows[0]} writes the page of one row, "
-            raise ReportError(f"{folder}: {hint}answer.csv there has median and scatter over all rows") from error
         if not folder.is_dir():
             raise ReportError(f"{folder}: is no folder; a folder of a run or of a verification is needed") from error
         raise ReportError(f"{path}: no report there, and no result of a run") from error
@@ -98,6 +95,9 @@ def _report(options: argparse.Namespace) -> int:
         words, code = outcome(result), DONE if succeeded(result) else FAILED
         if code == FAILED:
             print(f"FAILED: {words}", file=sys.stderr)
+    elif not (folder / REPORT).exists() and any(folder.glob(ROW_FOLDERS)):
+        rows = write_rows_page(folder)
+        words, code = f"{counted(len(rows.results), 'row')} answered;", FAILED if rows.failures else DONE
     else:
         content = read_report(folder)
         write_atomically(folder / PAGE, page_of_file(content))

@@ -35,7 +35,7 @@ from bem.geometry.minima import OFFSETS, TO_ROUNDING, refined
 from bem.geometry.profile import POINTS_PER_WAVELENGTH, Profile
 
 PRESSURE_ROUNDING = 5e-15  # of pressures, over mean plus rms pressure of complete contact; measured 1e-15
-NEAR_IMAGE = 0.03  # derived: where cot(y/2)/2 - 1/y is a series; terms of y^9 are 1e-16 there, the first 1e-3
+NEAR_IMAGE = 0.03  # derived: where cot(y/2)/2 - 1/y is a series; its term of y^7, left out, is 2e-17 there
 HIGHEST = 1 << 16  # limit: modes of a layer
 
 Openings = tuple[FloatArray, ...]
@@ -241,5 +241,5 @@ def _cotangent(y: FloatArray, left_out: list[FloatArray]) -> FloatArray:
             close = np.abs(image) < NEAR_IMAGE
             near |= close
             lines += np.where(close, 0.0, 1 / image)
-        rest = -nearest / 12 * (1 + square / 60 * (1 + square / 42 * (1 + square / 40 * (1 + square * 5 / 198))))
+        rest = -nearest / 12 * (1 + square / 60 * (1 + square / 42))
         return np.asarray(np.where(near, rest, 0.5 / np.tan(nearest / 2)) - lines)

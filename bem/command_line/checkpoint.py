@@ -18,15 +18,15 @@ from types import FrameType
 from typing import Protocol
 
 from bem.scene.atomic_file import remove_remains
+from bem.scene.digest import digest
 from bem.scene.journal import JOURNAL_FILE, Journal
-from bem.scene.provenance import digest
 from bem.scene.result import Entry, Result
 from bem.scene.result_file import FIELDS_FILE, RESULT_FILE, read_result, write_result, write_states
 from bem.scene.scene import Scene
 from bem.scene.state import Ending
 from bem.scene.stored_json import CorruptResultError
 
-ANSWERS = ("answer.csv", "report.html", "contact_fraction.png", "separation.png", "shape_[0-9]*.png")
+ANSWERS = ("answer.csv", "report.html", "rows.csv", "contact_fraction.png", "separation.png", "shape_[0-9]*.png")
 PAUSE = 10.0  # format: times the duration of a write of result.json until the next
 
 

@@ -1,6 +1,6 @@
 """Preparation of a scan in sentences, one for each step, with lengths in units that a person reads.
 
-The steps are those of `Scan.preparation` (bem/scans/prepared_scan.py); result.json keeps all their numbers.
+The steps are those of `PeriodicSamples.preparation` (bem/scans); result.json keeps all their numbers.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from bem.command_line.answer_table import quantity
 
 if TYPE_CHECKING:
-    from bem.scans.prepared_scan import Step
+    from bem.scans.periodic_samples import Step
 
 TRENDS = {"line": "least-squares line", "quadratic": "quadratic trend", "cubic": "cubic trend"}
 

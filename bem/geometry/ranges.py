@@ -84,6 +84,17 @@ class Mistake:
         return f"{self.path} {self.found}; allowed: {self.allowed}"
 
 
+def as_said(limit: float) -> float:
+    """Return a limit rounded as a message prints it, so that the printed number is itself allowed.
+
+    Examples
+    --------
+    >>> 1e-5 * 0.01, as_said(1e-5 * 0.01)
+    (1.0000000000000001e-07, 1e-07)
+    """
+    return float(f"{limit:g}")
+
+
 def shown(value: Any) -> str:
     """Return a value as in the scene file, shortened."""
     try:

@@ -31,7 +31,7 @@ class Accuracy:
 
 
 COARSE = Accuracy(1e-3, 1e-4)
-# derived: of targets at an accuracy.tolerance of 1e-6: a hundredth of it, and a tenth of that (bem/problem.py)
+# derived: of targets at an accuracy.tolerance of 1e-6: a hundredth of it, and a tenth of that (bem/path_increments.py)
 FINE = Accuracy(1e-8, 1e-9)
 
 

@@ -9,52 +9,54 @@ through the measured ones that does not overshoot (Fritsch, Butland, SIAM J. Sci
 
 from __future__ import annotations
 
+from dataclasses import replace
 from importlib import import_module
+from typing import Any
 
 import numpy as np
 
 from bem.geometry.arrays import FloatArray
 from bem.geometry.profile import EQUAL_STEPS, off_equal_steps
-from bem.scans.prepared_scan import Step, Trace
-from bem.scans.read_scan import RawScan
+from bem.scans.measured_line import MeasuredLine
+from bem.scans.prepare_heights import Outcome
 from bem.scans.scan_file_error import refused
 
 
-def refuse_disorder(raw: RawScan) -> None:
+def refuse_disorder(line: MeasuredLine) -> None:
     """Raise ScanFileError for positions that do not increase from sample to sample."""
-    falls = np.diff(raw.x) <= 0
+    falls = np.diff(line.x) <= 0
     if falls.any():
         k = int(np.argmax(falls)) + 1
         allowed = "positions that increase: reverse lines that fall, remove lines that repeat a position, keep one of "
         allowed += "several scan lines, or name another column of positions in columns"
-        problem = f"is not increasing in x: {raw.place(k)} at {raw.x[k]:g} m follows {raw.x[k - 1]:g} m"
+        problem = f"is not increasing in x: {line.place(k)} at {line.x[k]:g} m follows {line.x[k - 1]:g} m"
         raise refused("file", problem, allowed)
 
 
-def equally_spaced(raw: RawScan, line: Trace, first: int, method: str) -> tuple[Trace, Step]:
-    """Return the line at equal steps, and a record of the steps; ScanFileError if unequal steps are refused.
-
-    `line` holds the samples of the scan from sample `first` on.
-    """
-    x, h = line
+def equally_spaced(line: MeasuredLine, method: str) -> Outcome:
+    """Return the line at equal steps, and a record of the steps; ScanFileError if unequal steps are refused."""
+    x, h = line.x, line.h
     grid = x[0] + (x[-1] - x[0]) * np.arange(x.size) / (x.size - 1)
     deviations = off_equal_steps(x)
     worst = int(np.argmax(deviations))
-    facts: Step = {"deviation": float(deviations[worst])}
+    facts: dict[str, Any] = {"deviation": float(deviations[worst])}
     if facts["deviation"] <= EQUAL_STEPS:
-        return (grid, h), facts
-    if raw.half_digits is not None:
-        half = raw.half_digits()[first : first + x.size]
+        return replace(line, x=grid), facts
+    if line.half_digits is not None:
+        half = line.half_digits()[line.cut : line.cut + x.size]
         even = _line_through(x, grid, half + 4 * np.spacing(np.abs(x).max()))
         if even is not None:
-            return (even, h), facts | {"printed_to": 2 * float(half.min())}
+            return replace(line, x=even), facts | {"printed_to": 2 * float(half.min())}
     if method == "refuse":
-        problem = f"is not uniform in x: {raw.place(first + worst)} is {deviations[worst]:.2g} sample distances off a"
+        problem = f"is not uniform in x: {line.place(worst)} is {deviations[worst]:.2g} sample distances off a"
         allowed = f'at most {EQUAL_STEPS:g}, or half the last digit printed; or unequal_spacing = "resample"'
         raise refused("file", f"{problem} uniform grid", allowed)
     curve = import_module("scipy.interpolate").PchipInterpolator(x, h)
     gaps = np.diff(x)
-    return (grid, np.asarray(curve(grid))), facts | {"least": float(gaps.min()), "most": float(gaps.max())}
+    return replace(line, x=grid, h=np.asarray(curve(grid))), facts | {
+        "least": float(gaps.min()),
+        "most": float(gaps.max()),
+    }
 
 
 def _line_through(x: FloatArray, grid: FloatArray, half: FloatArray) -> FloatArray | None:

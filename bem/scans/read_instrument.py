@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import warnings
 from contextlib import ExitStack, closing
-from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -19,8 +18,8 @@ from typing import Any
 import numpy as np
 
 from bem.geometry.arrays import FloatArray
-from bem.scans.read_array import rows_of
-from bem.scans.read_units import unit_of
+from bem.scans.convert_units import unit_of
+from bem.scans.read_npy import trace_or_rows
 from bem.scans.scan_file_error import ScanFileError, refused
 
 LIBRARY = "SurfaceTopography"
@@ -33,19 +32,14 @@ FORMATS = f"text, .npy, or a format that {LIBRARY} reads"
 NEEDED = 'python -m pip install "linecontact[instruments]"'
 
 
-@dataclass(frozen=True, eq=False)
-class InstrumentScan:
-    """Line scan or map of heights."""
-
-    x: FloatArray | None  # positions in units of the file, (n,); None where it states no length
-    heights: FloatArray  # in units of the file, (n,) or (n_rows, n); NaN where missing
-    unit: str  # of positions and heights alike; "" where the file states none
-    facts: dict[str, Any]  # how it was read: plain values
+Channel = tuple[FloatArray, FloatArray | None, str, dict[str, Any]]
 
 
-def read_instrument(path: Path, content: bytes, channel: int | None) -> InstrumentScan:
-    """Return a channel of heights of a file and its bytes; channels of heights count from 0.
+def read_instrument(path: Path, content: bytes, channel: int | None) -> Channel:
+    """Return heights, positions, unit and facts of a channel of heights; such channels count from 0.
 
+    Heights are (n,) or (n_rows, n), NaN where missing.  Positions are (n,), None where the file states no length.  The
+    unit is that of both, "" where the file states none.
     ScanFileError where the library is not installed, knows no such format, or finds no channel of heights, or more than
     one and none is given.
     """
@@ -79,9 +73,9 @@ def read_instrument(path: Path, content: bytes, channel: int | None) -> Instrume
     unit = "" if chosen.unit is None else unit_of(str(chosen.unit)) or "no unit"
     if heights.ndim == 2:
         x = None if lengths is None else np.arange(heights.shape[0]) * (float(lengths[0]) / heights.shape[0])
-        return InstrumentScan(x, rows_of(heights) if x is None else heights.T, unit, facts)
+        return (trace_or_rows(heights) if x is None else heights.T), x, unit, facts
     placed = not surface.is_uniform or lengths is not None
-    return InstrumentScan(np.asarray(surface.positions()) if placed else None, heights, unit, facts)
+    return heights, (np.asarray(surface.positions()) if placed else None), unit, facts
 
 
 def _no_text(content: bytes) -> str:

@@ -1,158 +1,112 @@
-"""Positions and heights of a measured line in m, out of a text file or an instrument's file.
-
-Text is read by read_text.py, and read_columns.py takes a line out of it; `.npy` files are read by read_array.py, and
-every other file by SurfaceTopography (read_instrument.py).  Units come from the scene or the file (read_units.py).
-Missing heights are NaN; prepare_scan.py decides what is done about them, and about all else that changes a height.
-"""
+"""Measured line out of a file: its kind of file decides who reads it, and the scene which of its numbers are meant."""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bem.geometry.arrays import FloatArray, IntArray
+from bem.geometry.arrays import FloatArray
 from bem.geometry.lengths import METRES
 from bem.geometry.ranges import Mistake
-from bem.scans.read_array import SIGNATURE, read_npy, real_array
+from bem.scans.convert_units import line_in_metres
+from bem.scans.mark_missing import without_missing
+from bem.scans.measured_line import MeasuredLine
+from bem.scans.pick_columns import columns_of, heights_of
+from bem.scans.pick_row import ARRAY_LINES, MAP_LINES, TEXT_LINES, map_of, row_of
 from bem.scans.read_bytes import content_of, text_of
-from bem.scans.read_columns import TableLine, line_of
-from bem.scans.read_instrument import RASTER_TEXT, InstrumentScan, read_instrument
-from bem.scans.read_map import ARRAY_LINES, MAP_LINES, row_of, rows_allowed, without_missing
-from bem.scans.read_text import COMMENT, DELIMITERS, LINES_LISTED, read_table
-from bem.scans.read_units import resolved_units
+from bem.scans.read_instrument import RASTER_TEXT, read_instrument
+from bem.scans.read_npy import REAL, REAL_NUMBERS, SIGNATURE, read_npy
+from bem.scans.read_table import read_table
 from bem.scans.scan_file_error import ScanFileError, refused
 from bem.scans.scan_keys import SCAN_KEYS, TEXT_KEYS
 
 
-@dataclass(frozen=True, eq=False)
-class RawScan:
-    """Line as measured."""
-
-    x: FloatArray  # positions, m, (n,)
-    h: FloatArray  # heights, m, (n,); NaN where missing
-    lines: IntArray | None  # line of the file of each sample, (n,); None where there are no lines
-    facts: dict[str, Any]  # how it was read: plain values
-    sha256: str  # of the file's bytes
-    half_digits: Callable[[], FloatArray] | None = None  # half a unit of the last digit of each position, m
-
-    def place(self, sample: int) -> str:
-        """Return the place of a sample (from 0) in the file."""
-        return f"sample {sample + 1}" if self.lines is None else f"line {self.lines[sample]}"
-
-    def stretch(self, first: int, last: int) -> str:
-        """Return the place of samples `first` to `last` in the file."""
-        if first == last:
-            return self.place(first)
-        what, ends = ("samples", (first + 1, last + 1)) if self.lines is None else ("lines", self.lines[[first, last]])
-        return f"{what} {ends[0]} to {ends[1]}"
-
-
-def read_scan(path: Path, values: Mapping[str, Any]) -> RawScan:
+def read_scan(path: Path, values: Mapping[str, Any]) -> MeasuredLine:
     """Return the measured line in a file.
 
     `values` are the keys of [profile] that say how the file is read (SCAN_KEYS), as far as they are given.
-    ScanFileError where the file cannot be read or holds no such scan, a unit is missing or contradicts the file, or a
+    ScanFileError where the file cannot be read or holds no such line, a unit is missing or contradicts the file, or a
     position is missing.
     """
     content = content_of(path)
-    decoded = None if content.startswith((SIGNATURE, *RASTER_TEXT)) else text_of(content)
-    if decoded is not None:
-        raw = _from_text(*decoded, values)
+    text = None if content.startswith((SIGNATURE, *RASTER_TEXT)) else text_of(content)
+    if text is not None:
+        line = _line_of_text(*text, values)
     elif content.startswith(SIGNATURE):
         heights = read_npy(content)
-        raw = _from_rows(InstrumentScan(None, heights, "", {"format": "npy", "points": list(heights.shape)}), values)
+        line = _line_of_heights(heights, None, "", {"format": "npy", "points": list(heights.shape)}, values)
     else:
-        raw = _from_rows(read_instrument(path, content, values.get("channel")), values)
-    return _placed(replace(raw, sha256=hashlib.sha256(content).hexdigest()))
+        line = _line_of_heights(*read_instrument(path, content, values.get("channel")), values)
+    return _placed(replace(line, sha256=hashlib.sha256(content).hexdigest()))
 
 
-def scan_of_arrays(positions: ArrayLike, heights: ArrayLike, values: Mapping[str, Any]) -> RawScan:
-    """Return a measured line that is given as arrays in m; heights are missing where masked, NaN or infinite.
+def line_of_arrays(positions: ArrayLike, heights: ArrayLike, values: Mapping[str, Any]) -> MeasuredLine:
+    """Return the measured line of two arrays in m; heights are missing where masked, NaN or infinite.
 
     `values` are the keys of [profile]; ScanFileError for keys that say how a file is read, for unlike arrays, and for a
     position that is missing.
     """
     _refuse_keys(values, SCAN_KEYS, "is for files, arrays are in m")
-    x, h = real_array("x", positions), without_missing(real_array("h", heights), {})
+    x, h = _real_array("x", positions), without_missing(_real_array("h", heights), {})
     if x.ndim != 1 or x.shape != h.shape:
         raise refused("x", f"of shape {x.shape} beside h of shape {h.shape}", "two arrays of one dimension and length")
-    facts = {"format": "arrays", "unit_x": "m", "unit_h": "m", "unit_x_from": "file", "unit_h_from": "file"}
-    return _placed(RawScan(x, h, None, facts, hashlib.sha256(x.tobytes() + h.tobytes()).hexdigest()))
+    facts = {"format": "arrays", "unit_x": "m", "unit_h": "m", "unit_x_from": "arrays", "unit_h_from": "arrays"}
+    return _placed(MeasuredLine(x, h, facts, hashlib.sha256(x.tobytes() + h.tobytes()).hexdigest()))
 
 
-def _placed(raw: RawScan) -> RawScan:
-    """Return a line; raise ScanFileError if a position is missing or infinite."""
-    lost = ~np.isfinite(raw.x)
-    if lost.any():
-        problem = f"{raw.place(int(np.argmax(lost)))} has no position"
-        raise refused("file", problem, "a position of every height: only heights may be missing")
-    return raw
-
-
-def _from_text(text: str, encoding: str, values: Mapping[str, Any]) -> RawScan:
-    """Return a line of a text file."""
+def _line_of_text(text: str, encoding: str, values: Mapping[str, Any]) -> MeasuredLine:
+    """Return the row or the columns of a text file that the scene names."""
     _refuse_keys(values, ["channel"], "is for instrument files")
     table = read_table(text, values.get("skip_lines", 0), values.get("decimal"))
-    line = line_of(table, values)
-    facts: dict[str, Any] = {
-        "format": "text",
-        "encoding": encoding,
-        "delimiter": DELIMITERS[table.reading.delimiter],
-        "decimal": table.reading.decimal,
-        "width": table.values.shape[1],
-    }
-    skip_lines = values.get("skip_lines", 0)
-    over = [
-        line for number, line in table.above if number <= skip_lines or (number < table.heading and line[0] in COMMENT)
-    ]
-    if over:
-        facts["skipped"] = " | ".join(line[:40] for line in over[:LINES_LISTED])
-    facts |= {} if line.map_rows is None else {"rows": line.map_rows}
-    stated = {axis: table.units[column] for axis, column in zip("xh", line.columns, strict=True) if column is not None}
-    raw = _in_metres(line, stated, f"line {table.heading}", facts, values)
-    x_column, metres = line.columns[0], METRES[raw.facts["unit_x"]]
+    facts = {"format": "text", "encoding": encoding} | table.facts
+    if "row" in values:
+        heights = map_of(table, values)
+        facts["rows"] = heights.shape[0]
+        return line_in_metres(values, None, row_of(heights, values["row"], TEXT_LINES), {}, "", facts)
+    x_column, h_column = columns_of(table, values)
+    heights = heights_of(table, x_column, h_column, values)
+    source = f"line {table.heading}"
     if x_column is None:
-        return raw
-
-    def half_digits() -> FloatArray:
-        return metres * np.array([_half_digit(table.reading.cells(row)[x_column]) for row in table.rows])
-
-    return replace(raw, half_digits=half_digits)
-
-
-def _half_digit(text: str) -> float:
-    """Return half a unit of the last digit of a number as it is written.
-
-    Examples
-    --------
-    >>> _half_digit("10.0"), _half_digit("1.50e3"), _half_digit("7")
-    (0.05, 5.0, 0.5)
-    """
-    digits, _, power = text.lower().replace(",", ".").partition("e")
-    return 0.5 * 10.0 ** (int(power or 0) - len(digits.partition(".")[2]))
+        line = line_in_metres(values, None, heights, {"h": table.units[h_column]}, source, facts)
+        return replace(line, lines=table.lines)
+    stated = {"x": table.units[x_column], "h": table.units[h_column]}
+    line = line_in_metres(values, table.values[:, x_column], heights, stated, source, facts)
+    metres = METRES[facts["unit_x"]]
+    return replace(line, lines=table.lines, half_digits=lambda: metres * table.half_digits(x_column))
 
 
-def _from_rows(scan: InstrumentScan, values: Mapping[str, Any]) -> RawScan:
-    """Return a line of a trace or map; `spacing` is needed only where the file has no lengths."""
+def _line_of_heights(
+    heights: FloatArray, x: FloatArray | None, unit: str, facts: dict[str, Any], values: Mapping[str, Any]
+) -> MeasuredLine:
+    """Return a trace, (n,), or the row that the scene names of a map, (n_rows, n); x is None without lengths."""
     _refuse_keys(values, TEXT_KEYS, "is for text files")
-    heights, lines = without_missing(scan.heights, values), ARRAY_LINES if scan.x is None else MAP_LINES
+    heights = without_missing(heights, values)
     if heights.ndim == 1:
         _refuse_keys(values, ["row"], "of a line scan")
-    elif "row" not in values:
-        count = heights.shape[0]
-        raise refused("row", f"is needed: the file holds a map of {count} rows", rows_allowed(count, lines))
     else:
-        heights, scan.facts["rows"] = row_of(heights, values["row"], lines), heights.shape[0]
-    if scan.x is not None:
+        facts = facts | {"rows": heights.shape[0]}
+        heights = row_of(heights, values.get("row"), ARRAY_LINES if x is None else MAP_LINES)
+    if x is not None:
         _refuse_keys(values, ["spacing"], "beside the lengths in the file")
-    stated = dict.fromkeys("xh" if scan.x is not None else "h", scan.unit)
-    return _in_metres(TableLine(scan.x, heights), stated, "what its instrument wrote", scan.facts, values)
+    stated = dict.fromkeys("h" if x is None else "xh", unit)
+    return line_in_metres(values, x, heights, stated, "what its instrument wrote", facts)
+
+
+def _real_array(name: str, values: ArrayLike) -> FloatArray:
+    """Return values given in Python, NaN where they are masked; ScanFileError for anything but real numbers."""
+    try:
+        array: np.ma.MaskedArray[tuple[int, ...], np.dtype[Any]] = np.ma.asarray(values)
+    except ValueError as error:  # lists of unlike lengths
+        raise refused(name, f"of {type(values).__name__}: {error}", REAL_NUMBERS) from error
+    if array.dtype.kind not in REAL:
+        raise refused(name, f"holds an array of type {array.dtype}", REAL_NUMBERS)
+    return np.asarray(np.ma.filled(array.astype(np.float64), np.nan))
 
 
 def _refuse_keys(values: Mapping[str, Any], keys: Iterable[str], why: str) -> None:
@@ -162,23 +116,10 @@ def _refuse_keys(values: Mapping[str, Any], keys: Iterable[str], why: str) -> No
         raise ScanFileError(mistakes)
 
 
-def _in_metres(
-    line: TableLine, stated: Mapping[str, str], source: str, facts: Mapping[str, Any], values: Mapping[str, Any]
-) -> RawScan:
-    """Return positions and heights in m, in the units that the source states or the scene gives."""
-    missing = []
-    if line.x is None and "spacing" not in values:
-        problem = "is missing: the file has heights alone, without positions or lengths"
-        missing = [Mistake("profile.spacing", problem, "spacing = the distance of two samples, in unit_x")]
-    try:
-        units = resolved_units(values, stated, source)
-    except ScanFileError as error:
-        raise ScanFileError([*missing, *error.mistakes]) from None
-    if missing:
-        raise ScanFileError(missing)
-    metres = METRES[units["x"]]
-    x = line.x * metres if line.x is not None else values["spacing"] * metres * np.arange(line.h.size)
-    read = dict(facts) | {f"unit_{axis}": units[axis] for axis in "xh"}
-    read |= {f"unit_{axis}_from": "scene" if f"unit_{axis}" in values else "file" for axis in "xh"}
-    read |= {key: values[key] for key in (*TEXT_KEYS, "missing_value", "row", "spacing") if key in values}
-    return RawScan(x, line.h * METRES[units["h"]], line.lines, read, "")
+def _placed(line: MeasuredLine) -> MeasuredLine:
+    """Return a line; raise ScanFileError if a position is missing or infinite."""
+    lost = ~np.isfinite(line.x)
+    if lost.any():
+        problem = f"{line.place(int(np.argmax(lost)))} has no position"
+        raise refused("file", problem, "a position of every height: only heights may be missing")
+    return line

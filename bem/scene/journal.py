@@ -17,9 +17,9 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from bem.scene.atomic_file import write_atomically
-from bem.scene.provenance import digest
+from bem.scene.digest import digest
 from bem.scene.result import Entry, Result
-from bem.scene.result_invariants import InvariantError, check_result
+from bem.scene.result_invariants import contradiction
 from bem.scene.stored_json import SCHEMA, CorruptResultError, read_bytes, typed, verified
 
 JOURNAL_FILE = "journal.jsonl"
@@ -71,12 +71,14 @@ class Journal:
             for number, line in enumerate(lines[1:], 2):
                 place = f"line {number}"
                 entries.append(typed(_ENTRY, verified(line, place), place))
-            return check_result(begun.with_entries(entries))
         except CorruptResultError as error:
             remedy = "; remove this line and all after it, and the run continues from the lines before"
             raise CorruptResultError(f"{self.path}: {error}{remedy * (place != 'line 1')}") from error
-        except InvariantError as error:
-            raise CorruptResultError(f"{self.path}: {error}") from error
+        result = begun.with_entries(entries)
+        mistake = contradiction(result)
+        if mistake is not None:
+            raise CorruptResultError(f"{self.path}: {mistake}")
+        return result
 
 
 def _entry_line(entry: Entry) -> bytes:

@@ -70,7 +70,7 @@ def groups_of(scene: Scene) -> dict[str, float]:
 
 def cautions_of(scene: Scene, groups: Mapping[str, float]) -> tuple[Caution, ...]:
     """Return the warnings about a scene with these groups, each with the probable cause."""
-    warnings = (_lengths, _pressures, _slopes, _adhesion, _noise, _constant, _form)
+    warnings = (_lengths, _pressures, _slopes, _adhesion, _spikes, _noise, _constant, _form)
     return tuple(Caution(about, message) for warn in warnings for about, message in warn(scene, groups))
 
 
@@ -139,6 +139,17 @@ def _adhesion(scene: Scene, groups: Mapping[str, float]) -> Warnings:
         yield "adhesion_over_elastic_energy", f"{told}: {cause}"
 
 
+def _spikes(scene: Scene, groups: Mapping[str, float]) -> Warnings:
+    """Yield a warning of spikes in a scan that are kept as heights."""
+    if scene.scan is None:
+        return
+    step = next(step for step in scene.scan.steps if step["step"] == "outliers")
+    if step["count"] and step["method"] == "keep":
+        spikes = "a spike" if step["count"] == 1 else f"{step['count']} spikes"
+        told = f"{spikes} of up to {step['largest']:.3g} m, the first at {step['first']}"
+        yield "profile.outliers", f'{told}: measured so? outliers = "replace" takes the median of the neighbours'
+
+
 def _noise(scene: Scene, groups: Mapping[str, float]) -> Warnings:
     """Yield a warning of slopes that are mostly noise, with the cut that leaves the noise out."""
     share = groups.get("noise_share_of_slope", 0.0)
@@ -156,13 +167,12 @@ def _noise(scene: Scene, groups: Mapping[str, float]) -> Warnings:
 
 def _constant(scene: Scene, groups: Mapping[str, float]) -> Warnings:
     """Yield a warning of a scan that is flat to the rounding of its heights."""
-    if scene.scan is not None and groups["rms_height"] <= LAST_DIGITS * np.spacing(
-        np.nanmax(np.abs(scene.scan.measured[1]))
-    ):
-        yield (
-            "rms_height",
-            "the heights are constant, less their trend: a flat surface is solved; are they the heights?",
-        )
+    if scene.scan is None:
+        return
+    highest = np.nanmax(np.abs(scene.scan.measured.h))
+    if groups["rms_height"] <= LAST_DIGITS * np.spacing(highest):
+        told = "the heights are constant, less their trend: a flat surface is solved; are they the heights?"
+        yield "rms_height", told
 
 
 def _form(scene: Scene, groups: Mapping[str, float]) -> Warnings:

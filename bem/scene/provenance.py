@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import platform
 from collections.abc import Mapping
 from datetime import UTC, datetime
@@ -13,18 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from bem.scene.digest import digest
+
 FACTS = ("linecontact", "python", "platform", "numpy", "scipy", "date", "scene_sha256")  # of every provenance
-
-
-def digest(content: Mapping[str, Any]) -> str:
-    """Return the SHA-256 of a mapping as JSON with sorted keys.
-
-    Examples
-    --------
-    >>> digest({"a": 1, "b": 0.1}) == digest({"b": 0.1, "a": 1})
-    True
-    """
-    return hashlib.sha256(json.dumps(content, sort_keys=True, allow_nan=False).encode()).hexdigest()
 
 
 @cache

@@ -156,7 +156,7 @@ class Result(Views):
         The dimensionless groups that decide, and the scales they are made with (plausibility.py).
     warnings : tuple of Caution
     profile_preparation : tuple of dict
-        Steps by which the samples of a scan were prepared (bem/scans/prepare_scan.py).
+        Steps by which the samples of a scan were prepared (bem/scans/prepare_line.py).
     largest_tension : LargestTension, optional
         None where nothing is unloaded, where there is no tension, or where contact stays complete for want of a flaw.
     """

@@ -19,12 +19,12 @@ from typing import Any
 from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
-from bem.geometry.ranges import Mistake, shown
+from bem.geometry.ranges import shown
 from bem.scene.atomic_file import write_atomically
+from bem.scene.digest import digest
 from bem.scene.journal import JOURNAL_FILE, Journal
-from bem.scene.provenance import digest
 from bem.scene.result import Result
-from bem.scene.result_invariants import InvariantError, check_result
+from bem.scene.result_invariants import contradiction
 from bem.scene.stored_arrays import CorruptArraysError, packed, unpacked
 from bem.scene.stored_json import SCHEMA, CorruptResultError, read_bytes, typed, verified
 
@@ -78,11 +78,16 @@ def read_result(folder: Path | str) -> Result:
     except FileNotFoundError as error:
         raise FileNotFoundError(f"{path}: no result of a run there") from error
     result, sha256 = _without_arrays(raw, str(path))
-    try:
-        return check_result(replace(result, fields=_arrays(folder / FIELDS_FILE, sha256, result)))
-    except InvariantError as error:
-        path = folder / FIELDS_FILE if error.mistake.path.startswith("fields.") else path
-        raise CorruptResultError(f"{path}: {error}") from error
+    if sha256 is None and result.status != "interrupted" and any(state.stored is not None for state in result.states):
+        raise CorruptResultError(
+            f"{path}: provenance.fields_sha256 is null; allowed: the digest of the arrays of states"
+        )
+    result = replace(result, fields=_arrays(folder / FIELDS_FILE, sha256))
+    mistake = contradiction(result)
+    if mistake is not None:
+        path = folder / FIELDS_FILE if mistake.path.startswith("fields.") else path
+        raise CorruptResultError(f"{path}: {mistake}")
+    return result
 
 
 def _without_arrays(raw: bytes, place: str) -> tuple[Result, str | None]:
@@ -95,11 +100,9 @@ def _without_arrays(raw: bytes, place: str) -> tuple[Result, str | None]:
     return typed(_RESULT, content, place, without="fields"), sha256
 
 
-def _arrays(path: Path, sha256: str | None, result: Result) -> dict[str, NDArray[Any]]:
+def _arrays(path: Path, sha256: str | None) -> dict[str, NDArray[Any]]:
     """Return the arrays of fields.npz, which a run in the making does not have yet."""
     if sha256 is None:
-        if result.status != "interrupted" and any(state.stored is not None for state in result.states):
-            raise InvariantError(Mistake("provenance.fields_sha256", "is null", "the digest of the arrays of states"))
         return {}
     if not path.exists():
         raise CorruptResultError(f"{path}: missing, but result.json was written with it")

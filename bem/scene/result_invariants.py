@@ -1,8 +1,9 @@
 """Invariants of a result: what its parts must agree on, besides the type and the range of each number.
 
-`check_result` judges alike what the solver has computed (bem/record.py) and what a file holds (result_file.py,
-journal.py).  Numbers that follow from others (`_derived`) obey one rule: computed anew, they are the same.  Types and
-ranges are in state.py and result.py.
+`contradiction` judges alike what the solver has computed and what a file holds.  A computed result keeps its states:
+`judged` says in its status and failure what does not match (bem/record.py).  A stored result is refused unless its
+failure says so (result_file.py, journal.py).  Numbers that follow from others (`_derived`) obey one rule: computed
+anew, they are the same.  Types and ranges are in state.py and result.py.
 """
 
 from __future__ import annotations
@@ -10,43 +11,52 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from itertools import chain
 from typing import Any
 
 from bem.audit.certificate import Demands
 from bem.geometry.ranges import Mistake, shown
 from bem.geometry.table import TableError, plain
-from bem.scene.provenance import FACTS, digest
+from bem.scene.array_names import array_mistakes
+from bem.scene.digest import digest
+from bem.scene.provenance import FACTS
 from bem.scene.result import Result, asked_for
 from bem.scene.scene_rules import loading_mistakes, profile_mistakes
 from bem.scene.scene_tables import REQUIRED_TABLES, TABLES, WITH_DEFAULTS, class_of
 from bem.scene.state import FINAL_STATUSES, GapNumbers, State
-from bem.scene.stored_arrays import array_mistakes
 
 SUM_ROUNDING = 1e-9  # derived: of a period or a sum of energies; rounding, with a margin
 MISSED = ("unreachable", "not_converged")
 NEEDED_GROUPS = ("rms_height", "rms_slope", "pressure_scale")  # of every scene
 FIGURES = ("closure", "min_gap", "truncation", "contact_residual", "mean_gap_error")  # of a certified state with edges
 
-Claim = tuple[Any, str, Any, str]  # whether it holds, key, value, and what is allowed
+FAULT = "parts of the result contradict one another, which is a fault of this program: "
+
+Claim = tuple[Any, str, Any, str] | Mistake  # whether it holds, key, value, and what is allowed; or what does not hold
 Derived = tuple[str, Any, Any, float]  # key, value stored, value anew, and the difference that rounding makes
 
 
-class InvariantError(ValueError):
-    """Result whose parts do not match; `mistake` is the first wrong key, with its value and the allowed values."""
-
-    def __init__(self, mistake: Mistake) -> None:
-        super().__init__(str(mistake))
-        self.mistake = mistake
+def judged(result: Result) -> Result:
+    """Return a computed result; one whose parts do not match is `not_converged`, and its failure names the first."""
+    mistake = contradiction(result)
+    return result if mistake is None else replace(result, status="not_converged", failure=f"{FAULT}{mistake}")
 
 
-def check_result(result: Result) -> Result:
-    """Return a result in which everything holds; raise InvariantError for the first mistake."""
+def contradiction(result: Result) -> Mistake | None:
+    """Return the first key that does not match the others; None where all match, or where the failure names it."""
     parts = (_scene_claims, _path_claims, _part_claims, _derived_claims, _array_claims, _whole_claims)
-    for holds, key, value, allowed in chain.from_iterable(part(result) for part in parts):
-        if not holds:
-            raise InvariantError(Mistake(key, f"is {shown(value)}", allowed))
-    return result
+    mistakes = filter(None, map(_mistake, chain.from_iterable(part(result) for part in parts)))
+    mistake = next(mistakes, None)
+    return None if result.failure == f"{FAULT}{mistake}" else mistake
+
+
+def _mistake(claim: Claim) -> Mistake | None:
+    """Return what a claim gets wrong; None if it holds."""
+    if isinstance(claim, Mistake):
+        return claim
+    holds, key, value, allowed = claim
+    return None if holds else Mistake(key, f"is {shown(value)}", allowed)
 
 
 def _scene_claims(result: Result) -> Iterator[Claim]:
@@ -64,8 +74,7 @@ def _scene_claims(result: Result) -> Iterator[Claim]:
     yield "period" in profile, "scene.profile.period", None, "a length, which a resolved scene has"
     tables = [name for name in TABLES if scene[name] is not None]
     rules = profile_mistakes(profile, profile), loading_mistakes(loading, loading, tables, profile["period"])
-    for mistake in chain(*rules):
-        raise InvariantError(_of_scene(mistake))
+    yield from map(_of_scene, chain(*rules))
     for name in NEEDED_GROUPS:
         yield name in result.groups, f"groups.{name}", None, "a number"
     for name in FACTS:
@@ -82,7 +91,8 @@ def _table_claims(name: str, stored: Mapping[str, Any]) -> Iterator[Claim]:
     try:
         anew = plain(class_of(name)(**given))
     except TableError as error:
-        raise InvariantError(_of_scene(error.mistakes[0])) from error
+        yield from map(_of_scene, error.mistakes)
+        return
     for key in dict.fromkeys((*given, *anew)):
         same = key in given and key in anew and given[key] == anew[key]
         yield same, f"scene.{name}.{key}", given.get(key), f"{shown(anew.get(key))}, or no such key if that is null"
@@ -211,7 +221,7 @@ def _array_claims(result: Result) -> Iterator[Claim]:
     depth = result.scene["accuracy"]["tolerance"] * result.groups["rms_height"]
     states = {str(state.stored): state for state in result.states if state.stored is not None}
     for name, fault, allowed in array_mistakes(result.fields, states.keys()):
-        raise InvariantError(Mistake(f"fields.{name}", f"is {fault}", allowed))
+        yield Mistake(f"fields.{name}", f"is {fault}", allowed)
     for k, state in states.items():
         if f"x_{k}" not in result.fields:
             continue

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any, Literal, get_origin, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
+from bem.scene.array_names import FIELDS, split
 from bem.scene.state import FINAL_STATUSES
-from bem.scene.stored_arrays import FIELDS, split
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -13,32 +13,21 @@ A separation of exactly 0 asks for complete contact.
 
 from __future__ import annotations
 
-import re
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict
 
-from numpy.typing import ArrayLike
-
 from bem.geometry.profile import Profile
-from bem.geometry.ranges import MOST_HARMONICS, Mistake, shown, unknown_key
-from bem.geometry.regular_file import read_regular
+from bem.geometry.ranges import Mistake, shown, unknown_key
 from bem.geometry.scaling import Solid
 from bem.geometry.table import TableError, plain
-from bem.scans.read_bytes import BACKSLASHES
-from bem.scans.scan_keys import CUTOFFS, DEFAULTS, SCAN_KEYS
+from bem.scene.magnitudes import magnitude_mistakes
 from bem.scene.scene_error import SceneError
-from bem.scene.scene_rules import (
-    QUESTIONS,
-    SAMPLED_HARMONICS,
-    loading_mistakes,
-    magnitude_mistakes,
-    profile_mistakes,
-    scan_mistakes,
-)
+from bem.scene.scene_file import read_tables
+from bem.scene.scene_rules import QUESTIONS, loading_mistakes, profile_mistakes
+from bem.scene.scene_scan import scan_of, with_scan, without_arrays
 from bem.scene.scene_tables import (
     OUTPUTS,
     REQUIRED_TABLES,
@@ -60,16 +49,13 @@ from bem.scene.targets import equal_target, expanded, origin
 if TYPE_CHECKING:
     from bem.adhesive.adhesion import Adhesion
     from bem.elastic.layer import Layer
-    from bem.scans.prepared_scan import Scan, Step
+    from bem.scans.periodic_samples import PeriodicSamples, Step
 
-ALL_ROWS = "all"  # profile.row of a map whose rows are solved each (bem/map_rows.py)
-IN_MEMORY = "arrays in memory"  # the name of the file of samples that are given as arrays
 NAMED = 12  # format: targets listed in an error
 
 __all__ = ["Loading", "Mistake", "Scene", "SceneError", "StoredStart", "load_scene", "parse_scene", "scene_of"]
 
 Table = Mapping[str, Any]
-Samples = tuple[ArrayLike, ArrayLike]
 
 
 class Tables(TypedDict, total=False):
@@ -96,7 +82,7 @@ class Scene:
         Tables, SI units; `loading.targets` holds all targets.
     origin : float
         Value of the controlled quantity where the path begins, possibly infinite.
-    scan : Scan, optional
+    scan : PeriodicSamples, optional
         Samples of profile.file.
     cut_by_default : bool
         Whether profile.harmonics was chosen for a scan, not given.
@@ -113,7 +99,7 @@ class Scene:
     accuracy: AccuracyTable
     output: Output
     origin: float
-    scan: Scan | None = field(default=None, compare=False)
+    scan: PeriodicSamples | None = field(default=None, compare=False)
     cut_by_default: bool = False
     start_state: State | None = None
 
@@ -138,7 +124,7 @@ class Scene:
         return self.scan.preparation(self.profile.harmonics)
 
     def physics(self) -> dict[str, Any]:
-        """Return the tables that describe the contact, without absent ones; every solver checks that it knows all."""
+        """Return the tables that say what is in contact, without absent ones."""
         tables = {name: getattr(self, name) for name in TABLES if name not in QUESTIONS}
         return {name: table for name, table in tables.items() if table is not None}
 
@@ -153,7 +139,7 @@ class Scene:
         """Return all tables as plain values, defaults included; a file is given by its name and digest."""
         content = {"title": self.title} | {name: plain(getattr(self, name)) for name in TABLES}
         if self.scan is not None:
-            content["profile"] |= {"file": Path(str(self.profile.file)).name, "sha256": self.scan.sha256}
+            content["profile"] |= {"file": Path(str(self.profile.file)).name, "sha256": self.scan.measured.sha256}
         if self.start_state is not None and isinstance(self.loading.initial, StoredStart):
             content["loading"]["initial"]["result"] = Path(self.loading.initial.result).name
             content["loading"]["initial"]["penetration"] = self.start_state.penetration
@@ -169,41 +155,6 @@ def load_scene(path: Path | str) -> Scene:
         With every mistake, or because the file cannot be read or is not TOML.
     """
     return parse_scene(read_tables(path), Path(path).parent)
-
-
-def read_tables(path: Path | str) -> dict[str, Any]:
-    """Read the tables of a scene file, unchecked; SceneError if the path is no regular file or no TOML."""
-    path = Path(path)
-    try:
-        text = read_regular(path).decode("utf-8-sig")
-        return tomllib.loads(text)
-    except OSError as error:
-        scenes = [str(file) for file in sorted(path.glob("*.toml"))[:3]] if path.is_dir() else []
-        allowed = " or ".join(["a TOML file", *scenes])
-        raise SceneError([Mistake(str(path), f"cannot be read ({error.strerror})", allowed)]) from error
-    except tomllib.TOMLDecodeError as error:
-        raise SceneError([_syntax_mistake(path, text, str(error))]) from error
-    except (ValueError, RecursionError) as error:
-        raise SceneError([Mistake(str(path), f"is not TOML ({error})", "a TOML file in UTF-8")]) from error
-
-
-def _syntax_mistake(path: Path, text: str, error: str) -> Mistake:
-    """Return the mistake of a text that is not TOML: the line that the parser names, and what is allowed there."""
-    place = re.search(r"\(at line (\d+), column \d+\)", error)
-    number = int(place[1]) if place else 0
-    line = text.splitlines()[number - 1].strip() if 0 < number <= len(text.splitlines()) else ""
-    sign = re.search("[\u2010-\u2015\u2212]\\s*[0-9.]", text)
-    if sign is not None:
-        allowed = f"- before numbers, not {sign[0][0]}"
-    elif error.startswith(("Invalid hex value", "Unescaped '\\'")):  # a name of a file under Windows
-        allowed = f"names with {BACKSLASHES}"
-    elif error.startswith("Cannot overwrite a value"):
-        allowed = f"each key once, and {line.partition('=')[0].strip()} is there before"
-    elif re.fullmatch(r"[^=]*=\s*[-+]?\d+,\d+\s*(#.*)?", line):
-        allowed = "a decimal point, as in 0.5"
-    else:
-        allowed = "key = value: a number, a text in quotes, true, false, or a list of these in []"
-    return Mistake(str(path), f"is not TOML in line {number}: {line}" if line else f"is not TOML: {error}", allowed)
 
 
 def scene_of(scene: Scene | Path | str | Table | None, tables: Mapping[str, Any]) -> Scene:
@@ -268,7 +219,7 @@ def parse_scene(data: Mapping[str, Any], base_dir: Path | str = ".") -> Scene:
     ((2e-06, 1e-06), None)
     """
     base_dir, mistakes = Path(base_dir), []
-    data, arrays, incomplete = _without_arrays(data)
+    data, arrays, incomplete = without_arrays(data)
     mistakes += incomplete
     for name in data:
         if name not in TABLES and name != "title":
@@ -289,29 +240,13 @@ def parse_scene(data: Mapping[str, Any], base_dir: Path | str = ".") -> Scene:
     if "loading" in data:
         tables = [name for name in TABLES if data.get(name) is not None]
         mistakes += loading_mistakes(loading, given["loading"], tables, profile.get("period"))
-    scan, wrong = (None, []) if incomplete else _scan(profile, given["profile"], base_dir, arrays)
+    scan, wrong = (None, []) if incomplete else scan_of(profile, given["profile"], base_dir, arrays)
     mistakes += wrong
     start, wrong = stored_start(loading.get("initial"), loading.get("control"), base_dir)
     mistakes += wrong
     if mistakes:
         raise SceneError(mistakes)
     return _resolved(data.get("title", ""), made, scan, start)
-
-
-def _without_arrays(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], Samples | None, list[Mistake]]:
-    """Return the tables with a name in place of the samples x and h of a profile, the samples, and their mistakes."""
-    profile = data.get("profile")
-    if not isinstance(profile, Mapping) or "file" in profile or profile.get("kind") != "samples":
-        return data, None, []
-    x, h = profile.get("x"), profile.get("h")
-    if x is None and h is None:
-        return data, None, []
-    rest = {key: value for key, value in profile.items() if key not in ("x", "h")}
-    data = {**data, "profile": rest | {"file": IN_MEMORY}}
-    if x is None or h is None:
-        allowed = "samples in memory need x and h, arrays of equal length in m"
-        return data, None, [Mistake(f"profile.{'x' if x is None else 'h'}", "is missing", allowed)]
-    return data, (x, h), []
 
 
 def _as_mapping(table: Any) -> Any:
@@ -335,37 +270,15 @@ def _made(name: str, raw: Any) -> tuple[Any, dict[str, Any], list[Mistake]]:
         return None, error.valid, error.mistakes
 
 
-def _scan(
-    profile: Mapping[str, Any], given: set[str], base_dir: Path, arrays: Samples | None
-) -> tuple[Scan | None, list[Mistake]]:
-    """Return the prepared samples of profile.file or of arrays, if the keys of [profile] for reading are valid."""
-    wrong = [key for key in given.intersection((*SCAN_KEYS, *DEFAULTS, *CUTOFFS)) if key not in profile]
-    if profile.get("kind") != "samples" or "file" not in profile or wrong:
-        return None, []
-    if profile.get("row") == ALL_ROWS:
-        allowed = 'a row, or "mean"; all are solved by linecontact run, and by bem.solve_rows in Python'
-        return None, [Mistake("profile.row", f'= "{ALL_ROWS}" is many scenes', allowed)]
-    from bem.scans.prepare_scan import prepare
-    from bem.scans.read_scan import read_scan, scan_of_arrays
-    from bem.scans.scan_file_error import ScanFileError
-
-    name = profile["file"]
-    try:
-        raw = read_scan(base_dir / name, profile) if arrays is None else scan_of_arrays(*arrays, profile)
-        scan = prepare(raw, profile)
-    except ScanFileError as error:
-        named = f"= {shown(name)}: "
-        return None, [
-            replace(each, found=named * (each.path == "profile.file") + each.found) for each in error.mistakes
-        ]
-    return scan, list(scan_mistakes(profile, scan))
-
-
-def _resolved(title: str, tables: dict[str, Any], scan: Scan | None, start: StartingState | None) -> Scene:
+def _resolved(title: str, tables: dict[str, Any], scan: PeriodicSamples | None, start: StartingState | None) -> Scene:
     """Return the scene of tables without mistakes: defaults, targets; SceneError for mistakes of the whole."""
     loading: Loading = tables["loading"]
     cut_by_default = scan is not None and tables["profile"].harmonics is None
-    profile = _profile(tables["profile"], scan)
+    profile: ProfileTable = tables["profile"]
+    if scan is not None:
+        profile = with_scan(profile, scan)
+    elif profile.kind == "self_affine" and profile.seed is None:
+        profile = replace(profile, seed=0)
     targets = loading.targets
     if loading.start is not None and loading.stop is not None and loading.count is not None:
         targets = expanded(loading.start, loading.stop, loading.count, loading.then_back_to)
@@ -389,22 +302,6 @@ def _resolved(title: str, tables: dict[str, Any], scan: Scan | None, start: Star
     if mistakes:
         raise SceneError(mistakes)
     return scene
-
-
-def _profile(profile: ProfileTable, scan: Scan | None) -> ProfileTable:
-    """Return [profile] with the defaults of its kind."""
-    if profile.kind == "self_affine" and profile.seed is None:
-        return replace(profile, seed=0)
-    if scan is None:
-        return profile
-    read = scan.steps[0]
-    units = {key: read[key] for key in ("unit_x", "unit_h")}
-    carried = SAMPLED_HARMONICS if profile.cutoff_short is None else min(scan.harmonics_needed, MOST_HARMONICS)
-    defaults = DEFAULTS | units | {"period": scan.period, "harmonics": min(scan.max_harmonics, carried)}
-    update = {key: value for key, value in defaults.items() if getattr(profile, key) is None}
-    if profile.harmonics == "all":
-        update["harmonics"] = min(scan.max_harmonics, MOST_HARMONICS)
-    return replace(profile, **update)
 
 
 def _output_mistakes(scene: Scene) -> Iterator[Mistake]:

@@ -7,19 +7,11 @@ The rules take the plain values of the keys that are valid by themselves (`value
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-import numpy as np
-
-from bem.geometry.profile import Profile
-from bem.geometry.ranges import Mistake, harmonic_mistakes, shown
-from bem.geometry.scaling import Solid
+from bem.geometry.ranges import Mistake, as_said, harmonic_mistakes, shown
 from bem.scans.scan_keys import CUTOFFS, DEFAULTS, SCAN_KEYS
 
-if TYPE_CHECKING:
-    from bem.scans.prepared_scan import Scan
-
-SAMPLED_HARMONICS = 1000  # format: default cut of a scan that is not filtered
 REQUIRED = {
     "self_affine": ("period", "hurst", "rms_height", "harmonics"),
     "harmonics": ("period", "orders", "amplitudes", "phases"),
@@ -31,22 +23,8 @@ OPTIONAL = {
     "samples": ("period", "harmonics", *SCAN_KEYS, *DEFAULTS, *CUTOFFS),
 }
 FLAWS = (1e-12, 0.95)  # limit: loading.flaw over the period: what is left in contact beside a wider one is no flaw
-THICKNESSES = (6e-5, 1e12)  # limit: layer.thickness over the period: an audit takes 65,536 modes; half-space
-MOST_TARGET_HARMONICS = 1e9  # limit: targets times harmonics: weeks on one core
-LARGEST_SHARE = 1e50  # derived: of lengths, pressures and energies to the scales of the profile, or its inverse
 RANGE = ("start", "stop", "count")
 QUESTIONS = ("title", "loading", "accuracy", "output")  # of a scene; all other tables say what is in contact
-
-
-def as_said(limit: float) -> float:
-    """Return a limit rounded as a message prints it, so that the printed number is itself allowed.
-
-    Examples
-    --------
-    >>> 1e-5 * 0.01, as_said(1e-5 * 0.01)
-    (1.0000000000000001e-07, 1e-07)
-    """
-    return float(f"{limit:g}")
 
 
 def profile_mistakes(values: Mapping[str, Any], given: Collection[str]) -> Iterator[Mistake]:
@@ -68,23 +46,6 @@ def profile_mistakes(values: Mapping[str, Any], given: Collection[str]) -> Itera
     if kind != "harmonics":
         return
     yield from harmonic_mistakes(values)
-
-
-def scan_mistakes(values: Mapping[str, Any], scan: Scan) -> Iterator[Mistake]:
-    """Yield a period and a cut that do not fit the samples of a scan."""
-    period, harmonics = values.get("period"), values.get("harmonics")
-    if period is not None and abs(period - scan.period) > 0.5 * scan.spacing:
-        yield Mistake(
-            "profile.period",
-            f"= {period:g} does not fit {scan.x.size} prepared samples at distance {scan.spacing:g}",
-            f"{scan.period:g} m within half a sample distance (the end point of the period is excluded)",
-        )
-    if isinstance(harmonics, int) and harmonics > scan.max_harmonics:
-        yield Mistake(
-            "profile.harmonics",
-            f"= {harmonics}",
-            f"an integer from 1 to {scan.max_harmonics} for the {scan.x.size} prepared samples of a period",
-        )
 
 
 def loading_mistakes(
@@ -121,47 +82,6 @@ def loading_mistakes(
     if flaw is not None and period is not None and not lowest <= flaw <= highest:
         allowed = f"a number from {lowest:g} to {highest:g} (m), {FLAWS[0]:g} to {FLAWS[1]:g} times profile.period"
         yield Mistake("loading.flaw", f"= {flaw:g}", allowed)
-
-
-def magnitude_mistakes(tables: Mapping[str, Any], profile: Profile) -> Iterator[Mistake]:
-    """Yield keys whose magnitudes, relative to the scales of the profile, exceed double precision or memory.
-
-    scaling.py defines the scales; a flat profile has none.
-    """
-    largest = float(np.max(np.abs(profile.amplitudes)))
-    period = profile.period
-    layer, adhesion, loading = (tables.get(name) for name in ("layer", "adhesion", "loading"))
-    lowest, highest = (as_said(share * period) for share in THICKNESSES)
-    if layer is not None and not lowest <= layer["thickness"] <= highest:
-        allowed = f"a number from {lowest:g} to {highest:g} (m), {THICKNESSES[0]:g} to {THICKNESSES[1]:g} periods"
-        yield Mistake("layer.thickness", f"= {layer['thickness']!r}", f"{allowed}: thinner ones cannot be audited")
-    if largest == 0:
-        return
-    if not LARGEST_SHARE**-1 <= largest / period <= LARGEST_SHARE:
-        name = "rms_height" if "rms_height" in tables.get("profile", ()) else "amplitudes"
-        allowed = f"from {1 / LARGEST_SHARE:g} to {LARGEST_SHARE:g} periods"
-        yield Mistake(f"profile.{name}", f"reach {largest / period:.2g} periods", allowed)
-        return
-    modulus = Solid(**tables["solid"]).plane_strain_modulus
-    scale = modulus * largest**2 / period
-    if adhesion is not None:
-        share = adhesion["work_of_adhesion"] / scale
-        if not LARGEST_SHARE**-1 <= share <= LARGEST_SHARE:
-            allowed = f"from {1 / LARGEST_SHARE:g} to {LARGEST_SHARE:g} times E* h^2 / period = {scale:g} J/m^2"
-            yield Mistake("adhesion.work_of_adhesion", f"= {adhesion['work_of_adhesion']:g}", allowed)
-    if loading is None:
-        return
-    count, order = len(loading["targets"]), profile.max_order
-    if count * order > MOST_TARGET_HARMONICS:
-        allowed = f"{MOST_TARGET_HARMONICS / order:.0f} with {order} harmonics: more take weeks"
-        yield Mistake("loading.targets", f"are {count}", allowed)
-        return
-    pressed = loading["control"] == "mean_pressure"
-    unit = modulus * largest / period if pressed else largest
-    for k, target in enumerate(loading["targets"]):
-        if not abs(target) <= LARGEST_SHARE * unit:
-            name = "E* h / period" if pressed else "the largest amplitude"
-            yield Mistake(f"loading.targets[{k}]", f"= {target:g}", f"at most {LARGEST_SHARE:g} times {name}, {unit:g}")
 
 
 def _path_mistakes(values: Mapping[str, Any], given: Collection[str]) -> Iterator[Mistake]:

@@ -15,7 +15,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from bem.geometry.ranges import shown
 from bem.geometry.regular_file import read_regular
-from bem.scene.provenance import digest
+from bem.scene.digest import digest
 
 SIGNS = {"lt": "<", "gt": ">", "ge": ">="}  # of limits, by their names in pydantic
 SCHEMA, FORMER = "linecontact-result/2", "linecontact-result/1"

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 from bem.geometry.profile import Profile
 
 if TYPE_CHECKING:
-    from bem.scans.prepared_scan import Scan
+    from bem.scans.periodic_samples import PeriodicSamples
 
 
-def surface_of(values: Mapping[str, Any], scan: Scan | None) -> Profile:
+def surface_of(values: Mapping[str, Any], scan: PeriodicSamples | None) -> Profile:
     """Return the profile in SI units of a resolved [profile], given as plain values."""
     kind = values["kind"]
     if kind == "self_affine":

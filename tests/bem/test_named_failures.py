@@ -14,7 +14,8 @@ from bem.loading.path_events import EventNumbers, PathEvent
 from bem.missed import NUMERICAL_FAILURES, EnergyGainedError, no_point, sentence, verdict
 from bem.path_for import path_for
 from bem.problem import pose
-from bem.record import Record, Recorder
+from bem.record import Record
+from bem.recorder import Recorder
 from bem.solver import solve
 
 TARGETS = [70e-6, 50e-6, 60e-6]

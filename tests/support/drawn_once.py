@@ -2,7 +2,7 @@
 
 from functools import cache
 
-from validation.harness.schema import Figure
+from validation.harness.figure_data import Figure
 from validation.report.figures import svg_of
 
 

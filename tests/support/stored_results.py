@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 from stored_states import stored_state
 
-from bem.scene.provenance import digest, provenance
+from bem.scene.digest import digest
+from bem.scene.provenance import provenance
 from bem.scene.result import Effect, Event, EventError, JumpEnd, LargestTension, Result, TensionError
 from bem.scene.result_file import write_result
 from bem.scene.scene import parse_scene

@@ -10,7 +10,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 from bem.scene import plots
-from validation.harness.schema import Figure, Panel, Series
+from validation.harness.figure_data import Figure, Panel, Series
 from validation.report.figures import svg_of
 
 error = SimpleNamespace(mean_pressure=0.0)

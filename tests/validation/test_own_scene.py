@@ -17,7 +17,7 @@ import pytest
 from rough_scene import ROUGH
 
 from bem.loading.workers import ENDED
-from bem.scene.provenance import digest
+from bem.scene.digest import digest
 from bem.scene.scene import parse_scene
 from validation.command_line.front_door import main
 from validation.references.closed_forms import Sinusoid
@@ -173,7 +173,15 @@ def test_settings_of_a_scan_keep_its_shortest_wave(tmp_path):
         assert shortest(one, tmp_path) == pytest.approx(own, rel=0.04)  # a whole number of waves
     first, second = (parse_scene(one.tables, tmp_path).scan for one in recut if one.source == "part")
     whole = parse_scene(scene, tmp_path).scan
-    assert np.array_equal(np.concatenate([first.measured[1], second.measured[1]]), whole.measured[1])
+    assert np.array_equal(np.concatenate([first.measured.h, second.measured.h]), whole.measured.h)
+
+
+def test_a_half_whose_ends_part_is_followed_by_its_mirror_image(tmp_path):
+    wave = 10 * np.sin(2 * np.pi * np.arange(256) / 256) + rough(256)
+    scene = scan(tmp_path, wave, harmonics=20, detrend="none", periodic="as_is")
+    parts = [one for one in settings(scene, tmp_path) if one.source == "part"]
+    assert [one.name for one in parts] == [f"{k} half, then its mirror image" for k in ("first", "second")]
+    assert {parse_scene(one.tables, tmp_path).profile.periodic for one in parts} == {"mirror"}
 
 
 def test_a_mirrored_row_of_256_points_has_all_its_settings(tmp_path):
@@ -229,7 +237,7 @@ def test_noise_of_the_floor_of_the_scan_is_added(tmp_path):
     noise = np.random.default_rng(1).normal(0.0, 0.05, 1024)
     scene = scan(tmp_path, rough(1024) + noise, harmonics=30)
     (setting,) = (one for one in settings(scene, tmp_path) if one.source == "noise")
-    added = parse_scene(setting.tables, tmp_path).scan.measured[1] - parse_scene(scene, tmp_path).scan.measured[1]
+    added = parse_scene(setting.tables, tmp_path).scan.measured.h - parse_scene(scene, tmp_path).scan.measured.h
     assert np.std(added) == pytest.approx(5e-8, rel=0.2)
 
 

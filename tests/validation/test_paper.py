@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from persson import double_gaussian
-from validation.harness.schema import Figure, Panel, Series
+from validation.harness.figure_data import Figure, Panel, Series
 from validation.paper import pressures, profiles, replicate, spectra
 from validation.paper.curves import banded, joined
 from validation.paper.ensemble import estimate, jackknife, read_ensemble, read_member, solve_members

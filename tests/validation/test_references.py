@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad
 
 from validation.harness.route import Problem
-from validation.references.closed_forms import Sinusoid
+from validation.references.closed_forms import Sinusoid, layer_ratio
 from validation.references.dense_equilibrium import equilibrium
 from validation.references.isolated_crack import crack
 from validation.references.waves import Waves
@@ -90,3 +90,10 @@ def test_an_isolated_crack_obeys_its_integrals():
     assert quad(tension, -np.pi / 2, np.pi / 2)[0] / np.pi * row == pytest.approx(critical.mean(), rel=1e-6)
     opening = quad(lambda angle: tension(angle) * (half * np.cos(angle)) ** 2 * 2 / modulus, -np.pi / 2, np.pi / 2)[0]
     assert opening / 0.01 == pytest.approx(separation, rel=1e-9)
+
+
+@pytest.mark.parametrize("nu", [0.3, 0.5])
+def test_the_compliance_of_a_layer_is_the_printed_bracket_on_both_sides_of_its_series(nu):
+    k = np.array([0.2, 0.49, 0.51, 3.0])
+    bracket = (3 - 4 * nu) * np.cosh(2 * k) + 2 * k**2 + 5 - 12 * nu + 8 * nu**2
+    assert layer_ratio(k, nu) == pytest.approx(((3 - 4 * nu) * np.sinh(2 * k) - 2 * k) / bracket, rel=1e-13)

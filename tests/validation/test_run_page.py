@@ -13,7 +13,7 @@ from rough_scene import ROUGH
 
 import bem
 from bem.command_line.answer_table import answer, units_of
-from bem.scene.provenance import digest
+from bem.scene.digest import digest
 from bem.scene.result import LargestTension, TensionError
 from bem.scene.result_file import write_result
 from validation.command_line.front_door import main

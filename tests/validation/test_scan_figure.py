@@ -6,8 +6,7 @@ import pytest
 import bem
 from bem.scene.scene import parse_scene
 from validation.report.figures import svg_of
-from validation.report.run_figures import figures_of
-from validation.report.scan_figure import preparation_figure, spectrum_figure
+from validation.report.run_figures import figures_of, preparation_figure, spectrum_figure
 
 
 def test_what_a_result_stores_is_drawn(tmp_path):

@@ -1,6 +1,7 @@
 """`linecontact answer`: from a measured trace to a page, by a scene in which every choice can be edited."""
 
 import json
+import re
 import tomllib
 
 import numpy as np
@@ -82,12 +83,49 @@ def test_a_map_is_answered_by_the_median_of_its_rows(tmp_path, capsys):
     assert answer(*words, "--out", tmp_path / "out", "--jobs", 1) == 0
     told = capsys.readouterr()
     assert "3 of 3 rows answered, each a ridge" in told.out
-    assert told.out.splitlines()[-1] == str(tmp_path / "out" / "answer.csv")
+    assert told.out.splitlines()[-1] == str(tmp_path / "out" / "report.html")
     assert (profile_of(tmp_path / "out")["row"], profile_of(tmp_path / "out")["every"]) == ("all", 2)
     tensions = [-bem.read_result(row).largest_tension.mean_pressure for row in (tmp_path / "out").glob("row-*")]
     last = (tmp_path / "out" / "answer.csv").read_text().splitlines()[-1].split(",")
     assert last[:5] == ["nan", "unloading", "pull_off", "Pa", "3"]
     assert float(last[5]) == pytest.approx(np.median(tensions), rel=1e-15)
+    page, rows = (tmp_path / "out" / "report.html").read_text("utf-8"), bem.read_rows(tmp_path / "out")
+    assert "3 of 3 rows of the map answered" in page and page.count("<svg") == 3
+    for row, result in rows.results.items():
+        cells = re.search(rf'<td class="num">{row}</td><td>answered</td><td class="num">(.*?)</td>', page)
+        assert float(cells[1]) == pytest.approx(result.targets[0].contact_fraction, rel=0.006)
+    (tmp_path / "out" / "report.html").unlink()
+    assert main(["report", str(tmp_path / "out")]) == 0
+    assert (tmp_path / "out" / "report.html").read_text("utf-8") == page
+
+
+def test_a_spike_is_replaced_and_told_of_unless_it_is_asked_for(tmp_path, capsys):
+    trace = write_trace(tmp_path)
+    lines = trace.read_text().splitlines(keepends=True)
+    lines[200] = f"{lines[200].partition(';')[0]}; 90\n"
+    trace.write_text("".join(lines))
+    assert answer(trace, *SOLID, "--pressure", "5e4", "--out", tmp_path / "out") == 0
+    assert "note: profile.outliers: spikes (1 of up to 8" in capsys.readouterr().err
+    assert profile_of(tmp_path / "out")["outliers"] == "replace"
+    words = ("--profile", "outliers=keep", "--out", tmp_path / "kept")
+    assert answer(trace, *SOLID, "--pressure", "5e4", *words) == 0
+    assert "warning: profile.outliers: a spike of up to 8" in capsys.readouterr().err
+
+
+def test_a_row_without_an_answer_stands_on_the_page_of_its_map(tmp_path, capsys):
+    heights = 2e-6 * np.random.default_rng(1).normal(size=(64, 3))
+    heights[5, 1] = np.nan
+    np.save(tmp_path / "map.npy", heights)
+    keys = ("--profile", "row=all", "spacing=1", "unit_x=um", "unit_h=m", "harmonics=5")
+    words = (tmp_path / "map.npy", *SOLID, "--pressure", "5e4", *keys, "--out", tmp_path / "out", "--jobs", 1)
+    assert answer(*words) == 1
+    page = (tmp_path / "out" / "report.html").read_text("utf-8")
+    assert "2 of 3 rows of the map answered" in page
+    assert re.search(r'<td class="num">1</td><td class="deviates">profile.missing', page)
+    assert "missing" in bem.read_rows(tmp_path / "out").failures[1]
+    (tmp_path / "out" / "rows.csv").unlink()
+    assert main(["report", str(tmp_path / "out")]) == 2
+    assert "holds no map that was solved row by row to its end" in capsys.readouterr().err
 
 
 def test_the_scene_solved_again_gives_the_same_answer(answered, tmp_path, monkeypatch):

@@ -10,7 +10,7 @@ import pytest
 from browser import BROWSER, QUIET
 from devtools import tab
 
-from validation.plugin.rows import Code, Quantity, Rows
+from validation.plugin.rows import VERDICTS, Code, Quantity, Rows
 from validation.plugin.study_report import Part, write_study
 from validation.report.verification_page import prices, three_ways
 
@@ -153,6 +153,30 @@ def test_failures_come_before_everything_else_and_cells_count_what_they_hold(wri
     assert failures.count("<tr>") == 1 + 3
     cells = re.findall(r'<td data-label="(contact fraction|energy)">.*?<small>(.*?)</small>', page[order[1] : order[2]])
     assert cells == [("contact fraction", ".50; 2"), ("energy", "1e+03; 1"), ("contact fraction", ".33; 1")]
+
+
+def test_every_verdict_is_defined_on_the_page(written):
+    _, page = written()
+    defined = re.findall(r"<dt>(.*?)</dt><dd>(.+?)</dd>", page.partition('id="verdicts"')[2].partition("</dl>")[0])
+    assert [name for name, _ in defined] == list(VERDICTS)
+
+
+def test_a_failure_says_why(tmp_path):
+    rows = Rows({"area [bem, fem]": 1e-6, "energy [bem, fem]": 1.0})
+    rows.compare("area", 1.0, 1.0005, **AREA)
+    rows.compare("load", 1.0, 1.0, **AREA)
+    rows.compare("energy", 1.0, 2.0, **AREA)
+    rows.known("gap", 2.2, 2.0, band=(1.2, 1.8), cause="mean field", **AREA)
+    rows.not_converged("fold", "none found", of="bem", by="fem", quantity="energy")
+    failures = [row["failure"] for row in write_study(tmp_path, "a command", [Part("bad", "?", rows)])["rows"]]
+    assert failures == [
+        "error 0.0005, stored error 1e-06, limit 5e-06",
+        "no error is stored: verify with --store --reason TEXT",
+        "beyond the allowed 0.001 (U of both sides)",
+        "outside the band 1.2 to 1.8; known cause: mean field",
+        "none found",
+    ]
+    assert all(words in (tmp_path / "report.html").read_text() for words in failures)
 
 
 @pytest.mark.skipif(BROWSER is None, reason="no Chromium here (Debian: apt-get install chromium)")

@@ -3,6 +3,7 @@
 Choices that the command line does not make are made as follows, and each is a commented line of DIR/scene.toml.
 
 units      the ones that the file states, else --profile unit_x=.. unit_h=.., else the trace is refused
+outliers   spikes, which `check` tells of, are replaced by the median of their neighbours
 detrend    the least-squares line, which is the tilt of the instrument; the mean alone where the ends meet without
 periodic   as it is where the ends of the trace meet within `LARGEST_JUMP` rms steps, else followed by its mirror image
 cut        the wavelength at which the trace falls below its noise floor, where `check` suggests one, but at least
@@ -11,7 +12,7 @@ cut        the wavelength at which the trace falls below its noise floor, where 
 tolerance  1e-3, three digits
 
 --pull-off unloads the contact from the last pressure until it comes apart.  Of a map, --profile row=all solves every
-row, every=n each n-th, with the choices of the first; the answer is the median and scatter of the rows, without a page.
+row, every=n each n-th, with the choices of the first; the page has the median and scatter of their answers.
 
 The scene is then solved as `linecontact run DIR/scene.toml` solves it.  The trace stays where it is; the scene names
 its path from DIR.
@@ -37,12 +38,14 @@ from bem.command_line.perform import BAD_INPUT, INTERRUPTED, perform
 from bem.geometry.ranges import Mistake
 from bem.map_rows import asks_for_rows, rows_of, tables_of_row
 from bem.path_for import check_path
-from bem.scans.prepared_scan import Scan
+from bem.scans.periodic_samples import PeriodicSamples
 from bem.scene.atomic_file import write_atomically
 from bem.scene.memory_estimate import refuse_beyond_memory
 from bem.scene.plausibility import cautions_of, groups_of
-from bem.scene.scene import Scene, SceneError, load_scene, parse_scene, read_tables
+from bem.scene.scene import Scene, SceneError, load_scene, parse_scene
+from bem.scene.scene_file import read_tables
 from validation.report.pages import PAGE
+from validation.report.rows_page import write_rows_page
 from validation.report.run_page import write_run_page
 from validation.studies.scene_settings import LARGEST_JUMP
 
@@ -65,7 +68,7 @@ class Choice:
 
     tables: dict[str, Any]
     scene: Scene
-    scan: Scan
+    scan: PeriodicSamples
     given: Mapping[str, Any]
     jump: float
 
@@ -161,11 +164,14 @@ def _answer(options: argparse.Namespace) -> int:
             f"accuracy.tolerance = {TOLERANCE:g}",
             file=sys.stderr,
         )
+        if "outliers" in choice.tables["profile"].keys() - given.keys():
+            print(f"note: profile.outliers: {_reasons(choice)['outliers']}", file=sys.stderr)
         run = {"scene": folder / SCENE_FILE, "out": folder, "resume": False, "overwrite": True, "plot": False}
         run |= {"quiet": options.quiet, "json": False, "table": True, "jobs": options.jobs}
         if asks_for_rows(choice.tables):
             code = row_commands.run_alone(read_tables(folder / SCENE_FILE), argparse.Namespace(**run), new)
-            print(folder / "answer.csv", flush=True)
+            write_rows_page(folder)
+            print(folder / PAGE, flush=True)
             return code
         code = scene_commands.run_alone(load_scene(folder / SCENE_FILE), argparse.Namespace(**run), new)
         if code == INTERRUPTED:
@@ -232,9 +238,15 @@ def choice_for(options: argparse.Namespace, given: Mapping[str, Any]) -> Choice:
         scan = _scan(tables, trace)
         if scan.end_jump <= LARGEST_JUMP:
             break
+    if "outliers" not in given and _step(scan, "outliers")["count"]:
+        tables["profile"]["outliers"] = "replace"
+        scan = _scan(tables, trace)
     if "periodic" not in given:
         tables["profile"]["periodic"] = "mirror" if scan.end_jump > LARGEST_JUMP else "as_is"
     if not {"cutoff_short", "harmonics"} & given.keys():
+        if scan.spectrum.h.size < 2 * FEWEST_SAMPLES:
+            few, allowed = f"has {scan.spectrum.h.size} samples", f"{2 * FEWEST_SAMPLES} or more, two waves"
+            raise SceneError([Mistake("profile.file", few, f"{allowed}; or a cut of yours, cutoff_short=.. (m)")])
         coarse = _coarse(scan, _most(tables))[0]
         tables["profile"]["cutoff_short"] = float(f"{max(scan.spectrum.crossing or 0.0, coarse):.4g}")
     choice = Choice(tables, parse_scene(tables, trace.parent), _scan(tables, trace), given, scan.end_jump)
@@ -255,11 +267,16 @@ def _way_out(options: argparse.Namespace) -> list[float]:
     return [0.0, -float(f"{modulus:.1e}")]
 
 
-def _scan(tables: Mapping[str, Any], trace: Path) -> Scan:
+def _scan(tables: Mapping[str, Any], trace: Path) -> PeriodicSamples:
     """Return the prepared samples of a trace."""
     scan = parse_scene(tables, trace.parent).scan
     assert scan is not None
     return scan
+
+
+def _step(scan: PeriodicSamples, name: str) -> Mapping[str, Any]:
+    """Return the record of a step of the preparation of a trace."""
+    return next(step for step in scan.steps if step["step"] == name)
 
 
 def _most(tables: Mapping[str, Any]) -> int:
@@ -267,7 +284,7 @@ def _most(tables: Mapping[str, Any]) -> int:
     return MOST_ADHERING if "adhesion" in tables else MOST_WAVES
 
 
-def _coarse(scan: Scan, most: int) -> tuple[float, str]:
+def _coarse(scan: PeriodicSamples, most: int) -> tuple[float, str]:
     """Return the shortest wave (m) that a first answer has, at most so many along the trace, and the reason."""
     samples = scan.spectrum.h.size
     if samples > FEWEST_SAMPLES * most:
@@ -314,8 +331,7 @@ def scene_lines(choice: Choice) -> Lines:
 def _reasons(choice: Choice) -> dict[str, str]:
     """Return the reason of each choice in [profile]."""
     scan = choice.scan
-    steps = {step["step"]: step for step in scan.steps}
-    line, tilt = steps["detrend"]["method"] == "line", steps["detrend"]["tilt"]
+    line, tilt = _step(scan, "detrend")["method"] == "line", _step(scan, "detrend")["tilt"]
     taken = f'the tilt of {tilt:.3g} is subtracted; "mean" keeps it, "quadratic" takes a bow away too'
     reasons = {"detrend": taken if line else 'the ends of the trace meet without; "line" subtracts a tilt'}
     cautions = cautions_of(choice.scene, groups_of(choice.scene))
@@ -328,15 +344,19 @@ def _reasons(choice: Choice) -> dict[str, str]:
     reasons["periodic"] = f"{apart}: it is followed by its mirror image" if mirrored else f"{apart}: it repeats"
     reasons["periodic"] += f'; "window" tapers the ends. Period {scan.period * 1e3:.6g} mm'
     least, coarse = _coarse(scan, _most(choice.tables))
-    crossing, noise = scan.spectrum.crossing, steps["spectrum"]["noise"]
+    spikes = _step(scan, "outliers")
+    if spikes["count"]:
+        told = f"{spikes['count']} of up to {spikes['largest'] * 1e6:.3g} um, the first at {spikes['first']}"
+        reasons["outliers"] = f'spikes ({told}) take the median of their neighbours; "keep" keeps them'
+    crossing, noise = scan.spectrum.crossing, _step(scan, "spectrum")["noise"]
     if crossing is None:
         reason = f"{coarse}; the data suggest no other cut: {noise}"
     elif crossing >= least:
         reason = f"there the trace falls below its noise of {scan.spectrum.noise_rms:.2g} m rms"
     else:
         reason = f"{coarse}; the trace falls below its noise at {crossing:.3g} m only, try that next"
-    if "filter" in steps:
-        before, after = steps["filter"]["rms_slope"]
+    if any(step["step"] == "filter" for step in scan.steps):
+        before, after = _step(scan, "filter")["rms_slope"]
         reason += f". It leaves an rms slope of {after:.3g} of {before:.3g}; contact areas go as the inverse"
     return reasons | {"cutoff_short": f"m, Gaussian filter: {reason}"}
 

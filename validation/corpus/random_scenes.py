@@ -7,7 +7,7 @@ moduli from 1e2 to 1e13 Pa.  Every range is met at its ends now and then (`_with
 complete contact, so that a scene asks for something whatever its scale; increments are parts of the path, so that it
 is walked in a bounded number of steps.
 
-SI units.  Limits: few harmonics (`most_harmonics`), so that many scenes are affordable; equal crests come of waves of
+SI units.  Limits: few harmonics (`HARMONICS`), so that many scenes are affordable; equal crests come of waves of
 one order and of phases that are multiples of pi/2.
 """
 
@@ -26,6 +26,7 @@ from validation.references.paper_problem import Table
 Numbers = NDArray[np.float64]
 
 SCAN = "scan.csv"
+HARMONICS = 12  # highest order of a profile
 AT_THE_END = 0.12  # share of draws that are an end of their range
 STEPS = (8.0, 60.0)  # of a path, at its largest increment; more only where the default increment is left in place
 MOST_STEPS = 90.0
@@ -55,7 +56,6 @@ class Drawn:
 
     def write(self, folder: Path) -> Path:
         """Write the scene file, and its scan beside it; return the path of the scene file."""
-        folder.mkdir(parents=True, exist_ok=True)
         self.write_scan(folder)
         path = folder / f"{self.id}.toml"
         path.write_text(scene_text({"title": self.id} | self.tables) + "\n", "utf-8")
@@ -67,8 +67,8 @@ class Drawn:
             np.savetxt(folder / SCAN, self.scan, delimiter=",", fmt="%.17g")
 
 
-def draw(seed: int, index: int, most_harmonics: int = 12) -> Drawn:
-    """Draw scene `index` of a seed, both >= 0; `most_harmonics` is the highest order of a profile.
+def draw(seed: int, index: int) -> Drawn:
+    """Draw scene `index` of a seed, both >= 0.
 
     Examples
     --------
@@ -81,7 +81,7 @@ def draw(seed: int, index: int, most_harmonics: int = 12) -> Drawn:
         "youngs_modulus": 10 ** _within(rng, 2.0, 13.0),
         "poisson_ratio": _within(rng, -0.9, 0.5, (0.0, 0.499999, 0.5)),
     }
-    profile, scan, surface = _profile(rng, period, period * 10 ** rng.uniform(-5.0, -0.5), most_harmonics)
+    profile, scan, surface = _profile(rng, period, period * 10 ** rng.uniform(-5.0, -0.5))
     tables: Table = {"solid": solid, "profile": profile}
     if rng.random() < 0.45:
         tables["layer"] = {"thickness": period * 10 ** _within(rng, -2.0, 1.0)}
@@ -117,17 +117,17 @@ def _within(rng: np.random.Generator, low: float, high: float, ends: tuple[float
     return float(rng.uniform(low, high))
 
 
-def _profile(rng: np.random.Generator, period: float, rms: float, most: int) -> tuple[Table, Numbers | None, Profile]:
+def _profile(rng: np.random.Generator, period: float, rms: float) -> tuple[Table, Numbers | None, Profile]:
     """Draw [profile]; return the table, its samples if it has any, and the profile."""
     kind = rng.choice(["self_affine", "harmonics", "samples"], p=[0.4, 0.35, 0.25])
     if kind == "self_affine":
-        hurst, count = _within(rng, 0.05, 0.95, (0.001, 0.999)), int(rng.integers(1, most + 1))
+        hurst, count = _within(rng, 0.05, 0.95, (0.001, 0.999)), int(rng.integers(1, HARMONICS + 1))
         table: Table = {"kind": "self_affine", "period": period, "hurst": hurst, "rms_height": rms, "harmonics": count}
         if rng.random() < 0.9:
             table["seed"] = int(rng.integers(2**31))
         return table, None, Profile.self_affine(period, hurst, rms, count, table.get("seed", 0))
     if kind == "harmonics":
-        orders = np.sort(rng.choice(np.arange(1, most + 1), int(rng.integers(1, min(5, most) + 1)), replace=False))
+        orders = np.sort(rng.choice(np.arange(1, HARMONICS + 1), int(rng.integers(1, 6)), replace=False))
         amplitudes = rng.normal(size=orders.size) / orders
         amplitudes *= rms / np.sqrt(np.sum(amplitudes**2) / 2)
         phases = rng.uniform(-10.0, 10.0, orders.size)
@@ -138,27 +138,21 @@ def _profile(rng: np.random.Generator, period: float, rms: float, most: int) -> 
         surface = Profile.from_harmonics(period, orders, amplitudes, phases)
         lists = {"orders": orders, "amplitudes": amplitudes, "phases": phases}
         return {"kind": "harmonics", "period": period} | {k: v.tolist() for k, v in lists.items()}, None, surface
-    return _sampled(rng, period, rms, most)
+    return _sampled(rng, period, rms)
 
 
-def _sampled(rng: np.random.Generator, period: float, rms: float, most: int) -> tuple[Table, Numbers | None, Profile]:
+def _sampled(rng: np.random.Generator, period: float, rms: float) -> tuple[Table, Numbers | None, Profile]:
     """Draw [profile] of a noisy scan that may be inclined and start anywhere."""
-    number = int(rng.integers(5, 8 * most))
+    number = int(rng.integers(5, 8 * HARMONICS))
     x = (np.arange(number) + float(rng.choice([0, 0, 1, -3, 0.5]))) * (period / number)
-    wave = Profile.self_affine(period, rng.uniform(0.3, 0.9), rms, most, int(rng.integers(2**31)))
+    wave = Profile.self_affine(period, rng.uniform(0.3, 0.9), rms, HARMONICS, int(rng.integers(2**31)))
     tilt = float(rng.choice([0.0, 0.0, 2 * rms / period]))
     height = wave.height(x) + rng.normal(0.0, 0.05 * rms, number) + tilt * x
-    count = int(rng.integers(1, min(most, (number - 1) // 2) + 1))
+    count = int(rng.integers(1, min(HARMONICS, (number - 1) // 2) + 1))
     detrend = str(rng.choice(["mean", "line"]))
-    table: Table = {
-        "kind": "samples",
-        "file": SCAN,
-        "unit_x": "m",
-        "unit_h": "m",
-        "detrend": detrend,
-        "harmonics": count,
-    }
-    if (number - 1) // 2 <= most and rng.random() < 0.3:
+    table: Table = dict.fromkeys(("unit_x", "unit_h"), "m")
+    table |= {"kind": "samples", "file": SCAN, "detrend": detrend, "harmonics": count}
+    if (number - 1) // 2 <= HARMONICS and rng.random() < 0.3:
         del table["harmonics"]
         count = (number - 1) // 2
     if rng.random() < 0.3:

@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from validation.harness.arrays import FloatArray
-from validation.harness.figure_data import marks, shaded, trace
-from validation.harness.schema import Series
+from validation.harness.figure_data import Series, trace
 from validation.paper.ensemble import estimate
 
 Curve = tuple[Sequence[float], Sequence[float]]
@@ -21,8 +20,8 @@ def scattered(
     mean, error = estimate(values)
     return [
         trace(f"{name}realisations", *joined(curves), "thin", hue=hue),
-        shaded(f"{name}mean and standard error", x, mean - error, mean + error, hue or 0),
-        marks(f"{name}mean", x, mean, hue=hue or 0),
+        trace(f"{name}mean and standard error", x, mean - error, "band", hue or 0, mean + error),
+        trace(f"{name}mean", x, mean, "points", hue or 0),
     ]
 
 

@@ -24,7 +24,7 @@ import bem
 import persson
 from bem.geometry.profile import Profile
 from bem.loading.crew import at_work
-from bem.scene.provenance import digest
+from bem.scene.digest import digest
 from bem.scene.result import Result
 from bem.scene.result_file import read_result, write_result
 from bem.scene.state import State

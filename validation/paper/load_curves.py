@@ -25,8 +25,7 @@ from scipy.optimize import brentq
 import persson
 from bem.scene.state import State
 from validation.harness.arrays import FloatArray
-from validation.harness.figure_data import axes, drawn, semilogx, trace
-from validation.harness.schema import Figure, Series
+from validation.harness.figure_data import Figure, Series, drawn, trace
 from validation.paper.curves import scattered
 from validation.paper.ensemble import SOLID, Ensemble, estimate, jackknife, theory_with_adhesion
 from validation.paper.members import LOADS
@@ -123,24 +122,21 @@ def figures(ensemble: Ensemble) -> Iterator[Figure]:
         "area-against-load",
         "Contact area against load: every realisation, their mean with its standard error and straight line, "
         "and both theories.",
-        axes(
-            "mean pressure $p/E^*$",
-            "contact fraction $A/A_0$",
-            *scattered(_paths(ensemble, _area), LOADS, area),
-            trace(f"line through the mean, slope {slope:.3g}", ends, intercept + slope * ends, "dashed", hue=0),
-            *_theory_traces(ensemble, _area),
-        ),
+        "mean pressure $p/E^*$",
+        "contact fraction $A/A_0$",
+        *scattered(_paths(ensemble, _area), LOADS, area),
+        trace(f"line through the mean, slope {slope:.3g}", ends, intercept + slope * ends, "dashed", hue=0),
+        *_theory_traces(ensemble, _area),
     )
     yield drawn(
         "separation-against-load",
         "Separation of the mean planes against load, logarithmic in the load: every realisation, their mean "
         "with its standard error, and both theories, which adhesion hardly sets apart.",
-        semilogx(
-            "mean pressure $p/E^*$",
-            "separation $s/h_{rms}$",
-            *scattered(_paths(ensemble, _separation), LOADS, ensemble.at_loads(_separation)),
-            *_theory_traces(ensemble, _separation),
-        ),
+        "mean pressure $p/E^*$",
+        "separation $s/h_{rms}$",
+        *scattered(_paths(ensemble, _separation), LOADS, ensemble.at_loads(_separation)),
+        *_theory_traces(ensemble, _separation),
+        log="x",
     )
 
 

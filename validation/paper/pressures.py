@@ -25,8 +25,7 @@ from scipy.optimize import minimize_scalar
 
 from persson import AdhesiveContact, DoubleGaussian, fit_double_gaussian
 from validation.harness.arrays import FloatArray
-from validation.harness.figure_data import drawn, marks, semilogy, shaded, trace
-from validation.harness.schema import Figure
+from validation.harness.figure_data import Figure, drawn, trace
 from validation.paper.ensemble import Ensemble, Realisation, estimate, jackknife, theory_with_adhesion
 from validation.paper.members import SPECTRA_AT
 from validation.paper.statements import Measured
@@ -137,11 +136,10 @@ def figures(ensemble: Ensemble) -> Iterator[Figure]:
             f"pressure-distribution-{load:g}",
             f"Distribution of the pressure at {load:g} E*: mean of the realisations with its standard error, the "
             "double Gaussian fitted to the mean, and the theory.",
-            semilogy(
-                r"$\sigma/E^*$",
-                "$P\\,E^*$",
-                shaded("mean and standard error", CENTRES[carried], lower, (mean + error)[carried], 0),
-                marks("mean", CENTRES[carried], mean[carried], hue=0),
-                *(trace(label, smooth[y > least], y[y > least], style, hue) for label, y, style, hue in curves),
-            ),
+            r"$\sigma/E^*$",
+            "$P\\,E^*$",
+            trace("mean and standard error", CENTRES[carried], lower, "band", 0, (mean + error)[carried]),
+            trace("mean", CENTRES[carried], mean[carried], "points", 0),
+            *(trace(label, smooth[y > least], y[y > least], style, hue) for label, y, style, hue in curves),
+            log="y",
         )

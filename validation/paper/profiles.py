@@ -25,8 +25,7 @@ import numpy as np
 
 from bem.geometry.profile import Profile
 from validation.harness.arrays import FloatArray
-from validation.harness.figure_data import axes, drawn, trace
-from validation.harness.schema import Figure, Series
+from validation.harness.figure_data import Figure, Series, drawn, trace
 from validation.paper.ensemble import Ensemble, Realisation, estimate, jackknife
 from validation.paper.members import FAINT_AT, FAINT_WORKS, SHAPES_AT
 from validation.paper.statements import Measured
@@ -102,7 +101,9 @@ def _shapes(member: Realisation) -> Figure:
         "Deformed shapes above one profile at the separations of the paper, in one frame; its caption has 48 µm where "
         f"its text has 38 µm. The profile is ours: seed {member.result.scene['profile']['seed']}, highest crest at "
         f"{member.profile.max_height * 1e6:.1f} µm.",
-        axes("distance from the highest crest / mm", "height / µm", *series),
+        "distance from the highest crest / mm",
+        "height / µm",
+        *series,
     )
 
 

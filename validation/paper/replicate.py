@@ -18,8 +18,8 @@ import numpy as np
 
 import persson
 from bem.scene.atomic_file import write_atomically
+from validation.harness.figure_data import Figure
 from validation.harness.provenance import provenance
-from validation.harness.schema import Figure
 from validation.paper import load_curves, pressures, profiles, spectra
 from validation.paper.ensemble import SOLID, Ensemble, read_ensemble, solve_members
 from validation.paper.members import LOADS, PAPER, QUICK, SPECTRA_AT, Size, members_of

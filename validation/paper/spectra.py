@@ -25,8 +25,7 @@ import numpy as np
 
 from persson import AdhesiveContact, DiscreteSpectrum
 from validation.harness.arrays import FloatArray
-from validation.harness.figure_data import drawn, loglog, trace
-from validation.harness.schema import Figure, Series
+from validation.harness.figure_data import Figure, Series, drawn, trace
 from validation.paper.curves import banded, scattered
 from validation.paper.ensemble import Ensemble, Realisation, estimate, jackknife, theory_with_adhesion
 from validation.paper.members import HURSTS, LOADS, SPECTRA_AT
@@ -170,12 +169,18 @@ def figures(ensemble: Ensemble) -> Iterator[Figure]:
     yield drawn(
         "displacement-spectrum",
         f"Spectrum C_u of the displacement against the order. {HOW_DRAWN}",
-        loglog("$q/q_0$", "$C_u$ / m³", *displaced),
+        "$q/q_0$",
+        "$C_u$ / m³",
+        *displaced,
+        log="xy",
     )
     yield drawn(
         "pressure-spectrum",
         f"Spectrum C_sigma over E*^2 of the pressure against the order. {HOW_DRAWN}",
-        loglog("$q/q_0$", r"$C_\sigma/E^{*2}$ / m", *pressed),
+        "$q/q_0$",
+        r"$C_\sigma/E^{*2}$ / m",
+        *pressed,
+        log="xy",
     )
     groups = {hurst: group for hurst in HURSTS if (group := ensemble.whole(f"hurst {hurst:g}"))}
     if groups:
@@ -188,7 +193,10 @@ def figures(ensemble: Ensemble) -> Iterator[Figure]:
             "short-wavelengths",
             "Part of the roughness that the solid follows, C_u / C, against the order, beside the theory's A(q)/A0: "
             f"level at short waves for H = 0.8, falling for H = 0.3. {HOW_DRAWN}",
-            loglog("$q/q_0$", "$C_u/C$", *series),
+            "$q/q_0$",
+            "$C_u/C$",
+            *series,
+            log="xy",
         )
 
 

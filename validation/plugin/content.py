@@ -75,14 +75,31 @@ def _stated(case: Mapping[str, Any], row: Row) -> dict[str, Any]:
         "stored": row.stored,
         "values": row.values,
         "references": row.references,
-        "described": row.described() if row.verdict not in PASSING else "",
+        "failure": _failure(row),
     }
+
+
+def _failure(row: Row) -> str:
+    """Return why a row fails, in a few words; empty for a row that passes."""
+    if row.verdict in PASSING:
+        return ""
+    if not row.values:
+        return row.message or row.reason
+    reference, allowed = row.references[row.worst], row.allowed[row.worst]
+    if row.verdict == "deviates":
+        return f"beyond the allowed {allowed:.3g} ({row.reason})"
+    if row.verdict == "changed" and row.cause:
+        return f"outside the band {reference - allowed:.6g} to {reference + allowed:.6g}; known cause: {row.cause}"
+    if row.verdict == "changed":
+        return f"error {row.error:.3g}, stored error {row.stored:.3g}, limit {row.limit:.3g}"
+    unstored = row.must_be_stored and row.stored is None and math.isfinite(row.error)
+    return "no error is stored: verify with --store --reason TEXT" if unstored else "a number is missing or infinite"
 
 
 def _bare(case: str, verdict: str, reason: str) -> dict[str, Any]:
     """Return the row of a case that has no numbers."""
     stated = _stated({"case": case, "seconds": 0.0}, Row("", "", "", "", "accuracy"))
-    judged = {"verdict": verdict, "failed": verdict not in PASSING, "reason": reason, "described": reason}
+    judged = {"verdict": verdict, "failed": verdict not in PASSING, "reason": reason, "failure": reason}
     return stated | judged | {"routes": []}
 
 

@@ -24,7 +24,7 @@ from typing import Any, Literal, NamedTuple, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from validation.harness.schema import Figure, Panel, Series
+from validation.harness.figure_data import drawn, trace
 
 WORSE = 5.0  # an error above this many stored errors is a regression
 ROUNDING = 1e-13  # of the largest reference: differences below are rounding
@@ -401,18 +401,10 @@ class Rows:
         and all others are lines.  With `front` the figure stands on the first screen.
         """
         series = [
-            Series(
-                label=label,
-                x=np.asarray(curve[0], float).tolist(),
-                y=np.asarray(curve[1], float).tolist(),
-                style=curve[2] if len(curve) == 3 else "points" if number == 0 else "line",
-                hue=number,
-            )
+            trace(label, curve[0], curve[1], curve[2] if len(curve) == 3 else "line" if number else "points", number)
             for number, (label, curve) in enumerate(curves.items())
         ]
-        scales: Any = {f"{axis}scale": "log" if axis in log else "linear" for axis in "xy"}
-        panel = Panel(xlabel=x, ylabel=y, series=series, **scales)
-        figure = Figure(id=f"figure-{len(self.figures) + 1}", caption=title, solution=panel)
+        figure = drawn(f"figure-{len(self.figures) + 1}", title, x, y, *series, log=log)
         self.figures.append(figure.model_dump() | {"front": front})
 
     def cost(self, problem: str, route: str, setting: str, error: float, seconds: float, spread: float) -> None:

@@ -16,7 +16,7 @@ from xml.etree import ElementTree
 import numpy as np
 from markupsafe import Markup
 
-from validation.harness.schema import Figure, Panel, Series
+from validation.harness.figure_data import Figure, Panel, Series
 from validation.report.pages import printable
 
 if TYPE_CHECKING:

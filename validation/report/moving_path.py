@@ -31,7 +31,7 @@ from validation.report.path_states import (
     shown_of,
     with_events,
 )
-from validation.report.run_curves import Theory
+from validation.report.run_figures import Theory
 
 NAMES = {  # short name for the slider, name, and 1 where contact is gained, -1 where it is lost
     "first_touch": ("snap-in", "first touch", 1),

@@ -40,8 +40,7 @@ from bem.scene.stored_json import verified
 from validation.report.figures import svg_of
 from validation.report.moving_path import moving_path
 from validation.report.pages import PAGE, ReportError, asset, filled, judgement, number
-from validation.report.run_curves import theories_of
-from validation.report.run_figures import figures_of
+from validation.report.run_figures import figures_of, theories_of
 from validation.report.run_words import outcome, scene_in_words, succeeded
 
 TABLE = "answer.csv"

@@ -12,7 +12,7 @@ from jinja2 import UndefinedError
 from markupsafe import Markup
 
 from bem.scene.atomic_file import write_atomically
-from validation.harness.schema import Figure
+from validation.harness.figure_data import Figure
 from validation.report.figures import svg_of
 from validation.report.pages import PAGE, ReportError, filled
 

@@ -30,10 +30,11 @@ from bem.command_line.answer_table import quantity as given_in_full
 from bem.geometry.regular_file import read_regular
 from bem.loading.crew import at_work
 from bem.scene.atomic_file import write_atomically
+from bem.scene.digest import digest
 from bem.scene.progress import Progress
-from bem.scene.provenance import digest
 from bem.scene.result import Result, asked_for
-from bem.scene.scene import Scene, SceneError, load_scene, parse_scene, read_tables
+from bem.scene.scene import Scene, SceneError, load_scene, parse_scene
+from bem.scene.scene_file import read_tables
 from bem.scene.state import FINAL_STATUSES, LARGEST
 from bem.scene.stored_json import CorruptResultError, verified
 from validation.harness.provenance import provenance

@@ -11,6 +11,7 @@ noise       white noise of the scan's own noise floor added to its samples
 seed        other realisations of a random profile
 length      adhesion on the true or on the projected length (slope_term)
 
+A scan that repeats as it is and whose ends another trend, part or row parts is followed by its mirror image there.
 A setting is the tables of a scene.  A setting that the scene or the scan refuses has the reason instead.
 """
 
@@ -34,6 +35,7 @@ BASE, TOLERANCE, SEED = "as it is", "tolerance", "seed"
 SOURCES = ("cut", "detrending", "window", "part", "row", "noise", SEED, "length")
 DETRENDS = ("none", "mean", "line", "quadratic", "cubic")
 PERIODICS = ("as_is", "mirror", "window")
+CONTINUED = ("detrending", "part", "row")  # settings that may part the ends of a scan
 LEAST_HARMONICS, MOST_HARMONICS = 3, 1000
 TILTED = 3.0  # times the rms height that the scene's own detrending leaves
 SAME_CUT = 1e-3  # format: cut-offs are written with four digits
@@ -110,6 +112,10 @@ class Change:
         """Return the setting with these keys (None: left out); with `recut` its harmonics keep the shortest wave."""
         tables = changed(self.tables, values)
         try:
+            if source in CONTINUED and self._parts_company(tables):
+                tables["profile"] |= {"periodic": "mirror"}
+                tables["profile"].pop("period", None)
+                name = f"{name}, then its mirror image"
             if recut:
                 tables["profile"].pop("harmonics", None)
                 scan, profile = parse_scene(tables, self.base).scan, self.scene.profile
@@ -120,6 +126,13 @@ class Change:
         except SceneError as error:
             return Setting(source, name, reason=str(error))
         return Setting(source, name, tables)
+
+    def _parts_company(self, tables: Tables) -> bool:
+        """Return whether a scan that repeats as it is would have a step between its ends that the scene's has not."""
+        own, other = self.scene.scan, parse_scene(tables, self.base)
+        if own is None or other.scan is None or other.profile.periodic != "as_is":
+            return False
+        return own.end_jump <= LARGEST_JUMP < other.scan.end_jump
 
     @property
     def _harmonics(self) -> int:
@@ -214,7 +227,7 @@ class Change:
     @property
     def _measured(self) -> tuple[FloatArray, FloatArray]:
         assert self.scene.scan is not None
-        return self.scene.scan.measured
+        return self.scene.scan.measured.x, self.scene.scan.measured.h
 
     def _from_file(self, source: str, name: str, x: FloatArray, h: FloatArray) -> Setting:
         """Write samples as a text file in m, and return the setting that reads them."""

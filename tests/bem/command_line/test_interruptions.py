@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from stored_states import lasting
 
-from bem import record
+from bem import record, recorder
 from bem import scene_commands as command_line
 from bem.command_line import checkpoint
 from bem.scene import atomic_file, journal, result_file
@@ -23,7 +23,7 @@ from bem.scene.result_file import read_result
 from bem.scene.scene import load_scene
 from bem.solver import solve
 
-KEEPING = {module.__file__ for module in (record, checkpoint, atomic_file, journal, result_file)}
+KEEPING = {module.__file__ for module in (record, recorder, checkpoint, atomic_file, journal, result_file)}
 SCENE = """
 [solid]
 youngs_modulus = 1.0e6

@@ -5,7 +5,8 @@ import pytest
 from rough_surfaces import rough_scene
 
 from bem.geometry.profile import Profile
-from bem.problem import increments_of, pose
+from bem.path_increments import increments_of
+from bem.problem import pose
 from bem.scene.scene import parse_scene
 from bem.solver import solve
 

@@ -5,9 +5,9 @@ import pytest
 
 import bem
 from bem.scans.gaussian_filter import GaussianFilter
-from bem.scans.prepare_scan import prepare
-from bem.scans.prepared_scan import CARRIED
-from bem.scans.read_scan import RawScan
+from bem.scans.measured_line import MeasuredLine
+from bem.scans.periodic_samples import CARRIED
+from bem.scans.prepare_line import prepare
 from bem.scene.scene import SceneError, parse_scene
 
 COUNT, SPACING = 600, 1e-6
@@ -17,7 +17,7 @@ ROUGH = bem.Profile.self_affine(COUNT * SPACING, 0.8, 1e-6, 290, 3)
 
 
 def prepared(h, **values):
-    raw = RawScan(X, np.array(h), None, {"unit_x": "m", "unit_h": "m"}, "")
+    raw = MeasuredLine(X, np.array(h), {"unit_x": "m", "unit_h": "m"})
     return prepare(raw, {"detrend": "none", **values})
 
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scene_tables import tables
 
 from bem.geometry.profile import EQUAL_STEPS, Profile
-from bem.scans.prepare_scan import prepare
+from bem.scans.prepare_line import prepare
 from bem.scans.read_scan import read_scan
 from bem.scans.scan_file_error import ScanFileError
 from bem.scene.scene import parse_scene

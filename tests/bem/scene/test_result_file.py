@@ -14,8 +14,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from stored_results import RESULT, SCENE, STATE
 
+from bem.scene.digest import digest
 from bem.scene.journal import Journal
-from bem.scene.provenance import digest, provenance
+from bem.scene.provenance import provenance
 from bem.scene.result import Entry
 from bem.scene.result_file import read_result, write_result
 from bem.scene.state import ErrorEstimate, NotFiniteError, State

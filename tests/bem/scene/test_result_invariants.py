@@ -11,6 +11,7 @@ import pytest
 from stored_results import RESULT, restated
 
 from bem.scene.result_file import read_result, write_result
+from bem.scene.result_invariants import judged
 from bem.scene.stored_json import CorruptResultError
 
 
@@ -183,3 +184,15 @@ def test_fields_are_looked_at_before_they_are_unpacked(kind, tmp_path):
     (tmp_path / "fields.npz").write_bytes(raw)
     with pytest.raises(CorruptResultError, match=said):
         read_result(tmp_path)
+
+
+def test_a_computed_result_that_contradicts_itself_keeps_its_states_and_says_so(tmp_path):
+    states = (replace(RESULT.states[0], n_patches=1), *RESULT.states[1:])
+    result = judged(replace(RESULT, states=states))
+    assert (result.status, result.states) == ("not_converged", states)
+    assert result.failure.endswith(
+        "states[0].n_patches is 1; allowed: 2, which follows from other numbers of the result"
+    )
+    write_result(result, tmp_path)
+    assert read_result(tmp_path).failure == result.failure
+    assert judged(RESULT) is RESULT

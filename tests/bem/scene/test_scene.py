@@ -14,7 +14,8 @@ from bem.scene.plausibility import groups_of
 from bem.scene.provenance import provenance
 from bem.scene.result import Result
 from bem.scene.result_file import write_result
-from bem.scene.scene import SceneError, load_scene, parse_scene, read_tables
+from bem.scene.scene import SceneError, load_scene, parse_scene
+from bem.scene.scene_file import read_tables
 
 BASE = {
     "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},

@@ -9,8 +9,7 @@ from rough_scene import ROUGH
 import bem
 import persson
 from validation.report.path_states import joins_of, path_of
-from validation.report.run_curves import curves_of, lines_of, theories_of
-from validation.report.run_figures import distributions_of
+from validation.report.run_figures import area_of, distributions_of, lines_of, theories_of
 
 PRESSED = {
     **{name: table for name, table in ROUGH.items() if name != "adhesion"},
@@ -33,7 +32,7 @@ def pressed():
 def series_of(result, figure):
     return {
         one.label: one
-        for found in curves_of(result, theories_of(result))
+        for found in area_of(result, theories_of(result))
         if found.id == figure
         for one in found.solution.series
     }
@@ -111,4 +110,4 @@ def test_no_line_joins_complete_contact_with_another_state():
 
 def test_complete_contact_alone_has_no_curves():
     loading = {"control": "mean_pressure", "targets": [1e6, 2e6], "initial": "complete_contact"}
-    assert [*curves_of(bem.solve({**PRESSED, "loading": loading, "output": {}}), [])] == []
+    assert [*area_of(bem.solve({**PRESSED, "loading": loading, "output": {}}), [])] == []

@@ -20,17 +20,18 @@ scipy is imported by the steps that need it.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from importlib import import_module
 from typing import Any
 
 import numpy as np
 
 from bem.scans.gaussian_filter import GaussianFilter
+from bem.scans.measured_line import MeasuredLine
 from bem.scans.noise_floor import Spectrum
-from bem.scans.prepare_heights import refuse_few, without_dropouts, without_gaps, without_outliers
+from bem.scans.periodic_samples import PeriodicSamples, Step
+from bem.scans.prepare_heights import Outcome, refuse_few, without_dropouts, without_gaps, without_outliers
 from bem.scans.prepare_spacing import equally_spaced, refuse_disorder
-from bem.scans.prepared_scan import Scan, Step, Trace, compared, roughness
-from bem.scans.read_scan import RawScan
 from bem.scans.scan_file_error import ScanFileError, refused
 from bem.scans.scan_keys import DEFAULTS
 
@@ -39,7 +40,7 @@ DEGREES = {"mean": 0, "line": 1, "quadratic": 2, "cubic": 3}
 RIDGE = "a row of a map is solved as a ridge: its heights are the same all along the other direction of the map"
 
 
-def prepare(raw: RawScan, values: Mapping[str, Any]) -> Scan:
+def prepare(measured: MeasuredLine, values: Mapping[str, Any]) -> PeriodicSamples:
     """Return the samples of a period.
 
     `values` are those of [profile]: dropouts, missing, outliers, detrend, periodic, unequal_spacing, cutoff_short,
@@ -48,49 +49,49 @@ def prepare(raw: RawScan, values: Mapping[str, Any]) -> Scan:
     more than half of them missing, cut-offs that the line does not hold.
     """
     asked = DEFAULTS | {key: values[key] for key in DEFAULTS if key in values}
-    refuse_disorder(raw)
-    refuse_few(raw, raw.h)
-    line: Trace = (raw.x, raw.h)
-    height, slope = roughness(*line)
+    refuse_disorder(measured)
+    refuse_few(measured)
+    height, slope = measured.roughness
     steps: list[Step] = [
-        {"step": "read"} | raw.facts | {"samples": raw.h.size, "rms_height": height, "rms_slope": slope}
+        {"step": "read"} | measured.facts | {"samples": measured.h.size, "rms_height": height, "rms_slope": slope}
     ]
-    if "row" in raw.facts:
+    if "row" in measured.facts:
         steps.append({"step": "map", "model": RIDGE})
+    line = measured
 
-    def record(step: str, method: str, outcome: tuple[Trace, Step]) -> Trace:
+    def record(step: str, method: str, outcome: Outcome) -> MeasuredLine:
         """Record the change of the line by a step, and return the new line."""
-        steps.append({"step": step, "method": method} | outcome[1] | compared(line, outcome[0]))
-        return outcome[0]
+        new, facts = outcome
+        change = zip(("rms_height", "rms_slope"), zip(line.roughness, new.roughness, strict=True), strict=True)
+        steps.append({"step": step, "method": method} | facts | {name: list(both) for name, both in change})
+        return new
 
-    line = record("dropouts", asked["dropouts"], without_dropouts(raw, line, asked["dropouts"]))
+    line = record("dropouts", asked["dropouts"], without_dropouts(line, asked["dropouts"]))
     dropouts = steps[-1]
-    line = record("outliers", asked["outliers"], without_outliers(raw, line, asked["outliers"]))
-    line = record("missing", asked["missing"], without_gaps(raw, line, asked["missing"], dropouts))
-    first = steps[-1].get("cut_at_ends", [0])[0]
-    line = record("spacing", asked["unequal_spacing"], equally_spaced(raw, line, first, asked["unequal_spacing"]))
+    line = record("outliers", asked["outliers"], without_outliers(line, asked["outliers"]))
+    line = record("missing", asked["missing"], without_gaps(line, asked["missing"], dropouts))
+    line = record("spacing", asked["unequal_spacing"], equally_spaced(line, asked["unequal_spacing"]))
     line = record("detrend", asked["detrend"], _detrended(line, asked["detrend"]))
-    spectrum = Spectrum(line[1], float(line[0][-1] - line[0][0]) / (line[0].size - 1))
+    spectrum = Spectrum(line.h, float(line.x[-1] - line.x[0]) / (line.x.size - 1))
     steps.append({"step": "spectrum"} | spectrum.facts())
     line = record("periodic", asked["periodic"], _periodic(line, asked["periodic"]))
-    scan = Scan(*line, raw.sha256, (raw.x, raw.h), tuple(steps), spectrum)
-    steps[-1] |= {"period": scan.period, "end_jump": scan.end_jump}
+    samples = PeriodicSamples(line.x, line.h, measured, spectrum)
+    steps[-1] |= {"period": samples.period, "end_jump": samples.end_jump}
     gaussian = GaussianFilter.of(values)
-    mistakes = list(gaussian.mistakes(scan.spacing, spectrum.h.size * scan.spacing))
+    mistakes = list(gaussian.mistakes(samples.spacing, spectrum.h.size * samples.spacing))
     if mistakes:
         raise ScanFileError(mistakes)
-    if not gaussian.cuts:
-        return scan
-    x, h = record("filter", "gaussian", ((scan.x, gaussian.applied(scan.h, scan.spacing)), gaussian.cuts))
-    return Scan(x, h, raw.sha256, scan.measured, tuple(steps), spectrum, gaussian)
+    if gaussian.cuts:
+        line = record("filter", "gaussian", (replace(line, h=gaussian.applied(line.h, samples.spacing)), gaussian.cuts))
+    return replace(samples, h=line.h, gaussian=gaussian, steps=tuple(steps))
 
 
-def _detrended(line: Trace, method: str) -> tuple[Trace, Step]:
+def _detrended(line: MeasuredLine, method: str) -> Outcome:
     """Return the line without the least-squares polynomial that `method` names, and what was subtracted.
 
     The tilt and the bow of the line, and the values subtracted at its first and last sample.
     """
-    x, h = line
+    x, h = line.x, line.h
     tilt, parabola = (np.polynomial.Polynomial.fit(x, h, degree) for degree in (1, 2))
     facts: Step = {"tilt": float(tilt.deriv()(0.0)), "rms_without_tilt": float(np.std(h - tilt(x)))}
     bow = parabola(x) - tilt(x)
@@ -100,17 +101,17 @@ def _detrended(line: Trace, method: str) -> tuple[Trace, Step]:
     if DEGREES[method] >= x.size:
         raise refused("detrend", f'= "{method}" of {x.size} samples', f"more than {DEGREES[method]} samples")
     if DEGREES[method] == 0:
-        return (x, h - h.mean()), facts | {"removed": [float(h.mean())] * 2}
+        return replace(line, h=h - h.mean()), facts | {"removed": [float(h.mean())] * 2}
     trend = np.polynomial.Polynomial.fit(x, h, DEGREES[method])(x)
-    return (x, h - trend), facts | {"removed": [float(trend[0]), float(trend[-1])]}
+    return replace(line, h=h - trend), facts | {"removed": [float(trend[0]), float(trend[-1])]}
 
 
-def _periodic(line: Trace, method: str) -> tuple[Trace, Step]:
+def _periodic(line: MeasuredLine, method: str) -> Outcome:
     """Return a line that can be repeated."""
-    x, h = line
+    x, h = line.x, line.h
     if method == "mirror":
         step = (x[-1] - x[0]) / (x.size - 1)
-        return (x[0] + step * np.arange(2 * x.size), np.concatenate([h, h[::-1]])), {}
+        return replace(line, x=x[0] + step * np.arange(2 * x.size), h=np.concatenate([h, h[::-1]])), {}
     if method == "window":
-        return (x, h * import_module("scipy.signal.windows").tukey(x.size, 2 * TAPER)), {"taper": TAPER}
+        return replace(line, h=h * import_module("scipy.signal.windows").tukey(x.size, 2 * TAPER)), {"taper": TAPER}
     return line, {}

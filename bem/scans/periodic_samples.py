@@ -1,4 +1,4 @@
-"""Prepared samples of a period, from which the profile is made, and measures of the cut at `harmonics`."""
+"""Samples of a period, from which the profile is made, and what a cut at `harmonics` leaves of them."""
 
 from __future__ import annotations
 
@@ -10,33 +10,33 @@ import numpy as np
 
 from bem.geometry.arrays import FloatArray
 from bem.scans.gaussian_filter import GaussianFilter
+from bem.scans.measured_line import MeasuredLine
 from bem.scans.noise_floor import Spectrum
 
 DRAWN = 4000  # format: samples kept for figures
 CARRIED = 1e-6  # derived: of the rms slope: contact areas go as its inverse, and the default tolerance is this
 
-Trace = tuple[FloatArray, FloatArray]  # positions and heights, m
 Step = dict[str, Any]  # of the preparation, as plain values
 
 
 @dataclass(frozen=True, eq=False)
-class Scan:
+class PeriodicSamples:
     """Uniform samples of a period, with the steps of their preparation.
 
     Examples
     --------
     >>> x = np.array([0.0, 0.5, 1.0])
-    >>> line = Scan(x, np.zeros(3), "", (x, np.zeros(3)), (), Spectrum(np.zeros(3), 0.5))
-    >>> line.spacing, line.period, line.max_harmonics
+    >>> line = MeasuredLine(x, np.zeros(3), {})
+    >>> samples = PeriodicSamples(x, line.h, line, Spectrum(line.h, 0.5))
+    >>> samples.spacing, samples.period, samples.max_harmonics
     (0.5, 1.5, 1)
     """
 
     x: FloatArray  # positions, m, (n,)
     h: FloatArray  # heights, m, (n,)
-    sha256: str  # of the file's bytes
-    measured: Trace  # positions and heights as read, m, (n_measured,) each; missing heights are NaN
-    steps: tuple[Step, ...]  # of the preparation
+    measured: MeasuredLine  # as read
     spectrum: Spectrum  # of the line detrended, neither continued nor filtered
+    steps: tuple[Step, ...] = ()  # of the preparation
     gaussian: GaussianFilter = field(default_factory=GaussianFilter)  # which the heights have passed
 
     @property
@@ -97,32 +97,13 @@ class Scan:
         scan_density (m^3) over scan_wavelength (m).
         """
         lines = {}
-        for name, line in (("scan", self.measured), ("profile", (self.x, self.h))):
-            lines[f"{name}_x"], lines[f"{name}_h"] = _thinned(*line)
+        for name, line in (("scan", self.measured), ("profile", self)):
+            lines[f"{name}_x"], lines[f"{name}_h"] = _thinned(line.x, line.h)
         frequency, density, _ = self.spectrum.bands
         return lines | {"scan_wavelength": 1 / frequency, "scan_density": density}
 
 
-def compared(before: Trace, after: Trace) -> Step:
-    """Return the rms height and the rms slope of a line before and after a step."""
-    (height, slope), (new_height, new_slope) = roughness(*before), roughness(*after)
-    return {"rms_height": [height, new_height], "rms_slope": [slope, new_slope]}
-
-
-def roughness(x: FloatArray, h: FloatArray) -> tuple[float, float]:
-    """Return the rms height (m) about the mean and the rms slope of a line, missing samples left out.
-
-    Examples
-    --------
-    >>> roughness(np.arange(4.0), np.array([1.0, -1.0, 1.0, -1.0]))
-    (1.0, 2.0)
-    """
-    known = np.isfinite(h)
-    slopes = np.diff(h[known]) / np.diff(x[known])
-    return float(np.std(h[known])), float(np.sqrt(np.mean(slopes**2)))
-
-
-def _thinned(x: FloatArray, h: FloatArray) -> Trace:
+def _thinned(x: FloatArray, h: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return a line of at most `DRAWN` samples: of each stretch of a longer one the lowest and the highest."""
     if x.size <= DRAWN:
         return x, h

@@ -1,18 +1,16 @@
-"""Arrays: heights in `.npy` files (NumPy, versions 1 and 2 of the format), and positions and heights given in Python.
+"""Heights in `.npy` files (NumPy, versions 1 and 2 of the format).
 
-An array holds real numbers.  A file is as long as its header says, to the byte.  An array of one index, or with one
-sample along one of two, is a trace; of any other the first index runs along x, so that row j is the column a[:, j].
+The array holds real numbers, and the file is as long as its header says, to the byte.  An array of one index, or with
+one sample along one of two, is a trace; of any other the first index runs along x, so that row j is the column a[:, j].
 """
 
 from __future__ import annotations
 
 from io import BytesIO
 from math import prod
-from typing import Any
 
 import numpy as np
 from numpy.lib import format as npy
-from numpy.typing import ArrayLike
 
 from bem.geometry.arrays import FloatArray
 from bem.scans.scan_file_error import refused
@@ -43,32 +41,15 @@ def read_npy(content: bytes) -> FloatArray:
         problem = f"is a .npy file with {size} bytes of numbers, where its header says {expected}, of shape {shape}"
         raise refused("file", problem, "a whole file: copy or save it again")
     values = np.frombuffer(content, kind, offset=stream.tell())
-    return rows_of(values.reshape(shape, order="F" if by_columns else "C").astype(np.float64))
+    return trace_or_rows(values.reshape(shape, order="F" if by_columns else "C").astype(np.float64))
 
 
-def rows_of(array: FloatArray) -> FloatArray:
+def trace_or_rows(array: FloatArray) -> FloatArray:
     """Return the heights of an array without lengths, as a trace, (n,), or as the rows of a map, (n_rows, n).
 
     Examples
     --------
-    >>> rows_of(np.zeros((64, 8))).shape, rows_of(np.zeros((64, 1))).shape, rows_of(np.zeros((1, 64))).shape
-    ((8, 64), (64,), (64,))
+    >>> [trace_or_rows(np.zeros(shape)).shape for shape in ((64, 8), (64, 1), (1, 64))]
+    [(8, 64), (64,), (64,)]
     """
     return array.ravel() if 1 in array.shape else array.T
-
-
-def real_array(name: str, values: ArrayLike) -> FloatArray:
-    """Return values given in Python, NaN where they are masked; ScanFileError for anything but real numbers.
-
-    Examples
-    --------
-    >>> real_array("h", [1, 2]), real_array("h", np.ma.masked_equal([1.0, -9999.0], -9999.0))
-    (array([1., 2.]), array([ 1., nan]))
-    """
-    try:
-        array: np.ma.MaskedArray[tuple[int, ...], np.dtype[Any]] = np.ma.asarray(values)
-    except ValueError as error:  # lists of unlike lengths
-        raise refused(name, f"of {type(values).__name__}: {error}", REAL_NUMBERS) from error
-    if array.dtype.kind not in REAL:
-        raise refused(name, f"holds an array of type {array.dtype}", REAL_NUMBERS)
-    return np.asarray(np.ma.filled(array.astype(np.float64), np.nan))

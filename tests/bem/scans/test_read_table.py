@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bem.geometry.lengths import METRES
-from bem.scans.prepare_scan import prepare
+from bem.scans.prepare_line import prepare
 from bem.scans.read_scan import read_scan
 from bem.scans.scan_file_error import ScanFileError
 
@@ -293,10 +293,10 @@ def test_no_file_made_up_at_random_is_misread(tmp_path):
     for _ in range(FILES):
         content, values, meant = made_up(rng)
         try:
-            x, h = prepare(scan_of(tmp_path, content, **values), {"missing": "interpolate"}).measured
+            line = prepare(scan_of(tmp_path, content, **values), {"missing": "interpolate"}).measured
         except ScanFileError:
             continue
-        right += 1
+        x, h, right = line.x, line.h, right + 1
         assert h.size == meant[1].size, content
         np.testing.assert_allclose(x, meant[0], rtol=1e-9, err_msg=repr(content))
         known = np.isfinite(h)

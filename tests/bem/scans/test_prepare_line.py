@@ -5,9 +5,10 @@ import pytest
 
 from bem.geometry.lengths import METRES
 from bem.geometry.profile import Profile
-from bem.scans.prepare_scan import prepare
-from bem.scans.prepared_scan import DRAWN
-from bem.scans.read_scan import RawScan, read_scan
+from bem.scans.measured_line import MeasuredLine
+from bem.scans.periodic_samples import DRAWN
+from bem.scans.prepare_line import prepare
+from bem.scans.read_scan import read_scan
 from bem.scans.scan_file_error import ScanFileError
 
 COUNT, SPACING = 200, 1e-5
@@ -19,7 +20,7 @@ TRENDS = {"line": 0.01 * CENTRED, "quadratic": 8 * CENTRED**2, "cubic": 2e4 * CE
 
 
 def raw(x=X, h=H):
-    return RawScan(np.array(x), np.array(h), None, {"unit_x": "m", "unit_h": "m"}, "")
+    return MeasuredLine(np.array(x), np.array(h), {"unit_x": "m", "unit_h": "m"})
 
 
 def step_of(scan, name):
@@ -196,7 +197,7 @@ def test_zeros_amid_heights_about_zero_are_dropouts():
 def test_one_sample_of_a_value_that_rasters_have_for_nothing_seen_is_a_dropout(value, unit):
     h = H + NOISE
     h[70] = value * METRES[unit]
-    seen = RawScan(X, h, None, {"unit_x": unit, "unit_h": unit}, "")
+    seen = MeasuredLine(X, h, {"unit_x": unit, "unit_h": unit})
     facts = step_of(prepare(seen, {"missing": "interpolate"}), "dropouts")
     assert (facts["count"], facts["places"], facts["values"]) == (1, "sample 71", f"{value:.9g} {unit}")
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bem.scans.prepare_scan import RIDGE, prepare
+from bem.scans.prepare_line import RIDGE, prepare
 from bem.scans.read_scan import read_scan
 from bem.scans.scan_file_error import ScanFileError
 
