@@ -11,7 +11,7 @@ of adhesion follow from the edges: rows by construction.
 
 The differences of the two solvers have one sign: the finite elements store less energy and touch less under a given
 load.  That is the truncation of their meshes.  From 5 to 14 cells (`Resolution`) the sign of the difference in
-elastic energy stays, and it falls by a factor of 15 to 40, from 10 to 14 cells as cells^-4, the order of P2 elements.
+elastic energy stays, and it falls by a factor of 5 to 30, from 10 to 14 cells as cells^-4, the order of P2 elements.
 A row fits its order on the meshes of `solve`, all loads together: a difference of another origin would not fall.
 
 The theory knows the spectrum, not the realisation: it is compared with means over twelve realisations by boundary

@@ -172,7 +172,9 @@ class Ledger:
             "command": self.config.option.command or f"pytest {' '.join(self.config.invocation_params.args)}",
             "exit": exit_status,
             "seconds": round(time.monotonic() - self.begun, 1),
-            "statements": judge(numbers, "", "linecontact replicate solves the ensemble") if self.whole else [],
+            "statements": judge(numbers, "", "linecontact replicate solves the ensemble")
+            if self.whole or numbers
+            else [],
             "not_run": [case for case in self.planned if case not in cases],
             "resumed": len(self.resumed),
             "cases": list(cases.values()),
