@@ -109,11 +109,11 @@ class AdhesiveFields:
     def onset(self) -> float | None:
         """Return S above which the barrier of the first load stays positive.
 
-        None if the barrier is positive everywhere, or zero up to the last node.
+        None if the barrier is positive everywhere.  At the last node it is that of the work of adhesion, positive.
         """
         work, nodes = self.work[0], self.problem.mesh.slope_variance
         below = np.flatnonzero(work <= 0)
-        if below.size == 0 or below[-1] == nodes.size - 1:
+        if below.size == 0:
             return None
         at = below[-1]
         return float(nodes[at] - work[at] * (nodes[at + 1] - nodes[at]) / (work[at + 1] - work[at]))

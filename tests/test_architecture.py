@@ -22,12 +22,7 @@ PACKAGES = ("bem", "fem_reference", "persson", "validation")
 SOURCES = dict.fromkeys(sorted(p.relative_to(ROOT) for package in PACKAGES for p in (ROOT / package).rglob("*.py")))
 FOLDERS = sorted({path.parent for path in SOURCES})
 ONLY_IN = {
-    "pydantic": (
-        "bem/geometry/table.py",
-        "bem/scene/",
-        "bem/command_line/keys.py",
-        "validation/",
-    ),
+    "pydantic": ("bem/geometry/table.py", "bem/scene/", "bem/command_line/keys.py", "validation/"),
     "skfem": ("fem_reference/",),
     "meshio": ("fem_reference/",),
     "matplotlib": (

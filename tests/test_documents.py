@@ -9,8 +9,6 @@ from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 
-import pytest
-
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("bem", "fem_reference", "persson", "validation")
 FOLDERS = (*PACKAGES, "tests", ".ci", ".github")
@@ -48,20 +46,6 @@ def test_what_is_named_exists():
     texts = {str(path.relative_to(ROOT)): path.read_text("utf-8") for path in TEXTS}
     lost = {name: missing(text, name.split("/")[0]) for name, text in texts.items()}
     assert {name: names for name, names in lost.items() if names} == {}
-
-
-@pytest.mark.parametrize(
-    ("text", "lost"),
-    [
-        ("as scaling.py does (physics.md 4 of the design)", ["physics.md"]),
-        ("`bem/geometry/scaling.py`, `bem/cases/scaling.py`", ["bem/cases/scaling.py"]),
-        ("see plugin/rows.py and studies/rows.py", ["studies/rows.py"]),
-        ("validation/corpus/*.json, validation/pictures/*.json", ["validation/pictures/*.json"]),
-        ("keys of `validation.bibliography`, bem.solve, bem.geometry.scaling.Scales", ["validation.bibliography"]),
-    ],
-)
-def test_what_is_not_there_is_found(text, lost):
-    assert missing(text, "validation") == lost
 
 
 def test_version_is_the_same_wherever_it_stands():

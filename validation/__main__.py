@@ -55,6 +55,16 @@ def perform(options: argparse.Namespace) -> int:
     return perform_command(options, REFUSED)
 
 
+class _SceneFile(argparse.Action):
+    """Action that keeps the file of a scene, behind the word scene or alone."""
+
+    def __call__(self, parser: argparse.ArgumentParser, namespace: Any, values: Any, option: str | None = None) -> None:
+        words = values[1:] if values[0] == "scene" and len(values) > 1 else values
+        if len(words) != 1:
+            raise argparse.ArgumentError(self, f"{' '.join(values)!r}; allowed: scene and one scene file (TOML)")
+        setattr(namespace, self.dest, Path(words[0]))
+
+
 def read_report(folder: Path) -> dict[str, Any]:
     """Return the content of a verification report; ReportError where it is missing, not JSON, or of another schema."""
     path = folder / REPORT
@@ -150,14 +160,14 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
 
     study = commands.add_parser(
         "study",
-        help="study scene SCENE: how far each choice of a scene moves each answer",
+        usage="linecontact study [scene] SCENE --out DIR [--quick] [--budget S] [--jobs N] [--overwrite]",
+        help="study SCENE: how far each choice of a scene moves each answer",
         description="Solve a scene again with other cuts, detrending, windows, rows, noise, seeds and tolerances, and "
         "write study.html: how far each choice moves each answer, the +- of the input that follows, and the CPU "
         "seconds of fewer and more digits.  In the folder of a run, the page of the run takes the +- over.  It takes "
         "some ten times as long as the scene.",
     )
-    study.add_argument("name", choices=["scene"], metavar="scene", help="the word scene")
-    study.add_argument("scene", type=Path, metavar="SCENE", help="scene file (TOML)")
+    study.add_argument("scene", nargs="+", action=_SceneFile, metavar="SCENE", help="scene file (TOML)")
     study.add_argument(
         "--budget", type=positive, default=BUDGET, metavar="S", help="CPU seconds (default: %(default)s)"
     )

@@ -105,7 +105,8 @@ def units_of(result: Result) -> dict[str, Unit]:
         **{name: table.get(name, []) for name in ("width_median", "widest_channel")},
     }
     control = result.scene["loading"]["control"]
-    values[control] = values.get(control, []) + table.get("target", [])
+    met = [target for target, state in zip(table["target"], result.targets, strict=True) if state.found]
+    values[control] = values.get(control, []) + met
     return {name: common_unit(of, UNITS[name]) for name, of in values.items()}
 
 

@@ -27,11 +27,7 @@ assert result.status == "converged", result.status
 print(*sorted(name for name in sys.modules if name.startswith(("bem.", "scipy."))))
 print(*sorted({{Path(call.code.co_filename).name for call in calls.getstats() if not isinstance(call.code, str)}}))
 """
-EFFECTS = {
-    "bare": {},
-    "adhesion": {"adhesion": {"work_of_adhesion": 0.03}},
-    "layer": {"layer": {"thickness": 0.001}},
-}
+EFFECTS = {"bare": {}, "adhesion": {"adhesion": {"work_of_adhesion": 0.03}}, "layer": {"layer": {"thickness": 0.001}}}
 ELASTIC = ["elastic.layer", "elastic.compliance", "elastic.kernel_series"]
 
 
@@ -77,14 +73,3 @@ def test_no_scene_pays_for_modules_of_scipy_that_it_does_not_use(effect):
     modules, _ = modules_and_files(effect)
     assert "scipy.linalg" in modules
     assert not {"scipy.fft", "scipy.optimize", "scipy.sparse", "scipy.spatial"} & modules
-
-
-@pytest.mark.parametrize(
-    ("effect", "present"),
-    [("adhesion", "adhesive.adhesion"), *(("layer", name) for name in ELASTIC)],
-    ids=["adhesion", "layer", "compliance", "kernel"],
-)
-def test_the_trace_sees_effects_that_are_named(effect, present):
-    modules, files = modules_and_files(effect)
-    assert f"bem.{present}" in modules
-    assert f"{present.split('.')[-1]}.py" in files

@@ -76,11 +76,7 @@ def test_complete_contact_of_an_incompressible_layer_has_a_total_displacement():
 
 @pytest.mark.parametrize(
     ("control", "has_history", "remedies"),
-    [
-        ("mean_pressure", True, 4),
-        ("separation", True, 3),
-        ("separation", False, 1),
-    ],
+    [("mean_pressure", True, 4), ("separation", True, 3), ("separation", False, 1)],
 )
 def test_what_to_try_is_told_in_order(control, has_history, remedies):
     error = no_point("not_converged", 1.0, control, has_history)

@@ -99,19 +99,3 @@ def test_a_name_in_capitals_is_defined_once():
         for name in {part.id for part in stored if part.id.isupper()}:
             places.setdefault(name, []).append(module)
     assert {name: modules for name, modules in places.items() if len(modules) > 1} == {}
-
-
-def test_constants_are_recognised():
-    source = "A, B = 1e-3, 1 << 4\n_C = (0.1, -2)\nD = 4 * float(np.eps)\nE = Exact(0.0)\nF = ('x', 1)\nG = h\nh = 1.0"
-    derived = "H, I = 2 * A, 4 * np.finfo(float).eps\nJ = 2  # derived: a pair\nK = 3  # limit: of pairs"
-    assert constants_of(f"{source}\n{derived}") == {
-        "A": "0.001",
-        "B": "1 << 4",
-        "_C": "(0.1, -2)",
-        "D": "4 * float(np.eps)",
-    }
-
-
-def test_reasons_are_those_of_the_page():
-    assert REASONS == ["derived", "speed", "limit", "format"]
-    assert constants_of("A = 1  # speedy: no reason") == {"A": "1"}

@@ -61,11 +61,7 @@ def found_and_exact(control, value, alpha, nu, resolution):
     return result, half_width, load, penetration
 
 
-CASES = [
-    ("penetration", 0.007, ALPHA, 0.3),
-    ("mean_pressure", -0.0007, ALPHA, 0.5),
-    ("mean_pressure", 0.01, 0.0, 0.3),
-]
+CASES = [("penetration", 0.007, ALPHA, 0.3), ("mean_pressure", -0.0007, ALPHA, 0.5), ("mean_pressure", 0.01, 0.0, 0.3)]
 IDS = ["JKR at penetration", "JKR in tension", "no adhesion"]
 
 

@@ -29,9 +29,7 @@ def test_the_committed_gmsh_mesh_has_its_boundaries_and_sizes(imported):
 
 
 @pytest.mark.parametrize(
-    ("old", "new"),
-    [('"face"', '"bottom"'), ('"left"', '"seam"'), ('"plate"', '"top"')],
-    ids=["face", "left", "plate"],
+    ("old", "new"), [('"face"', '"bottom"'), ('"left"', '"seam"'), ('"plate"', '"top"')], ids=["face", "left", "plate"]
 )
 def test_a_mesh_without_a_named_boundary_is_refused(tmp_path, old, new):
     text = (MESHES / "layer.msh").read_text()

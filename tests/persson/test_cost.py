@@ -8,7 +8,7 @@ from time import perf_counter
 import numpy as np
 import pytest
 
-from persson import DiscreteSpectrum, diffusion, solve
+from persson import DiscreteSpectrum, solve
 
 
 @pytest.fixture(scope="module")
@@ -51,21 +51,3 @@ def test_nodes_do_not_follow_the_number_of_lines(cases, solid, modulus):
         for name in ("paper", "10^4 lines of a period")
     ]
     assert sizes[1] < 1.5 * sizes[0]
-
-
-@pytest.mark.parametrize(
-    ("name", "unknowns"),
-    # 1.19e6 and 3.74e6 if all loads of the ladder were diffused until the last is converged
-    [("paper", 1_121_100), ("10^4 lines, 5 decades", 3_070_600)],
-)
-def test_loads_that_are_converged_are_not_diffused_again(cases, solid, modulus, name, unknowns, monkeypatch):
-    advanced = []
-    whole = diffusion._advance
-
-    def counted(grid, content, terms):
-        advanced.append(content.size)
-        return whole(grid, content, terms)
-
-    monkeypatch.setattr(diffusion, "_advance", counted)
-    solve(cases[name], 0.005 * modulus, work_of_adhesion=0.03, **solid)
-    assert sum(advanced) <= 1.1 * unknowns

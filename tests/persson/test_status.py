@@ -1,9 +1,8 @@
 """Where the theory has no answer or more than one, it says so; bad input is refused by name, value and range."""
 
-import numpy as np
 import pytest
 
-from persson import ContinuousSpectrum, DiscreteSpectrum, gaussian_slope_1d, solve, solve_nonadhesive
+from persson import DiscreteSpectrum, gaussian_slope_1d, solve
 
 NAN, INF = float("nan"), float("inf")
 
@@ -109,13 +108,6 @@ def test_arguments_out_of_range_are_refused(lines, argument, value, message):
     arguments = {"youngs_modulus": 1e6, "poisson_ratio": 0.5, "work_of_adhesion": 0.03, argument: value}
     with pytest.raises(ValueError, match=message):
         solve(lines, 1e4, **arguments)
-
-
-def test_no_answer_of_the_closed_forms_is_silent(solid):
-    spectrum = ContinuousSpectrum.self_affine(628.0, 6280.0, 0.7, 1e-5)
-    state = solve_nonadhesive(spectrum, 1e7, **solid)
-    assert state.status == "complete_contact"
-    assert np.isfinite(state.separation)
 
 
 def test_a_negative_separation_is_named(lines, solid, modulus, work):

@@ -6,8 +6,6 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
-from browser import BROWSER
-from devtools import found_at
 
 from bem.command_line.answer_table import QUANTITIES
 from validation.command_line.front_door import main
@@ -36,13 +34,6 @@ def test_a_topic_is_the_document_beside_the_code(capsys):
     assert capsys.readouterr().out == (ROOT / "persson" / "README.md").read_text("utf-8") + "\n"
 
 
-def test_words_of_a_heading_find_its_section(capsys):
-    assert main(["docs", "limits", "of", "the", "model"]) == 0
-    printed = capsys.readouterr().out
-    assert "[bem] ## 10. Limits of the model" in printed
-    assert "## 9." not in printed
-
-
 @pytest.mark.parametrize(
     ("words", "hit"),
     [
@@ -58,11 +49,6 @@ def test_words_of_a_line_find_it_with_its_place(words, hit, capsys):
     lines = capsys.readouterr().out.splitlines()
     assert any(re.match(hit, line) for line in lines), lines
     assert max(map(len, lines)) < 240
-
-
-def test_a_key_comes_before_other_lines(capsys):
-    assert main(["docs", "period"]) == 0
-    assert capsys.readouterr().out.startswith("bem/KEYS.md, [profile]: - `period` (number, m)")
 
 
 def test_the_answer_has_a_screen_with_each_of_its_rows(capsys):
@@ -91,31 +77,10 @@ def test_the_page_has_every_heading_and_its_links_lead_there(page):
     assert not re.search(r'(?:src|href)="(?!https://|#|data:)', page)
 
 
-@pytest.mark.skipif(BROWSER is None, reason="no Chromium here (Debian: apt-get install chromium)")
-@pytest.mark.parametrize(("width", "shown"), [(1280, True), (390, False)])
-def test_the_contents_are_folded_where_the_page_is_narrow(page, width, shown, tmp_path):
-    look = """
-    found.shown = document.querySelector("nav li a").checkVisibility();
-    found.title = document.querySelector("main h1").getBoundingClientRect().top;
-    found.wide = document.documentElement.scrollWidth > innerWidth;
-    """
-    found, console = found_at(tmp_path, page, look, width)
-    assert (found["shown"], found["wide"], console) == (shown, False, [])
-    assert found["title"] < 100
-
-
 def test_no_mark_of_markdown_is_left_on_the_page(page):
     text = re.sub(r"<(pre|code|style|script|math)\b.*?</\1>", "", page, flags=re.DOTALL)
     assert not re.search(r"\$|\*\*|```|\]\(|^\| ", text, flags=re.MULTILINE)
     assert len(re.findall("<math", page)) > 300
-
-
-def test_a_page_that_exists_stays_unless_asked(tmp_path, capsys):
-    path = tmp_path / "docs.html"
-    path.write_text("mine")
-    assert main(["docs", "--html", str(path)]) == 2
-    assert path.read_text() == "mine"
-    assert main(["docs", "--html", str(path), "--overwrite"]) == 0
 
 
 @pytest.mark.parametrize(
@@ -128,12 +93,6 @@ def test_a_page_that_exists_stays_unless_asked(tmp_path, capsys):
 )
 def test_formulas_are_mathml(tex, tags):
     assert [element.tag for element in ElementTree.fromstring(str(formula(tex))).iter()] == ["math", *tags]
-
-
-@pytest.mark.parametrize("tex", [r"\unheard", "{a", r"\frac{a}"])
-def test_formulas_that_are_not_known_are_refused(tex):
-    with pytest.raises(ValueError, match=r"no command|ends"):
-        formula(tex)
 
 
 def test_documents_are_in_the_package():

@@ -13,10 +13,3 @@ def test_a_folder_in_use_is_refused(command, tmp_path, capsys):
     with locked(tmp_path / "out"):
         assert main([*command, "--out", str(tmp_path / "out")]) == 2
     assert "in use by process " in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("command", COMMANDS, ids=["run", "study"])
-def test_a_folder_that_cannot_be_made_is_refused(command, tmp_path, capsys):
-    (tmp_path / "file").write_text("")
-    assert main([*command, "--out", str(tmp_path / "file" / "out")]) == 2
-    assert "cannot be made" in capsys.readouterr().err

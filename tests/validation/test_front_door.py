@@ -4,7 +4,6 @@ import re
 import runpy
 import subprocess
 import sys
-import tomllib
 from importlib import metadata
 from pathlib import Path
 
@@ -19,22 +18,8 @@ from validation.command_line.front_door import main
 
 ROOT = Path(__file__).parents[2]
 SCENES = [name for name, (first, *_) in EXAMPLES.items() if first.endswith(".toml")]
-COMMANDS = (
-    "answer",
-    "docs",
-    "example",
-    "fem",
-    "check",
-    "run",
-    "keys",
-    "schema",
-    "report",
-    "compare",
-    "verify",
-    "study",
-    "replicate",
-    "challenge",
-)
+COMMANDS = ["check", "run", "keys", "schema", "report", "compare", "verify", "study", "replicate", "challenge"]
+COMMANDS += ["answer", "docs", "example", "fem"]
 
 
 def exit_code(*words):
@@ -43,11 +28,6 @@ def exit_code(*words):
         return main(words)
     except SystemExit as error:
         return error.code
-
-
-def test_the_command_is_installed():
-    scripts = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["scripts"]
-    assert scripts == {"linecontact": "validation.command_line.front_door:main"}
 
 
 @pytest.mark.parametrize("door", [main, bem_main.main, validation_main.main], ids=["linecontact", "bem", "validation"])
@@ -118,19 +98,6 @@ def test_the_closed_form_that_an_example_names_holds():
     assert computed == pytest.approx(expected, abs=6e-9)  # measured 2.4e-9 Pa of 700 to 24000 Pa
 
 
-def test_the_examples_show_what_they_are_named_after():
-    scenes = {name: bem.load_scene(ROOT / f"validation/command_line/examples/{name}.toml") for name in SCENES}
-    assert scenes["paper-profile"].profile.hurst == 0.7
-    assert scenes["own-scan"].scan is not None
-    assert scenes["layer"].layer is not None
-    assert scenes["load-control"].loading.control == "mean_pressure"
-    assert scenes["pull-off"].loading.targets[-1] > 3 * scenes["pull-off"].profile.rms_height
-    assert scenes["complete-contact"].loading.flaw is not None
-    assert scenes["no-adhesion"].adhesion is None
-    assert scenes["steep-profile"].surface().rms_slope > 0.4
-    assert scenes["steep-profile"].profile.hurst == 0.2
-
-
 GUIDE = {  # what each script prints: words, and a number behind them with what it may be off by
     "guide-seal": (r"0\.2 MPa: touches on ([\d.]+) of the face in 24 strips", 0.7039, 6e-5),  # four digits are printed
     "guide-ensemble": (r"20 kPa: contact fraction ([\d.]+) \+- 0\.0079", 0.6558, 6e-5),
@@ -168,15 +135,19 @@ def test_an_unknown_example_is_told_with_those_there_are(capsys):
     assert "paper-profile" in said
 
 
-def test_mistakes_of_a_scene_are_told_as_by_the_solver(tmp_path, capsys):
-    (tmp_path / "scene.toml").write_text("[solid]\nyoungs_modulus = -1.0\n")
-    assert exit_code("check", str(tmp_path / "scene.toml")) == 2
-    assert "solid.youngs_modulus = -1.0; allowed" in capsys.readouterr().err
+@pytest.mark.parametrize("words", [["anwser"], ["studdy", "scene.toml"]])
+def test_a_command_with_a_slip_is_told_what_was_meant(words, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main(words)
+    assert f"did you mean {({'a': 'answer', 's': 'study'})[words[0][0]]}; allowed: " in capsys.readouterr().err
 
 
-def test_a_pattern_that_no_case_matches_is_refused(tmp_path, capsys):
-    assert exit_code("verify", "--only", "nothing-like-it", "--out", str(tmp_path / "out")) == 2
-    assert "error: --only nothing-like-it: no case matches" in capsys.readouterr().err
+@pytest.mark.parametrize("words", [["no.toml"], ["scene", "no.toml"]])
+def test_a_study_is_of_one_scene(words, tmp_path, capsys):
+    assert main(["study", *words, "--out", str(tmp_path / "out")]) == 2
+    assert "no.toml cannot be read" in capsys.readouterr().err
+    with pytest.raises(SystemExit, match="2"):
+        main(["study", *words, "other.toml", "--out", str(tmp_path)])
 
 
 def test_names_of_bem_are_listed_without_importing_what_they_name():

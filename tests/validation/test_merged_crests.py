@@ -13,9 +13,16 @@ AMPLITUDE, PERIOD, MODULUS = 1e-4, 0.01, 1e6 / (1 - 0.5**2)
 @pytest.mark.parametrize("fraction", [0.1, 0.5, 0.9])
 def test_one_harmonic_is_johnsons_sinusoid(alpha, fraction):
     wave = Sinusoid(AMPLITUDE, PERIOD, 1e6, 0.5, alpha)
-    mean = OnePatch(PERIOD, MODULUS, (AMPLITUDE,), wave.work_of_adhesion).mean_pressure(fraction * np.pi)
-    expected = float(wave.mean_pressure(fraction * np.pi / 2))
-    assert float(mean) == pytest.approx(expected, abs=6e-16 * wave.full_contact_pressure)  # measured 2.2e-16
+    patch, angle, psi = (
+        OnePatch(PERIOD, MODULUS, (AMPLITUDE,), wave.work_of_adhesion),
+        fraction * np.pi,
+        fraction * np.pi / 2,
+    )
+    expected = float(wave.mean_pressure(psi))
+    assert float(patch.mean_pressure(angle)) == pytest.approx(expected, abs=6e-16 * wave.full_contact_pressure)
+    assert float(patch.penetration(angle)) == pytest.approx(float(wave.penetration(psi)), rel=1e-12)
+    energy = wave.elastic_energy(psi) - wave.work_of_adhesion * fraction
+    assert float(patch.energy(angle)) == pytest.approx(energy, rel=1e-12)
 
 
 def test_full_contact_carries_what_flattens_every_harmonic():

@@ -233,11 +233,7 @@ FIGURE = Figure(
 
 def test_csv_of_a_figure_has_every_point():
     lines = list(csv.reader(io.StringIO(table_of(FIGURE))))
-    assert lines[1:] == [
-        ["line", "1.0", "3.0", ""],
-        ["line", "2.0", "4.0", ""],
-        ["band", "1.0", "2.0", "5.0"],
-    ]
+    assert lines[1:] == [["line", "1.0", "3.0", ""], ["line", "2.0", "4.0", ""], ["band", "1.0", "2.0", "5.0"]]
 
 
 def test_members_are_stored_used_again_and_solved_again_where_damaged(tmp_path):

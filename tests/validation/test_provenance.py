@@ -1,6 +1,5 @@
 """Provenance: it holds the commit, changed sources are not changed stored errors, and it names no folder or host."""
 
-import getpass
 import json
 import platform
 import shutil
@@ -10,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from validation.harness import provenance as module
-from validation.harness.provenance import fingerprint, provenance, versions
+from validation.harness.provenance import fingerprint, provenance
 
 needs_git = pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
 
@@ -50,23 +49,8 @@ def test_no_folder_or_host_is_named(private):
     assert private not in json.dumps(provenance())
 
 
-def test_person_is_not_named(monkeypatch):
-    monkeypatch.setenv("LOGNAME", "somebody-special")
-    assert getpass.getuser() not in json.dumps(provenance())
-
-
-def test_package_that_is_absent_is_said_to_be(monkeypatch):
-    monkeypatch.setattr(module, "PACKAGES", ("no-such-package",))
-    assert versions()["no-such-package"] == "not installed"
-
-
 def test_outside_a_checkout_the_commit_is_not_known(tree):
     assert provenance()["commit"] == "not a checkout"
-
-
-@needs_git
-def test_clean_checkout_has_a_commit(checkout):
-    assert len(provenance()["commit"]) == 40
 
 
 @needs_git
@@ -79,12 +63,6 @@ def test_changed_sources_are_told_from_changed_stored_errors(checkout, name, cha
     assert provenance()["commit"].endswith("with changes") is changed
 
 
-@needs_git
-def test_without_git_the_commit_is_not_known(checkout, monkeypatch):
-    monkeypatch.setenv("PATH", "")
-    assert provenance()["commit"] == "not a checkout"
-
-
 @pytest.mark.parametrize(
     ("name", "moves"), [("bem/solver.py", True), ("bem/new.toml", True), ("bem/n.pyc", False), ("report/a.json", False)]
 )
@@ -93,9 +71,3 @@ def test_fingerprint_follows_sources_only(tree, name, moves):
     before = fingerprint([tree], tree / "report")
     (tree / name).write_text("two")
     assert (fingerprint([tree], tree / "report") != before) is moves
-
-
-def test_fingerprint_follows_names(tree):
-    before = fingerprint([tree])
-    (tree / "bem" / "solver.py").rename(tree / "bem" / "solve.py")
-    assert fingerprint([tree]) != before

@@ -25,10 +25,6 @@ def test_a_scene_does_not_depend_on_those_drawn_before_it():
     assert [plain(scene) for scene in backwards] == [plain(scene) for scene in drawn()[:20]]
 
 
-def test_seeds_differ():
-    assert plain(draw(0, 3)) != plain(draw(1, 3))
-
-
 LOADING = ("targets", "start", "then_back_to", "stop_at_mean_pressure", "at_mean_pressures", "initial", "flaw")
 SEEN = {
     "profile.kind": ("self_affine", "harmonics", "samples"),

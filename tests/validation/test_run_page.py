@@ -133,12 +133,6 @@ def test_keys_move_the_slider_and_the_numbers_are_those_of_the_states(page, resu
     assert len({place for *_, place, _, _ in seen}) > 10
 
 
-@pytest.mark.skipif(BROWSER is None, reason="no Chromium here (Debian: apt-get install chromium)")
-def test_a_page_that_is_too_wide_would_be_seen(page, tmp_path):
-    wide = page.replace("<main", '<p style="width: 600px">wide</p><main')
-    assert found_at(tmp_path, wide, LOOK, 390)[0]["wide"]
-
-
 def test_everything_is_on_the_page(page, result):
     assert outcome(result).startswith("Converged: 4 states at targets (4 in the scene); ")
     for text in (outcome(result), *scene_in_words(result.scene)):
@@ -217,41 +211,6 @@ def test_a_folder_without_a_result_is_told(tmp_path, capsys, content):
 def test_a_run_without_states_has_a_page(result):
     empty = replace(result, states=(), events=(), fields={}, status="interrupted")
     assert "0 of 0" in render_run(empty)
-
-
-@pytest.mark.parametrize(
-    "scene",
-    [
-        {**ROUGH, "layer": {"thickness": 1e-3}, "loading": {"control": "total_displacement", "targets": [1e-5]}},
-        {
-            **ROUGH,
-            "loading": {
-                "control": "mean_pressure",
-                "targets": list(range(100, 2000, 100)),
-                "initial": "complete_contact",
-                "flaw": 1e-5,
-            },
-        },
-        {
-            **ROUGH,
-            "loading": {
-                "control": "separation",
-                "targets": [6e-5],
-                "at_mean_pressures": [100.0],
-                "stop_at_mean_pressure": 200.0,
-            },
-        },
-        {
-            **ROUGH,
-            "adhesion": None,
-            "profile": {"kind": "harmonics", "period": 1.0, "orders": [1], "amplitudes": [0.1], "phases": [0.0]},
-        },
-    ],
-    ids=["layer", "flaw", "pressures", "harmonics"],
-)
-def test_every_kind_of_scene_is_told_in_words(scene):
-    words = scene_in_words(bem.parse_scene({**scene, "output": {}}).resolved())
-    assert all(sentence.endswith(".") and "None" not in sentence for sentence in words)
 
 
 def study_beside(result, folder, shares, **changes):

@@ -63,9 +63,3 @@ def test_a_tampered_report_is_one_sentence(report, capsys, change):
     (report / "report.json").write_text(json.dumps(content | change))
     assert main(["report", str(report)]) == 2
     assert "not as a report is written" in capsys.readouterr().err
-
-
-def test_the_report_of_rows_names_where_their_answers_are(tmp_path, capsys):
-    (tmp_path / "row-0000").mkdir()
-    assert main(["report", str(tmp_path)]) == 2
-    assert f"linecontact report {tmp_path / 'row-0000'}" in capsys.readouterr().err

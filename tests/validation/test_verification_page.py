@@ -81,24 +81,7 @@ def test_kinds_of_rows_are_counted_apart_and_accuracy_makes_the_headline(written
 def test_a_row_holds_what_other_programs_read(written):
     content, _ = written()
     row = content["rows"][0]
-    assert {
-        name: row[name]
-        for name in (
-            "case",
-            "quantity",
-            "unit",
-            "kind",
-            "value",
-            "value_uncertainty",
-            "reference",
-            "reference_uncertainty",
-            "routes",
-            "allowed",
-            "reason",
-            "verdict",
-            "seconds",
-        )
-    } == {
+    expected = {
         "case": "good",
         "quantity": "contact fraction",
         "unit": "text",
@@ -113,6 +96,7 @@ def test_a_row_holds_what_other_programs_read(written):
         "verdict": "agrees",
         "seconds": 0.0,
     }
+    assert expected.items() <= row.items()
     assert content["statements"][0]["verdict"] == "reproduced"
     assert content["costs"][0] == {
         "problem": "smooth wave",

@@ -6,6 +6,7 @@
 import argparse
 import sys
 from collections.abc import Callable, Sequence
+from difflib import get_close_matches
 from pathlib import Path
 
 import bem
@@ -19,12 +20,18 @@ from validation.report.documents import TOPICS, UnknownTopicError, contents, doc
 
 def main(arguments: Sequence[str]) -> int:
     """Run one command of `linecontact` and return its exit code."""
-    options = _parser().parse_args(arguments)
+    parser, names = _parser()
+    if arguments and not arguments[0].startswith("-") and arguments[0] not in names:
+        near = get_close_matches(arguments[0], names, 1)
+        meant = f"; did you mean {near[0]}" if near else ""
+        parser.error(f"no command {arguments[0]!r}{meant}; allowed: {', '.join(names)}")
+    options = parser.parse_args(arguments)
     perform: Callable[[argparse.Namespace], int] = options.perform
     return perform(options)
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser() -> tuple[argparse.ArgumentParser, list[str]]:
+    """Return the parser of all commands, and their names."""
     parser = argparse.ArgumentParser(prog="linecontact", description="Adhesive contact of rough profiles, verified.")
     parser.add_argument("--version", action="version", version=f"%(prog)s {bem.__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
@@ -48,7 +55,7 @@ def _parser() -> argparse.ArgumentParser:
     two.add_argument("a", type=Path, metavar="A")
     two.add_argument("b", type=Path, metavar="B")
     two.set_defaults(command=_compare, perform=harness.perform)
-    return parser
+    return parser, list(commands.choices)
 
 
 def _example(options: argparse.Namespace) -> int:

@@ -76,12 +76,6 @@ def test_nothing_is_found(seen, after, penetration):
     assert looked_at(seen, after, penetration)[0] is None
 
 
-@pytest.mark.parametrize(("half_width", "tensile"), [(1.0, True), (0.2, False)])
-def test_edges_at_the_penetration_of_the_tests_are_as_they_say(half_width, tensile):
-    state = balance(SYSTEM, around(0, half_width, half_width), DEEP, DEEP, 1e-10).state
-    assert np.all((state.stress_intensity > 0) == tensile)
-
-
 @pytest.mark.parametrize(("center", "found"), [(np.pi, False), (np.pi - TWO_PI, False), (2.0, True)])
 def test_no_crest_touches_within_other_patches(center, found):
     other = around(center, 0.2, 0.2)

@@ -1,7 +1,5 @@
 """The displacement of a given pressure against adaptive integration of its defining integral."""
 
-import tracemalloc
-
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -19,9 +17,7 @@ NARROW = PatchPressure(np.array([3.0]), np.array([3.001]), (np.array([0.5, 0.2, 
 ROUGH = PatchPressure(np.array([1.0]), np.array([2.5]), (np.cos(1.3 * np.arange(60) ** 2) / (1 + np.arange(60)),))
 NEARLY_COMPLETE = PatchPressure(np.array([0.01]), np.array([2 * np.pi - 0.01]), (np.array([1.0, 0.2, -0.1, 0.3]),))
 pressures = pytest.mark.parametrize(
-    "pressure",
-    [WIDE, TWO, NARROW, ROUGH, NEARLY_COMPLETE],
-    ids=["wide", "two", "narrow", "rough", "nearly complete"],
+    "pressure", [WIDE, TWO, NARROW, ROUGH, NEARLY_COMPLETE], ids=["wide", "two", "narrow", "rough", "nearly complete"]
 )
 
 
@@ -150,26 +146,6 @@ def test_rotation_by_a_period_changes_nothing():
     moved = DisplacementField(PatchPressure(TWO.left - 2 * np.pi, TWO.right - 2 * np.pi, TWO.charges))
     points = gap_points(TWO, 0, [0.1, 0.6])
     np.testing.assert_allclose(field.in_gaps(points), moved.in_gaps(points), rtol=0, atol=1e-14)
-
-
-def test_points_taken_in_blocks_are_points_taken_together():
-    """Many points are taken in several blocks, few in one."""
-    field, shares = DisplacementField(TWO), np.linspace(0.01, 0.99, 20_000)
-    few = [field.in_gaps(gap_points(TWO, 0, part)) for part in np.split(shares, 200)]
-    many = field.in_gaps(gap_points(TWO, 0, shares))
-    np.testing.assert_allclose(many, np.concatenate(few), rtol=0, atol=1e-15)  # measured 4e-16
-
-
-def test_memory_grows_with_the_terms_of_a_patch_not_with_their_square():
-    terms = 8000
-    pressure = PatchPressure(np.array([0.1]), np.array([6.2]), (np.cos(np.arange(terms)) / np.arange(1, terms + 1),))
-    field = DisplacementField(pressure)
-    x = 3.15 + 3.05 * np.cos(np.arange(terms + 1) * (np.pi / terms))
-    tracemalloc.start()
-    field.in_contact(x, np.zeros(terms + 1, dtype=int))
-    peak = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    assert peak < 8 * terms * 500  # measured 2.3 MB; a table of all pairs takes 512 MB
 
 
 def test_layer_scales_the_modes_of_the_pressure():

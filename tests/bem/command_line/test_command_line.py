@@ -10,7 +10,7 @@ import sys
 from dataclasses import replace
 
 import pytest
-from scene_files import SCENE, run, written_scene
+from scene_files import run, written_scene
 from stored_states import stored_state
 
 from bem.command_line.checkpoint import Checkpoint
@@ -258,17 +258,3 @@ def test_every_state_is_in_the_journal_and_now_and_then_in_the_result(scene, tmp
         kept.append(len(read_result(tmp_path).states))
         shown.append(len(json.loads((tmp_path / "result.json").read_text())["states"]))
     assert (kept, shown) == ([1, 2, 3, 4], [1, 1, 1, 4])
-
-
-def test_check_and_run_refuse_the_same_flaw(tmp_path, capsys):
-    scene = SCENE.format(harmonics=20, targets="60e-6").replace("50e-6\n", "3.1e-7\nseed = 1192680793\n", 1)
-    scene = scene.replace("[output]\nshapes = [50e-6]\n", "").replace("0.7", "0.3206928286489916")
-    scene = scene.replace("1.0e6", "503989810615.0363").replace("0.5\n", "0.49\n").replace("0.01\n", "1.678e-5\n")
-    scene = scene.replace("0.03", "5.7555e-19").replace('"separation"', '"mean_pressure"').replace("60e-6", "2.1e7")
-    (tmp_path / "scene.toml").write_text(scene + 'initial = "complete_contact"\nflaw = 2.6827e-08\n')
-    told = []
-    for words in (["check"], ["run", "--out", str(tmp_path / "out")]):
-        assert main([words[0], str(tmp_path / "scene.toml"), *words[1:]]) == 2
-        told.append(capsys.readouterr().err.splitlines()[-1])
-    assert told[0] == told[1]
-    assert "the pressure would hold a part of it closed" in told[0]

@@ -14,7 +14,6 @@ from bem.scene.scene import SceneError, parse_scene
 from bem.scene.scene_tables import TABLES, class_of
 
 ROOT = Path(__file__).parents[3]
-EXAMPLES = sorted((ROOT / "validation" / "command_line" / "examples").glob("*.toml"))
 KEYS = [(name, item.name) for name in TABLES for item in fields(class_of(name))]
 
 
@@ -66,14 +65,3 @@ def test_the_schema_knows_every_key_and_no_null(capsys):
         for key, shape in table["properties"].items():
             assert words()[name][key]["does"] in shape["description"]
     assert "null" not in json.dumps(schema)
-
-
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.name)
-def test_examples_name_the_schema_and_use_its_keys(path):
-    text = path.read_text("utf-8")
-    assert text.splitlines()[0] == "#:schema ./linecontact.schema.json"
-    schema = json_schema()
-    for name, table in tomllib.loads(text).items():
-        assert name in schema["properties"]
-        if name != "title":
-            assert set(table) <= set(schema["$defs"][class_of(name).__name__]["properties"])

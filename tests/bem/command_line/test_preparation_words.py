@@ -46,9 +46,3 @@ def test_every_method_has_a_sentence(detrend, periodic, tmp_path):
     told = sentences(tmp_path, detrend=detrend, periodic=periodic)
     assert all(sentence[0].isupper() and sentence.endswith(".") for sentence in told)
     assert len(set(told)) == len(told)
-
-
-def test_spikes_and_gaps_are_counted(tmp_path):
-    told = " ".join(sentences(tmp_path, [(100, 9e-5), (200, np.nan)], outliers="replace", missing="interpolate"))
-    assert "1 sample is replaced by the median of its neighbours, the first" in told
-    assert "1 height is missing" in told

@@ -76,11 +76,7 @@ def two_waves(depth, half_width=0.5):
     return gap_field(elastic, evaluate(elastic, patches, penetration, 1e-13))
 
 
-@pytest.mark.parametrize(
-    "half_width",
-    [0.5, 0.6],
-    ids=["crest on the grid", "crest between its points"],
-)
+@pytest.mark.parametrize("half_width", [0.5, 0.6], ids=["crest on the grid", "crest between its points"])
 @pytest.mark.parametrize("depth", [1e-4, 1e-9, -1e-9, -1e-4, -1e-2])
 def test_minimum_is_found_with_its_place_and_depth(depth, half_width):
     found = low_minima(two_waves(depth, half_width))

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from bem.elastic import logarithmic_potential
 from bem.elastic.logarithmic_potential import LogarithmicPotential
 
 FEW, MANY = (30, 60), (1500, 2000)  # charges and points: pair by pair, and by 96 boxes
@@ -28,10 +27,6 @@ def check(found, potential, x):
 
 def turns_of_points(count):
     return np.random.default_rng(1).uniform(-2 * np.pi, 4 * np.pi, count)
-
-
-def test_the_amounts_tested_are_summed_in_both_ways():
-    assert FEW[0] * FEW[1] < logarithmic_potential.DIRECT < MANY[0] * MANY[1]
 
 
 @pytest.mark.parametrize(("charges", "points"), AMOUNTS)

@@ -35,17 +35,7 @@ def test_order_does_not_depend_on_where_counting_starts(patches, turns, cut):
     np.testing.assert_allclose(found.right, patches.right, atol=1e-14)
 
 
-@pytest.mark.parametrize(
-    "left",
-    [
-        TWO_PI,
-        -TWO_PI,
-        -1e-9,
-        0.0,
-        5 * TWO_PI,
-        -1e-17,
-    ],
-)
+@pytest.mark.parametrize("left", [TWO_PI, -TWO_PI, -1e-9, 0.0, 5 * TWO_PI, -1e-17])
 def test_left_edges_lie_in_the_period(left):
     assert 0 <= ordered(np.array([left]), np.array([left + 0.1])).left[0] < TWO_PI
 

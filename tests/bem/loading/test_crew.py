@@ -41,12 +41,6 @@ def test_until_workers_are_ready_the_work_is_done_at_home():
         assert set(some.each(where, None, range(MANY))) == {os.getpid()}
 
 
-@pytest.mark.parametrize("size", [0, -1])
-def test_no_process_is_refused(size):
-    with pytest.raises(ValueError, match=f"jobs = {size}; allowed: an integer >= 1"):
-        Crew(size)
-
-
 @pytest.mark.usefixtures("_at_once")
 def test_windows_in_two_processes_are_those_of_one():
     alone, seen = solve(banded_scene([2.5e-6, 2.4e-6])), set()

@@ -37,13 +37,6 @@ def reached(path, *values):
     return point
 
 
-def test_the_goal_takes_one_increment():
-    path = fresh()
-    points = list(path.advance(Separated(-1.0), 1.0))
-    assert len(points) == 1
-    assert (path.effort.accepted, path.effort.rejected) == (1, 0)
-
-
 def test_first_touch_is_an_event_at_the_highest_crest():
     (event,) = reached(fresh(), 0.5).events
     assert (event.kind, event.at.value, event.at.load, event.energy_released) == ("first_touch", 0.0, 0.0, 0.0)
@@ -80,19 +73,6 @@ def test_penetration_of_complete_contact_is_that_whatever_rounding_does(rounding
     value = highest * (1 + roundings * np.finfo(float).eps)
     assert fresh().at(value).status == "complete_contact"
     assert fresh().at(value, 1e-30).status == "converged"  # a separation is known to its last digit
-
-
-def test_later_contacts_are_no_events():
-    path = fresh()
-    point = reached(path, 0.2)
-    (later,) = path.advance(point, 1.5)
-    assert later.events == ()
-
-
-def test_surfaces_part_at_zero():
-    path = fresh()
-    (apart,) = path.advance(reached(path, 0.5), -0.1)
-    assert (apart.status, apart.state) == ("separated", None)
 
 
 def test_stiffness_is_the_slope_of_the_load():
@@ -140,13 +120,6 @@ def test_pressures_up_to_complete_contact_are_met():
     assert [state.status for state in states] == ["converged"] * 2 + ["complete_contact"] + ["converged"] * 2
     assert states[1].mean_pressure == pytest.approx(below, rel=1e-12)
     assert states[1].edges == states[3].edges
-
-
-def test_a_resumed_path_touches_once():
-    scene = rough_scene([60e-6, 40e-6, 60e-6], 30, 2, None)
-    whole = solve(scene)
-    half = replace(whole, states=whole.states[:2], status="interrupted")
-    assert solve(scene, resume=half).events == whole.events
 
 
 @pytest.mark.parametrize("kept", [1, 2, 3, 4, 5])

@@ -13,7 +13,6 @@ from bem.geometry.gaps import Gaps, gaps_of
 from bem.geometry.profile import Profile
 from bem.loading.complete_contact import CompleteContact, complete_contact
 from bem.nonadhesive.completed_body import CompletedBody, LinearControl
-from bem.nonadhesive.gap_series import evaluate_gaps
 from bem.nonadhesive.last_gaps import isolated_cracks, solve_gaps
 from bem.path_for import path_for
 from bem.problem import pose
@@ -206,13 +205,6 @@ def test_the_pressure_as_series_on_patches_is_the_same():
     series = np.polynomial.chebyshev.chebval(t, pressure.charges[0]) / np.sqrt(1 - t * t)
     expected = state.mean_pressure + body.pressure.height(x) + state.added(0, np.array([np.arccos(-t)]))[0]
     assert series / ((pressure.right[0] - pressure.left[0]) / 2) == pytest.approx(expected, rel=1e-12)
-
-
-def test_half_the_tolerance_of_nodes_changes_nothing():
-    body = body_of(scene_of(rough(100, 1)))[1]
-    state = found_at(body, 0.1 * body.lowest).state
-    finer = evaluate_gaps(body, state.gaps, LinearControl(0.0, 1.0, 2 * np.pi * state.deficit), finer=True)
-    assert finer.separation == pytest.approx(state.separation, rel=1e-12)
 
 
 def test_gaps_too_many_to_resolve_are_named():

@@ -15,6 +15,7 @@ from bem.loading.control import DisplacementControl, LoadControl
 from bem.loading.increments import Accuracy
 from bem.nonadhesive.grid_contact import grid_problem
 from bem.nonadhesive.nonadhesive import _gaps_under_tension, edge_residual, solve_contact
+from bem.nonadhesive.tension import under_tension
 
 WAVE = Profile.from_harmonics(2 * np.pi, [1], [1.0])
 FIXED, LOADED = DisplacementControl(), LoadControl()
@@ -121,6 +122,14 @@ def test_a_gap_is_opened_where_pressure_dips_between_nodes_below_a_lower_node():
     assert not doubtful
     assert gap.mean() == pytest.approx(2 + b, abs=2e-3)  # measured 1.1e-3: the factor leans
     assert np.ptp(gap) == pytest.approx(2 * np.sqrt(2 * 1e-3), rel=0.02)  # sqrt 2 times as wide as the tension
+
+
+@pytest.mark.parametrize("size", [20, 300])  # transforms by a matrix, and by FFT
+def test_tension_beyond_rounding_is_seen_at_any_number_of_nodes(size):
+    """A patch with q = t^2 - lowest."""
+    for lowest, seen in ((0.09, set()), (0.11, {0})):
+        series = np.append([0.5 - lowest, 0.0, 0.5], np.zeros(size - 3))
+        assert set(under_tension(PatchPressure(np.zeros(1), np.ones(1), (series,)), 0.1)) == seen
 
 
 @pytest.mark.parametrize("roundings", [1, 3, 10, 100, 1000, 1e4, 1e5])

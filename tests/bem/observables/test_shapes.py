@@ -187,12 +187,6 @@ def test_profile_spectrum_gives_the_rms_height(fields):
     assert np.sqrt(2 * q0 * np.sum(fields["C_h"])) == pytest.approx(3e-5, rel=1e-13)
 
 
-def test_only_what_is_asked_for_is_stored(problem, rough):
-    _, state = rough
-    stored = contact_fields(("spectra",), problem, state.pressure, state.penetration, 0)
-    assert set(stored) == {"q", "C_h", "C_u_0", "C_sigma_0"}
-
-
 def test_separated_state_stores_no_pressure(problem):
     stored = contact_fields(ALL, problem, NOTHING, -0.1, 0)
     assert np.all(np.isnan(stored["pressure_0"]))

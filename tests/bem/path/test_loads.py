@@ -88,6 +88,15 @@ def test_loads_are_met_up_to_the_end_of_a_branch(adhesive, share):
         assert low - 2e-10 <= found.value <= high + 2e-10  # measured 6e-11: evaluations of other resolutions
 
 
+@pytest.mark.parametrize("shift", [-3.0, 3.0], ids=["tension", "compression"])
+@pytest.mark.parametrize("sign", [1.0, -1.0], ids=["largest", "least"])
+def test_a_load_beyond_both_ends_is_looked_for_twice_as_far_as_the_load_turns(adhesive, shift, sign):
+    """It goes from one of two equal ends by 1, and back."""
+    loads, ends, rates = adhesive[0].loads, (shift, shift), (4 * sign, -4 * sign)
+    asked = [replace(loads, asked=(shift + sign * beyond,)) for beyond in (-0.1, 0.1, 1.9, 2.1)]
+    assert [some._may_pass(ends, rates) for some in asked] == [False, True, True, False]
+
+
 @pytest.mark.parametrize("short", [1e-3, 1e-5, 1e-7])
 @pytest.mark.parametrize("increment", [0.05, 0.015])
 def test_loads_a_little_short_of_their_extremum_are_met(short, increment):

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import bem
-from bem.scans.gaussian_filter import GaussianFilter
 from bem.scans.measured_line import MeasuredLine
 from bem.scans.periodic_samples import CARRIED
 from bem.scans.prepare_line import prepare
@@ -39,11 +38,6 @@ def test_wave_is_cut_by_its_wavelength(which, order, periodic):
     scan = prepared(wave, periodic=periodic, **{f"cutoff_{which}": cutoff})
     expected = (passed if which == "short" else 1 - passed) * wave
     np.testing.assert_allclose(scan.h[:COUNT], expected, rtol=0, atol=7e-20)  # measured 2.7e-20
-
-
-def test_half_of_the_amplitude_passes_at_the_cutoff():
-    for gaussian in (GaussianFilter(short=3e-6), GaussianFilter(long=3e-6)):
-        assert gaussian.transmission([1 / 3e-6]) == pytest.approx([0.5], rel=1e-15)
 
 
 def test_filter_is_the_weighted_mean_of_the_standard():

@@ -115,14 +115,8 @@ def test_share_of_noise_is_that_of_its_slopes(harmonics, gaussian):
 def scene_of(folder, noise, **profile):
     h = line(8000, noise)
     (folder / "scan.csv").write_text("\n".join(f"{1e-6 * k:.9g},{value:.12g}" for k, value in enumerate(h)))
-    scan = {
-        "kind": "samples",
-        "file": "scan.csv",
-        "unit_x": "m",
-        "unit_h": "m",
-        "detrend": "line",
-        "periodic": "mirror",
-    }
+    scan = {"kind": "samples", "file": "scan.csv", "unit_x": "m", "unit_h": "m"}
+    scan |= {"detrend": "line", "periodic": "mirror"}
     return parse_scene(tables(scan | profile, "mean_pressure", [1e3]), folder)
 
 

@@ -121,11 +121,6 @@ def test_heights_on_one_line_are_a_map_of_one_row(tmp_path):
     np.testing.assert_allclose(scan_of(tmp_path, text, row=0, **SPACED).h, ROWS[0] * 1e-6, rtol=1e-12)
 
 
-def test_skipped_lines_are_shown_with_what_was_read(tmp_path):
-    scan = scan_of(tmp_path, "cellsize 0.75\n\n" + ALONE, skip_lines=1, **SPACED)
-    assert scan.facts["skipped"] == "cellsize 0.75"
-
-
 @pytest.mark.parametrize("row", [1, "mean"])
 def test_missing_value_is_missing(row, tmp_path):
     heights = ROWS.copy()
@@ -194,12 +189,6 @@ def test_axes_that_meet_in_a_corner_are_both_named_at_any_number_of_lines(count,
     )
 
 
-def test_axis_without_a_corner_asks_for_the_other(tmp_path):
-    lines = [-0.25 + np.arange(COUNT + 1) * 0.25, *np.column_stack([[0.0, 0.5], ROWS[:2]])]
-    refusal = refusal_of(tmp_path, "".join(",".join(map(str, line)) + "\n" for line in lines), row=0, **SPACED)
-    assert "remove the first line (and a column of positions, if there is one)" in refusal.allowed
-
-
 def test_axis_above_columns_is_refused(tmp_path):
     lines = [[-1.0, *np.arange(6) * 0.5], *np.column_stack([X, ROWS.T])]
     text = "".join(",".join(map(str, line)) + "\n" for line in lines)
@@ -256,15 +245,3 @@ ALONE = rows(H)
 def test_keys_that_do_not_fit_the_columns_are_refused(text, values, key, problem, tmp_path):
     refusal = refusal_of(tmp_path, text, **values)
     assert (refusal.path, problem in refusal.found) == (f"profile.{key}", True), refusal
-
-
-@pytest.mark.parametrize(
-    ("text", "values", "lines"),
-    [
-        (MAP, SPACED, "row = 0, 1, .. for one of the lines of heights"),
-        (MAP, {"row": 6, **SPACED}, "row = 0 to 5 for one of the lines of heights"),
-        (RASTER, {"row": 0, **UNITS}, "of scan lines x y h keep one, with columns = [1, 3]"),
-    ],
-)
-def test_row_is_told_with_the_lines_that_it_counts(text, values, lines, tmp_path):
-    assert lines in refusal_of(tmp_path, text, **values).allowed

@@ -65,9 +65,3 @@ def test_broken_header_is_refused(content, tmp_path):
 def test_infinite_heights_of_a_file_are_missing(tmp_path):
     scan = read_scan(saved(tmp_path, np.where(np.arange(64) == 3, np.inf, H)), VALUES)
     assert np.flatnonzero(np.isnan(scan.h)).tolist() == [3]
-
-
-@pytest.mark.parametrize("row", [{}, {"row": 4}])
-def test_rows_are_told_as_columns_of_the_array(row, tmp_path):
-    with pytest.raises(ScanFileError, match=r"row = 0 to 3 for one of the columns a\[:, row\] of the array"):
-        read_scan(saved(tmp_path, H.reshape(16, 4)), row | VALUES)

@@ -61,12 +61,7 @@ def test_every_effect_is_listed_once_with_a_reason():
         ),
         pytest.param({"output": {"shapes": [3e-5]}}, {"half_space", "adhesion", "shapes"}, id="shapes"),
         pytest.param(
-            {
-                "output": {
-                    "spectra": True,
-                    "pressure_distribution": [3e-5],
-                }
-            },
+            {"output": {"spectra": True, "pressure_distribution": [3e-5]}},
             {"half_space", "adhesion", "spectra", "pressure_distribution"},
             id="observables",
         ),

@@ -187,12 +187,6 @@ def test_units_that_the_file_states_are_not_doubted(unit_x, unit_h, about, by_fi
     assert any("unit_" in message and '"?' in message for message in found.values()) != by_file
 
 
-def test_all_harmonics_are_for_scans():
-    profile = {"kind": "self_affine", "period": 0.01, "hurst": 0.8, "rms_height": 1e-5, "harmonics": "all"}
-    with pytest.raises(SceneError, match=r'profile\.harmonics = "all"'):
-        parse_scene(WAVE | {"profile": profile})
-
-
 @pytest.mark.parametrize(
     ("heights", "detrend"), [(np.zeros(64), "mean"), (np.full(64, 0.1), "mean"), (0.1 + np.arange(64) / 3, "line")]
 )

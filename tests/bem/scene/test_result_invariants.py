@@ -43,23 +43,17 @@ WRONG = {
     # types, keys and ranges
     "states[0] is 5": lambda c: c["states"].insert(0, 5),
     'states[0].penetration is "1"': lambda c: state_of(c, penetration="1"),
-    "states[0].target is 1": lambda c: state_of(c, target=1),
     "states[0].more is 1": lambda c: state_of(c, more=1),
     "states[0].penetration is missing": lambda c: c["states"][0].pop("penetration"),
-    "states[1].stored is missing": lambda c: c["states"][1].pop("stored"),
     "largest_tension is missing": lambda c: c.pop("largest_tension"),
     "fields is no key": lambda c: c.update(fields={}),
     "states[0] is {": lambda c: state_of(c, elastic_energy=None),  # NaN, which a converged state has not
     'states[0].status is "fine"': lambda c: state_of(c, status="fine"),
-    'status is "separated"': lambda c: c.update(status="separated"),
     "states[0].separation is 1e+300; allowed: < 1e+150": lambda c: state_of(c, separation=1e300),
     "states[0].evaluations is -1; allowed: >= 0": lambda c: state_of(c, evaluations=-1),
     "states[0].evaluations is 1000": lambda c: state_of(c, evaluations=10**400),
-    "events[0].position is 1000": lambda c: c["events"][0].update(position=10**400),
-    "events[0].error_estimate.penetration is -1": lambda c: c["events"][0]["error_estimate"].update(penetration=-1.0),
     # scene and provenance
     "scene.loading is null; allowed: a table": lambda c: c["scene"].pop("loading"),
-    "scene.solid is null": lambda c: c["scene"].update(solid=None),
     "scene.title is 5": lambda c: c["scene"].update(title=5),
     'scene.loading.control = "time"': lambda c: scene_of(c, "loading", control="time"),
     "scene.loading.initial is null": lambda c: c["scene"]["loading"].pop("initial"),
@@ -159,8 +153,6 @@ def npy(array):
 PLAIN = npy(np.arange(3.0))
 ARCHIVES = {
     "deflated": ({"x_0.npy": (npy(np.zeros(10**6)), zipfile.ZIP_DEFLATED)}, "compressed"),
-    "lzma": ({"x_0.npy": (PLAIN, zipfile.ZIP_LZMA)}, "compressed"),
-    "no array": ({"x_0.npy": (b"abc", zipfile.ZIP_STORED)}, "x_0 is of type"),
     "another dimension": (
         {"q.npy": (npy(np.ones((2, 2))), zipfile.ZIP_STORED), "C_h.npy": (npy(np.ones(4)), zipfile.ZIP_STORED)},
         "q is of shape",
@@ -171,8 +163,6 @@ ARCHIVES = {
     "pickled": ({"x_0.npy": (npy(np.array([{}], dtype=object)), zipfile.ZIP_STORED)}, "Object arrays cannot be loaded"),
     "no header": ({"x_0.npy": (b"\x93NUMPY\x01\x00v\x00" + b"(" * 118, zipfile.ZIP_STORED)}, "no arrays of numbers"),
     "nothing": ({}, "holds no arrays"),
-    "fewer digits": ({"x_0.npy": (npy(np.ones(5, np.float32)), zipfile.ZIP_STORED)}, "x_0 is of type float32"),
-    "text": ({"x_0.npy": (npy(np.array(["a"])), zipfile.ZIP_STORED)}, "x_0 is of type"),
 }
 
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from bem.scene.targets import equal_target, expanded, origin, unloads
+from bem.scene.targets import expanded, origin, unloads
 
 
 def test_range_ends_exactly_where_asked():
@@ -29,7 +29,3 @@ def test_origin_of_a_path(control, initial, begin):
 @pytest.mark.parametrize("control", ["penetration", "mean_pressure", "total_displacement"])
 def test_falling_control_unloads_but_for_separation(control):
     assert unloads(control, 2.0, 1.0) is not unloads("separation", 2.0, 1.0)
-
-
-def test_an_empty_path_has_no_equal_target():
-    assert equal_target(1.0, ()) is None
