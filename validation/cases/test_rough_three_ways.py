@@ -108,7 +108,7 @@ def compare_solvers(rows, states, fem, energies, elements):
                [resolution.cells for resolution in companions(elements)], np.sqrt(np.mean(off**2, axis=0)), 4.0,
                of=Code.FEM, required=2.5, because="coarse meshes do not reach 4 yet; what is no truncation has order 0",
                source="energy norm h^2 (Strang and Fix 1973)")
-    return lines
+    return sorted(lines, key=lambda line: list(QUANTITIES).index(line[0]))
 
 
 def words(name):
@@ -132,7 +132,7 @@ def test_rough_profile(rows, harmonics, elements):
     alone = posed("rough_100", **scene(harmonics, SEED, layer=False))
     theory, finer = ([persson_contact(alone, load * MODULUS, **options) for load in LOADS]
                      for options in ({}, {"resolution": 2.0} if harmonics == 20 else {}))
-    by_theory, ratios = {}, {}
+    by_theory = {}
     for name, bands in BANDS[harmonics].items():
         every = np.array([values(of[: len(LOADS)], name) for of in ensemble])
         expected, spread = values(theory, name), np.abs(values(theory, name) - values(finer, name))
@@ -147,18 +147,9 @@ def test_rough_profile(rows, harmonics, elements):
                            by=Code.THEORY, kind="regression", quantity=QUANTITIES[name][0], cause=CAUSE,
                            source="Persson 2001; 2002", uncertainty=(error[k], u_theory))
             by_theory[name, f"{load:g} E*"] = shown(name, mean[k], error[k]), shown(name, expected[k], u_theory)
-        ratios[f"{words(name)}, mean"] = LOADS, mean / expected
-        ratios[f"{words(name)}, this realisation"] = LOADS, every[SEED] / expected
     counts = ", ".join(str(len(state.edges)) for state in fem)
     rows.table(f"Rough profile of {harmonics} harmonics, {'adhesive' if harmonics == 20 else 'no adhesion'}: {counts} "
                "patches. off = bem - fem has one sign, that of the truncation of meshes: it falls with the cells",
                ["number", "load", "bem ± U", "fem ± U", "off / U", f"mean of {REALISATIONS}", "theory"],
                [[f"{words(name)} / {SHOWN[QUANTITIES[name][1]][1]}".removesuffix(" / "), load.replace(" E*", ""), *of,
-                 *by_theory.get((name, load), ("", ""))] for name, load, *of in sorted(lines, key=order)], front=True)
-    rows.curves(f"Boundary elements over Persson's theory, {harmonics} harmonics", "load / E*", "over the theory",
-                ratios)
-
-
-def order(line):
-    """Return the place of the quantity of a line in the table."""
-    return list(QUANTITIES).index(line[0])
+                 *by_theory.get((name, load), ("", ""))] for name, load, *of in lines], front=True)
