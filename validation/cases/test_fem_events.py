@@ -3,7 +3,7 @@
 - One wave on a layer of two periods (D = 50 um, period 10 mm, E = 1 MPa, nu = 0.3, alpha = 0.3), a half-space to 1e-8:
   pull-off under penetration and under load, against Johnson's curve and against the event of the boundary elements.
   The finite elements follow the path by themselves (test_fem_path.py has all jumps of rough profiles).
-- G at the edges that each code found for itself, of the finite elements by differences of their energies: it is the work
+- G at the edges that each code found for itself, of finite elements by differences of energies: it is the work
   of adhesion w = gamma sqrt(1 + h'^2).  A closure imposes its own K, but no difference of energies.
 """
 
