@@ -94,9 +94,10 @@ def test_fields_agree_at_points(rows, state, fem):
 
     for name, unit, scale, exact, ours, other, theirs, spread in (
         ("pressure", "Pa", STAR, WAVE.pressure(nodes[inside], PSI), elastic.pressure(x[inside]),
-         coarse.pressure(x[inside]), fem.interface.pressure[by_place][inside], np.max(np.asarray(fem.uncertainty["pressure"])[by_place][inside])),
-        ("gap", "m", DEPTH, WAVE.gap(nodes[outside], PSI), gap(x[outside]), gap(x[outside], coarse), fem.gap(x[outside]),
-         np.max(np.asarray(fem.uncertainty["gap"])[by_place][outside])),
+         coarse.pressure(x[inside]), fem.interface.pressure[by_place][inside],
+         np.max(np.asarray(fem.uncertainty["pressure"])[by_place][inside])),
+        ("gap", "m", DEPTH, WAVE.gap(nodes[outside], PSI), gap(x[outside]), gap(x[outside], coarse),
+         fem.gap(x[outside]), np.max(np.asarray(fem.uncertainty["gap"])[by_place][outside])),
     ):
         own = float(np.max(np.abs(ours - other)))  # more than the error at the finer of two tolerances
         rows.compare(name, ours, exact, of=Code.BEM, by=Code.EXACT, quantity=Quantity.POINTS, unit=unit,
