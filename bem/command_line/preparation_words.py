@@ -31,7 +31,8 @@ def preparation_sentences(steps: Iterable[Step]) -> list[str]:
 
 
 def _read(step: Step) -> str:
-    rows = f", one row of a map of {step['rows']} rows" if "rows" in step else ""
+    taken = f" ({step['taken']})" if "taken" in step else ""  # a result of an earlier version has no words for it
+    rows = f", one row of a map of {step['rows']} rows{taken}" if "rows" in step else ""
     units = (
         f" in {step['unit_h']}"
         if step["unit_x"] == step["unit_h"]

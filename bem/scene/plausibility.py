@@ -112,10 +112,7 @@ def _pressures(scene: Scene, groups: Mapping[str, float]) -> Warnings:
     least, most = min(scene.loading.targets) / scale, max(map(abs, scene.loading.targets)) / scale
     cause = "are pressures or youngs_modulus in MPa, or heights in mm?"
     if 0 < most < LOADS[0]:
-        yield (
-            "loading.targets",
-            f"all pressures are below {LOADS[0]:g} times E* h'_rms, hardly a load: {cause}",
-        )
+        yield ("loading.targets", f"all pressures are below {LOADS[0]:g} times E* h'_rms, hardly a load: {cause}")
     if least > LOADS[1]:
         yield "loading.targets", f"all pressures are above {LOADS[1]:g} times E* h'_rms, all touches: {cause}"
 

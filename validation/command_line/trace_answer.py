@@ -44,6 +44,7 @@ from bem.scene.memory_estimate import refuse_beyond_memory
 from bem.scene.plausibility import cautions_of, groups_of
 from bem.scene.scene import Scene, SceneError, load_scene, parse_scene
 from bem.scene.scene_file import read_tables
+from bem.scene.scene_scan import ALL_ROWS
 from validation.report.pages import PAGE
 from validation.report.rows_page import write_rows_page
 from validation.report.run_page import write_run_page
@@ -309,7 +310,7 @@ def scene_lines(choice: Choice) -> Lines:
     yield "\n[solid]"
     yield from _keys(tables["solid"], {"youngs_modulus": "Pa, as given", "poisson_ratio": "as given"})
     yield "\n[profile]"
-    yield from _keys(tables["profile"], _reasons(choice) | dict.fromkeys(choice.given, "as given"))
+    yield from _keys(tables["profile"], _reasons(choice) | _given(choice))
     yield from _resolved_lines(choice)
     if "layer" in tables:
         yield "\n[layer]"
@@ -326,6 +327,15 @@ def scene_lines(choice: Choice) -> Lines:
     yield from _keys(tables["loading"], {"control": "the load is prescribed", "targets": back})
     yield "\n[accuracy]"
     yield from _keys(tables["accuracy"], {"tolerance": "three digits; 1e-6 for more, which takes longer"})
+
+
+def _given(choice: Choice) -> dict[str, str]:
+    """Return the comment of each key that the command line gave; that of a row says which line of the file it is."""
+    comments, taken = dict.fromkeys(choice.given, "as given"), choice.scan.steps[0].get("taken")
+    if "row" in comments and taken:
+        each = f"row {choice.scene.profile.row} is " * (choice.given["row"] == ALL_ROWS)
+        comments["row"] += f": {each}{taken}"
+    return comments
 
 
 def _reasons(choice: Choice) -> dict[str, str]:

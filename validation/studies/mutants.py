@@ -11,8 +11,8 @@ Kernels are compiled and keep their text.
 DIR/sources is the code as it is when DIR is new.  Its tests and the quick level run once without a mutant, to see which
 test executes which line (executed_lines.py).  A mutant then meets the tests of its package that execute its statement,
 and in the same manner the cases of the quick level: the quickest, up to a budget of CPU seconds, until one fails.  It
-is `killed` by a failure, `timeout` if a test takes ten times the CPU seconds that the slowest test of its file takes
-without a mutant, `unseen` if none executes the statement, else `survived`.
+is `killed` by a failure, `timeout` if the tests take ten times their CPU seconds without a mutant, `unseen` if none
+executes the statement, else `survived`.
 
 DIR/mutants.csv receives every answer at once, so that a call continues where another ended.  Its last column is
 written by hand after a look at a survivor: "equivalent: REASON", if the mutant computes the same numbers, or what has
@@ -25,6 +25,7 @@ import ast
 import csv
 import importlib
 import json
+import math
 import os
 import random
 import resource
@@ -50,7 +51,7 @@ PRELOADED = "numpy scipy.optimize scipy.sparse.linalg scipy.interpolate scipy.in
 QUICK = ["-c", "validation/plugin/pytest.ini", "--rootdir", ".", "-p", "validation.plugin.hooks", "--level", "quick"]
 CASES = "validation/cases"
 COLUMNS = ("place", "change", "tests", "quick", "looked at")
-PATIENCE, LONGEST = 10.0, 3600.0  # times the CPU seconds of a test without a mutant; s of the clock of all tests
+PATIENCE, LONGEST = 10.0, 3600.0  # times the CPU seconds of the tests without a mutant; s of the clock
 MEMORY = 4 << 30  # bytes that a process may address
 EXCHANGED = {ast.Add: (b"+", b"-"), ast.Sub: (b"-", b"+"), ast.Mult: (b"*", b"/"), ast.Div: (b"/", b"*")}
 TURNED = {
@@ -150,8 +151,11 @@ def all_mutants(root: Path = ROOT) -> list[Mutant]:
     return [mutant for path in files for mutant in mutants_of(path.relative_to(root).as_posix(), root)]
 
 
-def pytest_on(tree: Path, words: Sequence[str], limit: float | None = None, **environment: str) -> tuple[int, str]:
-    """Run pytest in a tree, in a fork of this process; return its status (negative: of a signal) and its output."""
+def pytest_on(tree: Path, words: Sequence[str], seconds: int | None = None, **environment: str) -> tuple[int, str]:
+    """Run pytest in a tree, in a fork of this process, for at most so many CPU seconds.
+
+    Return its status (negative: of a signal) and its output.
+    """
     output, (here, there) = bytearray(), os.pipe()
     process = os.fork()
     if process == 0:
@@ -162,6 +166,8 @@ def pytest_on(tree: Path, words: Sequence[str], limit: float | None = None, **en
                 os.dup2(source, number)
             most = resource.getrlimit(resource.RLIMIT_AS)[1]
             resource.setrlimit(resource.RLIMIT_AS, (MEMORY if most == resource.RLIM_INFINITY else most, most))
+            if seconds is not None:
+                resource.setrlimit(resource.RLIMIT_CPU, (seconds, resource.getrlimit(resource.RLIMIT_CPU)[1]))
             os.chdir(tree)
             os.environ.pop("PYTEST_CURRENT_TEST", None)
             os.environ |= {"PYTHONPATH": str(tree), "PYTEST_ADDOPTS": "", "CI": "1"} | environment
@@ -189,7 +195,7 @@ def pytest_on(tree: Path, words: Sequence[str], limit: float | None = None, **en
         if ended:
             os.close(here)
             return os.waitstatus_to_exitcode(code), output.decode("utf-8", errors="replace")
-        if limit is not None and time.monotonic() - begun > limit:
+        if seconds is not None and time.monotonic() - begun > LONGEST:
             os.killpg(process, signal.SIGKILL)
         time.sleep(0.02)
         ended, code = os.waitpid(process, os.WNOHANG)
@@ -261,11 +267,6 @@ class Executed:
         order = sorted(files, key=lambda file: (not file.startswith(near), self.duration(files[file])))
         return [test for file in order for test in files[file]]
 
-    def slowest(self, test: str) -> float:
-        """Return the CPU seconds of the slowest test of the file of a test, which may have the fixtures of all."""
-        file = test.partition("::")[0] + "::"
-        return max(seconds for name, seconds in self.seconds.items() if name.startswith(file))
-
     def duration(self, tests: Iterable[str]) -> float:
         """Return the CPU seconds of tests."""
         return sum(map(self.seconds.__getitem__, tests))
@@ -284,11 +285,10 @@ def answer(mutant: Mutant, executed: Executed, budget: float) -> dict[str, str]:
             tree = Path(name)
             copied(executed.folder / "sources", tree)
             mutant.put_into(tree)
-            limits = {test: PATIENCE * (1 + executed.slowest(test)) for test in tests}
-            (tree / "limits.json").write_text(json.dumps(limits), "utf-8")
+            seconds = math.ceil(PATIENCE * (1 + executed.duration(tests)))
             (tree / "chosen.txt").write_text("\n".join(tests), "utf-8")
-            words = [*(QUICK if key == "quick" else ()), "-p", "validation.studies.cpu_limits", "-x", "--timeout", "0"]
-            status, output = pytest_on(tree, [*words, "@chosen.txt"], LONGEST, PYTHONDONTWRITEBYTECODE="1")
+            words = [*(QUICK if key == "quick" else ()), "-x", "--timeout", "0", "@chosen.txt"]
+            status, output = pytest_on(tree, words, seconds, PYTHONDONTWRITEBYTECODE="1")
         if status == 4 and "not found: " in output:  # parameters, which name the tests, have changed
             status = 0
         late = status in (-signal.SIGXCPU, -signal.SIGKILL)
