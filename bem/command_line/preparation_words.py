@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from bem.command_line.answer_table import quantity
 
 if TYPE_CHECKING:
-    from bem.scans.periodic_samples import Step
+    from bem.scans.measured_line import Step
 
 TRENDS = {"line": "least-squares line", "quadratic": "quadratic trend", "cubic": "cubic trend"}
 
