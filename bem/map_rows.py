@@ -44,7 +44,7 @@ OfRows = tuple[Content, Path, Path | None]  # tables, folder of file names, fold
 Outcome = tuple[Result | None, str]  # of a row: the result, and the reason where there is no answer
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class RowResults:
     """Results of the rows of a map by their numbers, and the reasons of rows without an answer."""
 
@@ -65,6 +65,10 @@ class RowResults:
             for column, value in zip(columns.values(), entry, strict=True):
                 column.append(value)
         return {name: np.array(values) for name, values in columns.items()}
+
+    def __repr__(self) -> str:
+        failed = f", {len(self.failures)} failed, reasons in .failures" if self.failures else ""
+        return f"<RowResults: {len(self.results)} rows of a map answered{failed}>"
 
     def _answers(self) -> dict[tuple[float, str, str], list[float]]:
         """Return the known values of each quantity over the rows, by target and branch."""

@@ -37,6 +37,7 @@ def increments_of(scene: Scene, problem: Problem) -> Increments:
         way=Accuracy(way, max(1e-1 * way, 1e-12), max(allowed, 0.5e-3 * way)),
         fine=Accuracy(fine, max(1e-1 * fine, 1e-12), allowed),
         deepest=scene.accuracy.max_increment,
+        between=way if exactly else max(way, 1e-2 * coarse),
     )
 
 

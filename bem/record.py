@@ -14,9 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bem.certified_states import (
-    not_below_rounding,
-)
+from bem.certified_states import not_below_rounding
 from bem.missed import uncertified
 from bem.scene.array_names import split
 from bem.scene.effects import effects_of

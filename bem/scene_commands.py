@@ -17,14 +17,7 @@ from importlib import import_module
 from pathlib import Path
 
 from bem.command_line.answer_table import table_text
-from bem.command_line.checkpoint import (
-    Checkpoint,
-    holds_result,
-    remove_answers,
-    stored_result,
-    uninterrupted,
-    usable,
-)
+from bem.command_line.checkpoint import Checkpoint, holds_result, remove_answers, stored_result, uninterrupted, usable
 from bem.command_line.console import (
     effects_text,
     groups_text,
@@ -64,12 +57,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the commands for a scene to the parsers of a program, which calls `options.perform(options)`."""
     check = commands.add_parser("check", help="print the resolved scene, its effects and the memory that it needs")
-    check.add_argument("scene", type=Path, help="scene file (TOML)")
+    check.add_argument("scene", type=_scene_file, help="scene file (TOML)")
     check.add_argument("--json", action="store_true", help="print as JSON")
     check.set_defaults(command=_check, perform=perform)
 
     run = commands.add_parser("run", help="solve a scene; writes result.json and fields.npz")
-    run.add_argument("scene", type=Path, help="scene file (TOML)")
+    run.add_argument("scene", type=_scene_file, help="scene file (TOML)")
     run.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the result")
     present = run.add_mutually_exclusive_group()
     present.add_argument("--resume", action="store_true", help="continue from the states DIR holds")
@@ -91,6 +84,17 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     keys.set_defaults(command=_keys, perform=perform)
     schema = commands.add_parser("schema", help="print the JSON Schema of a scene, by which editors complete its keys")
     schema.set_defaults(command=_schema, perform=perform)
+
+
+def _scene_file(word: str) -> Path:
+    """Return the path of a scene; a file that is no TOML by its name and content is refused before missing options."""
+    path = Path(word)
+    if path.suffix.lower() != ".toml" and path.is_file():
+        try:
+            read_tables(path)
+        except SceneError as error:
+            raise argparse.ArgumentTypeError(str(error.mistakes[0])) from error
+    return path
 
 
 def _check(options: argparse.Namespace) -> int:

@@ -7,14 +7,13 @@ Small steps at a fixed target (strides.py) lead from change to change: on the wa
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
-from bem.adhesive.equilibrium import Balance, System, forces
+from bem.adhesive.equilibrium import Balance, System
 from bem.adhesive.strides import DescentStatus, Steps, Walk
 from bem.adhesive.vanishing import Change, without_gaps, without_patches
-from bem.elastic.collocation import Evaluation, Resolution, resolve
+from bem.elastic.collocation import Resolution, resolve
 from bem.elastic.gap import GapMinima
 from bem.geometry.patches import TWO_PI, Patches
 from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
@@ -34,10 +33,8 @@ class Descent:
         Patches at the end of the descent.
     changes : tuple of Change
         Patches and gaps that vanished, in order.
-    system, target
-        Arguments of `descend`.
-    state : Evaluation or None
-        Solution on the patches; None without patches or gaps, or if their system is ill-conditioned.
+    balance : Balance or None
+        Forces on the edges; None without patches or gaps, or if their system is ill-conditioned.
     touching : GapMinima or None
         Crests that touched, dimensionless; their gaps are those of `patches`.
     """
@@ -45,15 +42,8 @@ class Descent:
     status: DescentStatus
     patches: Patches
     changes: tuple[Change, ...]
-    system: System
-    target: float
-    state: Evaluation | None = None
+    balance: Balance | None = None
     touching: GapMinima | None = None
-
-    @cached_property
-    def balance(self) -> Balance | None:
-        """Forces on the edges at the end of the descent; None without a state."""
-        return None if self.state is None else forces(self.system, self.state, self.target)
 
 
 def descend(
@@ -78,19 +68,18 @@ def descend(
         least = _least(system, patches, steps, accuracy)
         walk = Walk(system, target, accuracy, steps, patches, penetration, patches, steps.largest / 2, rounds, least)
         verdict = walk.to_change()
-        state = None if walk.forces is None else walk.forces.state
         if verdict == "closing":
             gone, remaining = without_gaps(walk.patches, walk.gone)
         elif verdict == "vanishing":
             gone, remaining = without_patches(walk.patches, walk.gone)
         else:
-            return Descent(verdict, walk.patches, changes, system, target, state, walk.touching)
+            return Descent(verdict, walk.patches, changes, walk.forces, walk.touching)
         changes += gone
         if remaining is None:
             status: DescentStatus = "complete_contact" if verdict == "closing" else "separated"
-            return Descent(status, walk.patches, changes, system, target)
+            return Descent(status, walk.patches, changes)
         patches, rounds = remaining, walk.rounds
-        penetration = walk.penetration if state is None else state.penetration
+        penetration = walk.penetration if walk.forces is None else walk.forces.state.penetration
 
 
 def _least(system: System, patches: Patches, steps: Steps, accuracy: Accuracy) -> Resolution | None:

@@ -71,8 +71,8 @@ class Balance:
         d(load) / d(outward motion).
     potential : float
         Potential under control, which the equilibrium minimises.
-    energy : float
-        U = U_el + U_ad.
+    adhesion_energy : float
+        U_ad.
     penetration_rate : float
         Share of an error in the heights that the control lets pass as one of Delta.
     """
@@ -86,13 +86,18 @@ class Balance:
     fixed_penetration_hessian: FloatArray
     load_gradient: FloatArray
     potential: float
-    energy: float
+    adhesion_energy: float
     penetration_rate: float
 
     @cached_property
     def rounding(self) -> FloatArray:
         """Accuracy of K in double precision, (2 L,)."""
         return self.state.rounding(self.penetration_rate)
+
+    @property
+    def energy(self) -> float:
+        """U = U_el + U_ad."""
+        return self.state.elastic_energy + self.adhesion_energy
 
     @property
     def residual(self) -> float:
@@ -199,17 +204,17 @@ def balance(
     return forces(system, system.control.reach(state, target), target)
 
 
-def forces(system: System, state: Evaluation, target: float) -> Balance:
-    """Return the forces on the edges of an evaluated state at the target."""
-    patches = state.patches
-    edges, intensity = edge_positions(patches), state.stress_intensity
-    work, work_gradient = system.law.work_and_gradient(edges)
-    work_gradient[: patches.count] *= -1.0
+def forces(system: System, state: Evaluation, target: float, known: Balance | None = None) -> Balance:
+    """Return the forces on the edges of an evaluated state at the target; `known` are forces on the same edges."""
+    intensity = state.stress_intensity
+    if known is None:
+        work, work_gradient, adhesion_energy = _adhesion(system, state.patches)
+    else:
+        work, work_gradient, adhesion_energy = known.work, known.work_gradient, known.adhesion_energy
     jacobian = stress_intensity_jacobian(state)
     hessian = (intensity / 2)[:, None] * jacobian
-    hessian.flat[:: edges.size + 1] -= work_gradient
+    hessian.flat[:: intensity.size + 1] -= work_gradient
     load_gradient = intensity * state.stress_intensity_rate / 2
-    energy = state.elastic_energy + system.law.energy(patches)
     return Balance(
         state=state,
         work=work,
@@ -219,10 +224,17 @@ def forces(system: System, state: Evaluation, target: float) -> Balance:
         hessian=system.control.hessian_under_control(hessian, load_gradient, state),
         fixed_penetration_hessian=hessian,
         load_gradient=load_gradient,
-        potential=system.control.potential(state.penetration, state.load, energy),
-        energy=energy,
+        potential=system.control.potential(state.penetration, state.load, state.elastic_energy + adhesion_energy),
+        adhesion_energy=adhesion_energy,
         penetration_rate=system.control.penetration_rate(state),
     )
+
+
+def _adhesion(system: System, patches: Patches) -> tuple[FloatArray, FloatArray, float]:
+    """Return w at the edges, (2 L,), its derivative by their outward motion, and U_ad."""
+    work, work_gradient = system.law.work_and_gradient(edge_positions(patches))
+    work_gradient[: patches.count] *= -1.0
+    return work, work_gradient, system.law.energy(patches)
 
 
 def energy_noise(system: System, first: Balance, last: Balance, tolerance: float) -> float:

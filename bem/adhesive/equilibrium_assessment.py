@@ -42,7 +42,7 @@ def assess_equilibrium(system: System, forces: Balance, value: float, tolerance:
         correction = stiffened(correction, system.elastic, state, forces.stiffness)
     return Assessment(
         work=forces.work,
-        adhesion_energy=forces.energy - state.elastic_energy,
+        adhesion_energy=forces.adhesion_energy,
         min_eigenvalue=forces.smallest_eigenvalue,
         hessian_asymmetry=forces.hessian_asymmetry,
         stiffness=forces.stiffness,
@@ -54,7 +54,7 @@ def assess_equilibrium(system: System, forces: Balance, value: float, tolerance:
 def _of_equilibrium(forces: Balance) -> Quantities:
     return replace(
         quantities_of(forces.state),
-        adhesion_energy=forces.energy - forces.state.elastic_energy,
+        adhesion_energy=forces.adhesion_energy,
         total_energy=forces.energy,
         stiffness=forces.stiffness,
     )

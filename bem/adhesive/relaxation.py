@@ -28,7 +28,7 @@ from bem.loading.control import DisplacementControl
 from bem.loading.increments import MAXIMUM_ITERATIONS, Accuracy
 
 LARGEST_STEP = 0.4  # step scales: largest trust radius; below 0.7, or the two edges of a gap may cross
-LOCAL_RESIDUAL = 1e-2  # speed: residual in the field of frozen patches
+LOCAL_RESIDUAL = 1e-2  # speed: residual in the field of frozen patches, and from which on Newton goes on
 NEIGHBOURS = 4  # speed: patches on each side that move first; 2: work -1.2 %, 8: same
 
 
@@ -143,9 +143,9 @@ def fall(
             patches, active, state = first_contact(system, crests), None, None
             changes += [("new_contact", float(crest)) for crest in crests]
             continue
-        if end.touching is None or end.state is None:
+        if end.touching is None or end.balance is None:
             return Relaxed(end.status, target, end.balance, tuple(changes))
-        state, penetration = end.state, end.state.penetration
+        state, penetration = end.balance.state, end.balance.state.penetration
         patches, active, formed = _with_new_contacts(system, end.patches, end.touching)
         changes += formed
     return Relaxed("not_converged", target, None, tuple(changes))

@@ -184,7 +184,11 @@ def answer(result: Result, inputs: Inputs | None = None) -> list[tuple[str, list
     targets = [{name: values[k] for name, values in columns.items()} for k in range(len(result.targets))]
     known = [(inputs or {}).get(k, {}) for k in range(len(targets))]
     units = units_of(result)
-    lines = [(f"{control.replace('_', ' ')} (held)", [_held(target["target"], units[control]) for target in targets])]
+    held = [
+        _held(target["target"], units[control]) if state.found else quantity(target["target"], UNITS[control])
+        for target, state in zip(targets, result.targets, strict=True)
+    ]
+    lines = [(f"{control.replace('_', ' ')} (held)", held)]
     for name, head in QUANTITIES.items():
         if name == control:
             continue

@@ -211,7 +211,8 @@ def summary_line(facts: Mapping[str, Any]) -> str:
     why = "" if facts["failure"] is None else f" ({facts['failure']})"
     how = f"{facts['status']}{why}"
     if facts["answered"] and facts["missed_targets"]:
-        how = f"pulled off, {len(facts['missed_targets'])} of the targets being tensions beyond that"
+        beyond = f"{len(facts['missed_targets'])} of the targets being tensions beyond that"
+        how = f"{facts['status']}, answered: pulled off, {beyond}"
     return (
         f"{how}: "
         f"{facts['target_states']} states at targets ({facts['targets']} targets in the scene), "

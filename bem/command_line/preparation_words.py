@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from bem.command_line.answer_table import quantity
 
 if TYPE_CHECKING:
-    from bem.scans.periodic_samples import Step
+    from bem.scans.measured_line import Step
 
 TRENDS = {"line": "least-squares line", "quadratic": "quadratic trend", "cubic": "cubic trend"}
 
@@ -31,7 +31,8 @@ def preparation_sentences(steps: Iterable[Step]) -> list[str]:
 
 
 def _read(step: Step) -> str:
-    rows = f", one row of a map of {step['rows']} rows" if "rows" in step else ""
+    taken = f" ({step['taken']})" if "taken" in step else ""  # a result of an earlier version has no words for it
+    rows = f", one row of a map of {step['rows']} rows{taken}" if "rows" in step else ""
     units = (
         f" in {step['unit_h']}"
         if step["unit_x"] == step["unit_h"]

@@ -46,6 +46,8 @@ class Increments:
         `apart`.
     coarse, way, fine : Accuracy
         Of descents in a frozen field, of the path and its events, and of its targets.
+    between : float
+        Tolerance of evaluations between events, which only lead from one to the next.
     deepest : float
         Change of the penetration, in rms heights, up to which an increment may be longer than `largest`: under load a
         stiff contact hardly moves.
@@ -58,6 +60,7 @@ class Increments:
     way: Accuracy = FINE
     fine: Accuracy = FINE
     deepest: float = 0.05
+    between: float = FINE.tolerance
 
 
 @dataclass

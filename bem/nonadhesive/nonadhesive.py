@@ -96,12 +96,7 @@ def _remaining(state: Evaluation, rounding: FloatArray | float = 0.0) -> float:
 
 
 def solve_contact(
-    elastic: Elastic,
-    control: Control,
-    patches: Patches,
-    penetration: float,
-    target: float,
-    accuracy: Accuracy,
+    elastic: Elastic, control: Control, patches: Patches, penetration: float, target: float, accuracy: Accuracy
 ) -> Contact:
     """Find the patches on which K = 0 at the target.
 

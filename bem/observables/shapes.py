@@ -37,10 +37,7 @@ class Shape:
 
 
 def shape(
-    profile: Profile,
-    pressure: PatchPressure,
-    penetration: float,
-    compliance_ratio: ComplianceRatio | None = None,
+    profile: Profile, pressure: PatchPressure, penetration: float, compliance_ratio: ComplianceRatio | None = None
 ) -> Shape:
     """Return the fields of a dimensionless state with patches and gaps.
 

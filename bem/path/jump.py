@@ -17,7 +17,7 @@ import numpy as np
 
 from bem.adhesive.branch import after_step, moving_patches, numbers_of, outward_motion, unstable_patches
 from bem.adhesive.equilibrium import Balance, System
-from bem.adhesive.relaxation import NO_CAUSE, Cause, Relaxed, fall, interpenetration
+from bem.adhesive.relaxation import LOCAL_RESIDUAL, NO_CAUSE, Cause, Relaxed, fall, interpenetration
 from bem.adhesive.vanishing import TIED
 from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima
@@ -34,7 +34,6 @@ from bem.path.points_with_edges import Equilibrium, Point
 from bem.path.stand import LONGEST_MOTION
 from bem.path.touch import Touch
 
-NEARLY = 1e-3  # speed: residual from which on Newton goes on, where it is not far from the end of a descent
 FORCES = 1e-2, 1e-4, 1e-6  # of the work of adhesion: forces that a push from a fold shall meet, tried in turn
 
 
@@ -219,7 +218,7 @@ class Jumps:
         The descent ends where Newton goes on; where Newton leads elsewhere, or a gap closes on the way, it continues.
         """
         way, changes = self.increments.way, tuple[tuple[str, float], ...]()
-        accuracy = replace(way, residual=max(way.residual, NEARLY))
+        accuracy = replace(way, residual=max(way.residual, LOCAL_RESIDUAL))
         for _ in range(MAXIMUM_ITERATIONS):
             fallen = fall(self.system, patches, penetration, value, accuracy, cause)
             changes += fallen.changes

@@ -16,12 +16,13 @@ from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
+from scipy.linalg import lapack
 
 from bem.adhesive.branch import after_step, outward_motion
 from bem.adhesive.equilibrium import Balance, System, balance, energy_noise
 from bem.elastic.collocation import Resolution, finer, resolve
 from bem.elastic.hierarchical import if_solvable
-from bem.geometry.arrays import FloatArray
+from bem.geometry.arrays import FloatArray, IntArray
 from bem.geometry.patches import Patches
 from bem.loading.increments import FINE, MAXIMUM_ITERATIONS, Accuracy
 from bem.loading.path_events import EventNumbers
@@ -193,16 +194,16 @@ def _unverified(
     An error e of the right side of the bordered system A moves a number q with the derivatives c by c . A^-1 e, at most
     by the sum of the sizes; the error of q by the evaluation itself is added.
     """
-    unit, state, control, row = unit_of(system, balance), balance.state, system.control, on.row(balance, value)
+    state, control, n = balance.state, system.control, balance.work.size
     error = np.append(OFF * tolerance / np.sqrt(balance.work), on.off * tolerance) + step.size**2
+    error[n] /= step.scale
     load = AtLoad(system, 0.0, 0.0).row(balance, value)
-    deeper = control.rate(state) * np.append(-control.load_weight * balance.load_gradient, 1.0)
-    numbers = np.stack([np.eye(unit.size + 1)[-1], np.append(load.by_edges, load.by_control), deeper], axis=1)
-    numbers[:-1] *= unit[:, None]
-    try:
-        by_value, by_load, by_depth = np.abs(np.linalg.solve(bordered(system, balance, unit, row).T, numbers)).T @ error
-    except np.linalg.LinAlgError:
-        by_value = by_load = by_depth = np.inf
+    numbers = np.zeros((step.pivots.size, 3))
+    numbers[n] = 1.0, load.by_control, control.rate(state)
+    numbers[:n, 1], numbers[:n, 2] = load.by_edges, -control.load_weight * control.rate(state) * balance.load_gradient
+    numbers[:n] *= unit_of(system, balance)[:, None]
+    response = lapack.dgetrs(step.factors, step.pivots, numbers, trans=1)[0][: n + 1]
+    by_value, by_load, by_depth = np.abs(response).T @ error
     at, own = after_step(system, balance, value, step.motion, step.change), OFF * tolerance
     errors = EventNumbers(
         float(by_value) + own * abs(at.value),
@@ -272,11 +273,17 @@ def evaluated_finely(system: System, place: Start, tolerance: float) -> Balance 
 
 @dataclass(frozen=True, eq=False)
 class NewtonStep:
-    """Motion of the edges, change of the control, and the length of the motion in units."""
+    """Motion of the edges, change of the control, and the length of the motion in units.
+
+    `factors` and `pivots` are those of the bordered system, whose row of the condition is divided by `scale`.
+    """
 
     motion: FloatArray
     change: float
     size: float
+    factors: FloatArray
+    pivots: IntArray
+    scale: float
 
     def end(self, balance: Balance, value: float) -> Start:
         """Return the start of the next evaluation: the end of the step, or a place on the way if the step is long."""
@@ -299,12 +306,14 @@ def newton_step(system: System, balance: Balance, row: Row, held: FloatArray | N
         rows /= np.max(np.abs(rows), axis=1)[:, None]
         matrix = np.block([[matrix, columns], [rows, np.zeros((k, k))]])
         side = np.append(side, np.zeros(k))
-    scale = np.max(np.abs(matrix[n]))
+    scale = float(np.max(np.abs(matrix[n])))
     matrix[n] /= scale
     side[n] /= scale
-    try:
-        solution = np.linalg.solve(matrix, side)
-    except np.linalg.LinAlgError:
+    factors, pivots, singular = lapack.dgetrf(matrix, overwrite_a=1)
+    if singular:
         return Refused.SINGULAR
+    solution = lapack.dgetrs(factors, pivots, side)[0]
     size = float(np.max(np.abs(solution[:n])))
-    return NewtonStep(solution[:n] * unit, float(solution[n]), size) if np.isfinite(size) else Refused.SINGULAR
+    if not np.isfinite(size):
+        return Refused.SINGULAR
+    return NewtonStep(solution[:n] * unit, float(solution[n]), size, factors, pivots, scale)

@@ -198,7 +198,7 @@ class Path:
             growth_of_control = control.penetration_weight + control.load_weight * point.balance.stiffness
             largest = max(largest, self.increments.deepest * growth_of_control)
         longest = LONGEST_STEP * min(1.0, self.increments.deepest / Increments.deepest)
-        return Way(direction, end, longest, largest, self.increments.way.tolerance)
+        return Way(direction, end, longest, largest, self.increments.between)
 
     def _along(self, point: Equilibrium, goal: float) -> Iterator[Point]:
         """Yield points along the curve of a state, to the goal or to the point behind the first end of the branch."""

@@ -16,7 +16,7 @@ from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.path.stand import Stand
 
-ON_SPAN = 0.05  # of the chord, or of the rise of the control: how far from the quintic a point of its span may lie
+MISFIT = 0.06  # of the chord, and of the rise of the control: disagreement of two ends, distance from the quintic
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,13 +88,13 @@ class Span:
         return float(self.normal @ outward_motion(self.first.patches, patches))
 
     def holds(self, patches: Patches, value: float) -> bool:
-        """Return whether edges at a value of the control lie on this span, to within `ON_SPAN`."""
+        """Return whether edges at a value of the control lie on this span, to within `MISFIT`."""
         motion = outward_motion(self.first.patches, patches)
         s = float(self.normal @ motion)
         y = self._at(s)
         off = float(np.max(np.abs((motion - y[:-1]) / self.first.unit)))
         risen = abs(value - self.first.value - float(y[-1]))
-        return -ON_SPAN <= s <= 1 + ON_SPAN and off <= ON_SPAN * self.size and risen <= ON_SPAN * self.rise
+        return -MISFIT <= s <= 1 + MISFIT and off <= MISFIT * self.size and risen <= MISFIT * self.rise
 
     def turns(self) -> FloatArray:
         """Return the parameters at which the control turns, ascending."""
@@ -108,9 +108,9 @@ class Span:
 
 
 def _roots(coefficients: FloatArray) -> FloatArray:
-    """Return the real roots from 0 to 1, ascending."""
+    """Return the real roots from 0 to 1, ascending: none where the constant outweighs all other terms."""
     coefficients = np.trim_zeros(coefficients, "b")
-    if coefficients.size < 2:
+    if coefficients.size < 2 or abs(coefficients[0]) > np.abs(coefficients[1:]).sum():
         return np.zeros(0)
     roots = polynomial.polyroots(coefficients)
     real = np.sort(roots.real[np.abs(roots.imag) < 1e-9 * (1 + np.abs(roots.real))])

@@ -163,7 +163,7 @@ def stand_near(system: System, balance: Balance, value: float, normal: FloatArra
         value += float(solution[-1, 0])
         control = system.control
         moved = balance.state if control.load_weight else balance.state.shifted(value - balance.state.penetration)
-        balance = forces(system, control.reach(moved, value), value)
+        balance = forces(system, control.reach(moved, value), value, balance)
     rate, control_rate = solution[:-1, 1] * unit, float(solution[-1, 1])
     bent = np.append(-_bent(system, balance, rate, control_rate) / balance.work, 0.0)
     second = lapack.dgetrs(factors, pivots, bent)[0]

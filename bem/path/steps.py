@@ -21,17 +21,16 @@ from bem.adhesive.third_derivatives import with_slopes
 from bem.geometry.arrays import FloatArray
 from bem.path.locating import Refused, Start, evaluated_anywhere, evaluated_finely
 from bem.path.points_with_edges import Equilibrium
-from bem.path.span import ON_SPAN, Span
+from bem.path.span import MISFIT, Span
 from bem.path.stand import SHORT, Stand, first_stand, stand_near
 
-MISFIT = 0.06  # of the chord, and of the rise of the control: largest disagreement of the two ends of a step
 GOOD = MISFIT / 2  # units: the Newton step that a prediction should leave
 SHORTER = 3.0  # times: a step that is refused is repeated
 LONGER = SHORTER**0.5  # times the last step: the next, at most
 BENT = 2 * MISFIT  # of a step: its second order, at most
 SHORTEST_STEP = 1e-6  # limit: units: a step that is not tried is shorter
 PAST = GOOD  # units: how far a step may go past where the control turns
-BEYOND = 1 + ON_SPAN  # times the way to where the control turns, or to its last value: both then lie on the span
+BEYOND = 1 + MISFIT  # times the way to where the control turns, or to its last value: both then lie on the span
 
 
 @dataclass(frozen=True, eq=False)

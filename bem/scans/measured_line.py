@@ -44,3 +44,7 @@ class MeasuredLine:
         known = np.isfinite(self.h)
         slopes = np.diff(self.h[known]) / np.diff(self.x[known])
         return float(np.std(self.h[known])), float(np.sqrt(np.mean(slopes**2)))
+
+
+Step = dict[str, Any]  # of the preparation: its name, what was done, and what changed, as plain values
+Outcome = tuple[MeasuredLine, Step]  # of a step: the new line, and what was done

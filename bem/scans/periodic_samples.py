@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from bem.geometry.arrays import FloatArray
 from bem.scans.gaussian_filter import GaussianFilter
-from bem.scans.measured_line import MeasuredLine
+from bem.scans.measured_line import MeasuredLine, Step
 from bem.scans.noise_floor import Spectrum
 
 DRAWN = 4000  # format: samples kept for figures
 CARRIED = 1e-6  # derived: of the rms slope: contact areas go as its inverse, and the default tolerance is this
-
-Step = dict[str, Any]  # of the preparation, as plain values
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,6 +79,10 @@ class PeriodicSamples:
     def noise_share(self, harmonics: int) -> float:
         """Return the share of noise in the mean square slope of the orders up to `harmonics`, as filtered."""
         return self.spectrum.noise_share(harmonics, self.period, self.gaussian)
+
+    def step(self, name: str) -> Step:
+        """Return the step of the preparation with a name."""
+        return next(step for step in self.steps if step["step"] == name)
 
     def preparation(self, harmonics: int) -> tuple[Step, ...]:
         """Return all steps, the cut at `harmonics` last."""

@@ -20,7 +20,7 @@ import numpy as np
 
 from bem.geometry.arrays import FloatArray
 from bem.geometry.lengths import METRES
-from bem.scans.measured_line import MeasuredLine
+from bem.scans.measured_line import MeasuredLine, Outcome
 from bem.scans.pick_row import FEWEST_SAMPLES
 from bem.scans.read_table import SHOWN
 from bem.scans.scan_file_error import refused
@@ -31,8 +31,6 @@ FEWEST_DROPOUTS = WIDTH // 2 + 1  # samples of one value: of fewer the running m
 MOST_MISSING = 0.5  # format: of the samples
 NOTHING_SEEN = (9999.0, 99999.0, 32767.0, 32768.0, 65535.0, 2147483647.0, 2147483648.0)  # format: ends of integers
 UNSEEN = 1e30  # format: in the unit of the file, of the ends of single precision
-
-Outcome = tuple[MeasuredLine, dict[str, Any]]  # of a step: the new line and what was done
 
 
 def refuse_few(line: MeasuredLine) -> None:

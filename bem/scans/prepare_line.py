@@ -27,10 +27,10 @@ from typing import Any
 import numpy as np
 
 from bem.scans.gaussian_filter import GaussianFilter
-from bem.scans.measured_line import MeasuredLine
+from bem.scans.measured_line import MeasuredLine, Outcome, Step
 from bem.scans.noise_floor import Spectrum
-from bem.scans.periodic_samples import PeriodicSamples, Step
-from bem.scans.prepare_heights import Outcome, refuse_few, without_dropouts, without_gaps, without_outliers
+from bem.scans.periodic_samples import PeriodicSamples
+from bem.scans.prepare_heights import refuse_few, without_dropouts, without_gaps, without_outliers
 from bem.scans.prepare_spacing import equally_spaced, refuse_disorder
 from bem.scans.scan_file_error import ScanFileError, refused
 from bem.scans.scan_keys import DEFAULTS

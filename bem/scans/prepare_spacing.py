@@ -17,8 +17,7 @@ import numpy as np
 
 from bem.geometry.arrays import FloatArray
 from bem.geometry.profile import EQUAL_STEPS, off_equal_steps
-from bem.scans.measured_line import MeasuredLine
-from bem.scans.prepare_heights import Outcome
+from bem.scans.measured_line import MeasuredLine, Outcome
 from bem.scans.scan_file_error import refused
 
 

@@ -19,6 +19,9 @@ DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma", "": "blanks"}  # of c
 LINES_LISTED = 12  # format: lines above the numbers that are spelt out
 LONGEST = 1000  # format: characters of a heading
 CELL = re.compile(r"([^\[\]()/]*)(?:\[([^\[\]]+)\]|\(([^()]+)\)|/\s*([^\s\[\]()/]+))\s*")  # name, unit in one of 3 ways
+MOST_COLUMNS = 3  # of a text that is no map
+LENGTH = re.compile(r"[#%\s]*(width|spacing|pixel size|x step|step)\s*[:=]\s*([0-9.,]*[0-9])\s*([^\s0-9]+)\s*", re.I)
+UNIT = re.compile(r"[#%\s]*(?:value|height|z) units?\s*[:=]\s*(\S+)\s*", re.I)
 REMEDY = "words that mark heights become numbers, as 1 and 0 in a column that valid_column names"
 
 
@@ -32,8 +35,11 @@ class NumberedLine(NamedTuple):
         return f"line {self.number} ({self.text[:40]!r})"
 
 
-def units_above(above: Sequence[NumberedLine], width: int) -> tuple[str, ...]:
-    """Return the units in the lines above the numbers; ScanFileError for lines that are no heading."""
+def units_above(above: Sequence[NumberedLine], width: int, heights: int = 0) -> tuple[str, ...]:
+    """Return the units in the lines above the numbers; ScanFileError for lines that are no heading.
+
+    `heights` is the number of cells of a line that hold a number: if they are a map, `Width` is their length.
+    """
     if not above:
         return ("",) * width
     heading, count = _heading(above[-1][1], width), 0
@@ -46,7 +52,36 @@ def units_above(above: Sequence[NumberedLine], width: int) -> tuple[str, ...]:
         "columns of numbers, under a heading with a unit for each column, as in x [mm]; h [um]; or, if no samples "
     )
     allowed += f"stand there, skip_lines = {above[-1 - count][0]}, and what the lines say in unit_x, unit_h, spacing, "
-    raise refused("file", f"{quoted(above)} not numbers", f"{allowed}columns, missing_value, valid_column; {REMEDY}")
+    allowed += f"columns, missing_value, valid_column{_stated(above, heights)}; {REMEDY}"
+    raise refused("file", f"{quoted(above)} not numbers", allowed)
+
+
+def _stated(above: Sequence[NumberedLine], heights: int) -> str:
+    """Return the keys that lines such as `# Width: 5 um` and `# Value units: m` state, as they are to be written.
+
+    The width of a map is the length of all its pixels, as Gwyddion writes it: the spacing is a pixel.
+
+    Examples
+    --------
+    >>> header = ["# Channel: Z", "# Width: 5.00 µm", "# Height: 3.00 µm", "# Value units: m"]
+    >>> _stated([NumberedLine(k + 1, line) for k, line in enumerate(header)], 100)
+    ' (they say: spacing = 0.05 and unit_x = "um", as 100 heights on a line are 5 um wide; unit_h = "m")'
+    >>> _stated([NumberedLine(1, "# Pixel size: 0.5 nm")], 1)
+    ' (they say: spacing = 0.5 and unit_x = "nm")'
+    """
+    said = {}
+    for line in above:
+        length, unit = LENGTH.fullmatch(line.text), UNIT.fullmatch(line.text)
+        if length is not None and unit_of(length[3]) in METRES:
+            name, number, word = length[1].lower(), float(length[2].replace(",", ".")), unit_of(length[3])
+            if name != "width":
+                said["spacing"] = f'spacing = {number:g} and unit_x = "{word}"'
+            elif heights > MOST_COLUMNS:
+                step = f'spacing = {number / heights:.9g} and unit_x = "{word}"'
+                said.setdefault("spacing", f"{step}, as {heights} heights on a line are {number:g} {word} wide")
+        elif unit is not None and unit_of(unit[1]) in METRES:
+            said["unit_h"] = f'unit_h = "{unit_of(unit[1])}"'
+    return f" (they say: {'; '.join(said.values())})" if said else ""
 
 
 def quoted(lines: Sequence[NumberedLine]) -> str:

@@ -66,9 +66,8 @@ def _line_of_text(text: str, encoding: str, values: Mapping[str, Any]) -> Measur
     table = read_table(text, values.get("skip_lines", 0), values.get("decimal"))
     facts = {"format": "text", "encoding": encoding} | table.facts
     if "row" in values:
-        heights = map_of(table, values)
-        facts["rows"] = heights.shape[0]
-        return line_in_metres(values, None, row_of(heights, values["row"], TEXT_LINES), {}, "", facts)
+        heights, of_row = row_of(map_of(table, values), values["row"], TEXT_LINES, table.lines)
+        return line_in_metres(values, None, heights, {}, "", facts | of_row)
     x_column, h_column = columns_of(table, values)
     heights = heights_of(table, x_column, h_column, values)
     source = f"line {table.heading}"
@@ -90,8 +89,8 @@ def _line_of_heights(
     if heights.ndim == 1:
         _refuse_keys(values, ["row"], "of a line scan")
     else:
-        facts = facts | {"rows": heights.shape[0]}
-        heights = row_of(heights, values.get("row"), ARRAY_LINES if x is None else MAP_LINES)
+        heights, of_row = row_of(heights, values.get("row"), ARRAY_LINES if x is None else MAP_LINES)
+        facts = facts | of_row
     if x is not None:
         _refuse_keys(values, ["spacing"], "beside the lengths in the file")
     stated = dict.fromkeys("h" if x is None else "xh", unit)

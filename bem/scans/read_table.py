@@ -30,6 +30,7 @@ from bem.scans.scan_file_error import ScanFileError, refused
 
 Cells = tuple[float, ...]
 
+OTHER_MARK = "write decimal points, or semicolons between columns, in the file"
 SHOWN = 3  # format: mistakes of one sort that are spelt out
 MISSING = {"", "-", "--", "---", "***", "na", "n/a", "#n/a", "null", "none"}
 MISSING |= {"nan", "-nan", "nan(ind)", "-nan(ind)", "1.#qnan", "-1.#ind", "inf", "+inf", "-inf"}
@@ -114,16 +115,20 @@ def read_table(text: str, skip_lines: int = 0, decimal: str | None = None) -> Te
     for line in above:
         _refuse_minus(line, readings)
     if not body:
+        if decimal == ",":
+            _refuse_comma_columns(lines)
         told = f": {quoted(above)} not numbers alone" if above else ""
         raise refused("file", f"holds no line of numbers{told}", f"a text file with lines of numbers; {REMEDY}")
     reading, read = _best_reading(body, readings)
     width = len(reading.cells(body[0].text))
-    units = units_above(above, width)
+    if decimal is None:
+        _refuse_commas(body, reading, read)
+    elif decimal == ",":
+        _refuse_comma_columns([line for line, row in zip(body, read, strict=True) if row is None])
+    units = units_above(above, width, width - (not reading.cells(body[0].text)[-1]))
     values = _numbers(body, reading, read, width)
     if reading.delimiter and np.isnan(values[:, -1]).all() and width > 1:
         values = values[:, :-1]
-    if decimal is None:
-        _refuse_commas(body, reading, values)
     numbers, rows = zip(*body, strict=True)
     heading = above[-1].number if above else 0
     facts = {"delimiter": DELIMITERS[reading.delimiter], "decimal": reading.decimal, "width": values.shape[1]}
@@ -186,13 +191,29 @@ def _numbers(body: Sequence[NumberedLine], reading: Reading, rows: Sequence[Cell
     return np.array(rows, dtype=np.float64)
 
 
-def _refuse_commas(body: Sequence[NumberedLine], reading: Reading, values: FloatArray) -> None:
-    """Raise ScanFileError if commas between columns may be decimal marks of the column before (`0,1,25`)."""
-    decimals = reading.delimiter == "," and values.shape[1] > 2 and (values[:, 1:] >= 0).all(axis=0).any()
-    if decimals and not any("." in line for _, line in body):
+def _refuse_commas(body: Sequence[NumberedLine], reading: Reading, rows: Sequence[Cells | None]) -> None:
+    """Raise ScanFileError if commas between columns may be decimal marks of the column before (`0,1,25`).
+
+    Lines of unlike lengths, of 3 or 4 cells, are whole numbers among such decimals (`1,1,25`, `1,50,1,75`).
+    """
+    if reading.delimiter != "," or any("." in line for _, line in body):
+        return
+    widths = {len(row or reading.row(line) or ()) for (_, line), row in zip(body, rows, strict=True)} - {0}
+    known = np.array([row for row in rows if row])
+    filled = known[:, 1:][:, ~np.isnan(known[:, 1:]).all(axis=0)]  # without the empty cell behind a comma at the end
+    decimals = filled.shape[1] > 1 and (filled >= 0).all(axis=0).any()
+    if decimals or (len(widths) > 1 and widths <= {2, 3, 4}):
         problem = f"is needed: {body[0]} has commas that may part columns or decimals"
-        allowed = 'decimal = "." if every comma parts columns; otherwise write points, or another mark, in the file'
-        raise refused("decimal", problem, allowed)
+        raise refused("decimal", problem, f'decimal = "." if every comma parts columns; otherwise {OTHER_MARK}')
+
+
+def _refuse_comma_columns(lines: Sequence[NumberedLine]) -> None:
+    """Raise ScanFileError for lines whose commas part columns and decimals: no reading with decimal = "," has them."""
+    commas = Reading(",", ".")
+    rows = [line for line in lines if len(commas.cells(line.text)) > 2 and commas.has_number(line.text)]
+    if rows:
+        problem = f"{rows[0]} has commas between columns beside decimal commas"
+        raise refused("file", problem, f"one meaning of a comma: {OTHER_MARK}")
 
 
 def _refuse_minus(line: NumberedLine, readings: Iterable[Reading]) -> None:

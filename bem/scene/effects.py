@@ -13,10 +13,7 @@ from bem.scene.scene import Scene
 from bem.scene.scene_tables import OUTPUTS
 from bem.scene.targets import unloads
 
-EFFECTS = (
-    *("half_space", *ELASTIC, "adhesion", "slope_term", "unloading", "load_control"),
-    *OUTPUTS,
-)
+EFFECTS = (*("half_space", *ELASTIC, "adhesion", "slope_term", "unloading", "load_control"), *OUTPUTS)
 
 
 def effects_of(scene: Scene) -> tuple[Effect, ...]:

@@ -5,10 +5,9 @@ harmonics h_m of the profile, q_m = 2 pi m / period and E* = E / (1 - nu^2), `ME
 of complete contact is that of Persson, Tosatti, J. Chem. Phys. 115 (2001) 5597; for one wave the group is 2 pi alpha^2
 with the alpha of Johnson, Int. J. Solids Struct. 32 (1995) 423.
 
-Eight mistakes are looked for: lengths in mm instead of m, pressures or moduli in MPa instead of Pa, slopes beyond small
-strain, a layer that is thin beside its heights, adhesion that outweighs elasticity, a cut within the noise of a scan, a
-scan without any heights but constant ones, and a form (an arc) that a scan keeps.  Nothing that is computed depends on
-this module.
+Looked for are lengths in mm instead of m, pressures or moduli in MPa instead of Pa, slopes beyond small strain, a layer
+that is thin beside its heights, adhesion that outweighs elasticity; and in a scan spikes, a cut within the noise, no
+heights but constant ones, and a form (an arc) that is kept.  Nothing that is computed depends on this module.
 """
 
 from __future__ import annotations
@@ -112,10 +111,7 @@ def _pressures(scene: Scene, groups: Mapping[str, float]) -> Warnings:
     least, most = min(scene.loading.targets) / scale, max(map(abs, scene.loading.targets)) / scale
     cause = "are pressures or youngs_modulus in MPa, or heights in mm?"
     if 0 < most < LOADS[0]:
-        yield (
-            "loading.targets",
-            f"all pressures are below {LOADS[0]:g} times E* h'_rms, hardly a load: {cause}",
-        )
+        yield ("loading.targets", f"all pressures are below {LOADS[0]:g} times E* h'_rms, hardly a load: {cause}")
     if least > LOADS[1]:
         yield "loading.targets", f"all pressures are above {LOADS[1]:g} times E* h'_rms, all touches: {cause}"
 
@@ -143,7 +139,7 @@ def _spikes(scene: Scene, groups: Mapping[str, float]) -> Warnings:
     """Yield a warning of spikes in a scan that are kept as heights."""
     if scene.scan is None:
         return
-    step = next(step for step in scene.scan.steps if step["step"] == "outliers")
+    step = scene.scan.step("outliers")
     if step["count"] and step["method"] == "keep":
         spikes = "a spike" if step["count"] == 1 else f"{step['count']} spikes"
         told = f"{spikes} of up to {step['largest']:.3g} m, the first at {step['first']}"
@@ -180,7 +176,7 @@ def _form(scene: Scene, groups: Mapping[str, float]) -> Warnings:
     bowed = scene.profile.detrend in ("none", "mean", "line")
     if scene.scan is None or not bowed or next(_constant(scene, groups), None) is not None:
         return
-    step = next(step for step in scene.scan.steps if step["step"] == "detrend")
+    step = scene.scan.step("detrend")
     if step["rms_bow"] ** 2 > MOST_BOW * step["rms_without_tilt"] ** 2:
         share = step["rms_bow"] / step["rms_without_tilt"]
         told = f"a bow of {step['bow'] * 1e6:.3g} um is {share:.0%} of the rms height"

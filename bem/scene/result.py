@@ -18,14 +18,7 @@ from bem.scene.state import Bound, Ending, FinalStatus, MaybeNan, Quantity, Stat
 from bem.scene.stored_arrays import decoded, encoded
 
 EventKind = Literal[
-    "first_touch",
-    "new_contact",
-    "coalescence",
-    "detachment",
-    "pull_off",
-    "complete_contact",
-    "opening",
-    "bifurcation",
+    "first_touch", "new_contact", "coalescence", "detachment", "pull_off", "complete_contact", "opening", "bifurcation"
 ]
 Arrays = Annotated[dict[str, NDArray[Any]], PlainValidator(decoded), PlainSerializer(encoded)]  # base64 of an npz file
 
@@ -147,7 +140,9 @@ class Result(Views):
         In the order visited.
     events : tuple of Event
     status : str
-        One of `Ending`.
+        "converged", "unreachable", "not_converged" or "interrupted".  A path whose contact was pulled off before a
+        tension asked for is `unreachable` too: no state carries that tension, and the pull-off is the answer.  Then
+        `answered` is true, and the terminal says "unreachable, answered: pulled off".
     fields : dict of arrays
         Contents of fields.npz.
     failure : str, optional

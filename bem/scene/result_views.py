@@ -158,7 +158,7 @@ class Views:
         if states := [state for state in self.states if state.found]:
             last = states[-1]
             words.append(f"last at {last.mean_pressure:.6g} Pa, contact fraction {last.contact_fraction:.6g}")
-        status = "pulled off" if self.status == "unreachable" and self.answered else self.status
+        status = "unreachable, answered: pulled off" if self.status == "unreachable" and self.answered else self.status
         return f"<Result {status}: {', '.join(words)}>"
 
 

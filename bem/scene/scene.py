@@ -49,7 +49,8 @@ from bem.scene.targets import equal_target, expanded, origin
 if TYPE_CHECKING:
     from bem.adhesive.adhesion import Adhesion
     from bem.elastic.layer import Layer
-    from bem.scans.periodic_samples import PeriodicSamples, Step
+    from bem.scans.measured_line import Step
+    from bem.scans.periodic_samples import PeriodicSamples
 
 NAMED = 12  # format: targets listed in an error
 

@@ -12,6 +12,8 @@ from bem.geometry.regular_file import read_regular
 from bem.scans.read_bytes import BACKSLASHES
 from bem.scene.scene_error import SceneError
 
+NUMBERS = re.compile(r"^[ \t]*[-+]?[.,]?\d[-+\d.,;eE \t]*\r?$", re.MULTILINE)  # line of numbers alone
+
 
 def read_tables(path: Path | str) -> dict[str, Any]:
     """Read the tables of a scene file, unchecked; SceneError if the path is no regular file or no TOML."""
@@ -24,9 +26,23 @@ def read_tables(path: Path | str) -> dict[str, Any]:
         allowed = " or ".join(["a TOML file", *scenes])
         raise SceneError([Mistake(str(path), f"cannot be read ({error.strerror})", allowed)]) from error
     except tomllib.TOMLDecodeError as error:
-        raise SceneError([_syntax_mistake(path, text, str(error))]) from error
+        mistake = _trace_mistake(path, text) or _syntax_mistake(path, text, str(error))
+        raise SceneError([mistake]) from error
     except (ValueError, RecursionError) as error:
-        raise SceneError([Mistake(str(path), f"is not TOML ({error})", "a TOML file in UTF-8")]) from error
+        mistake = Mistake(str(path), f"is not TOML ({error})", "a TOML file in UTF-8")
+        trace = _trace_mistake(path, None) if isinstance(error, UnicodeDecodeError) else None
+        raise SceneError([trace or mistake]) from error
+
+
+def _trace_mistake(path: Path, text: str | None) -> Mistake | None:
+    """Return the mistake of a measured trace in place of a scene, with the command that solves it.
+
+    None for a file that is named as a scene, and for a text without a line of numbers; `text` is None of other bytes.
+    """
+    if path.suffix.lower() == ".toml" or (text is not None and NUMBERS.search(text) is None):
+        return None
+    solved = f"linecontact answer {path} --youngs-modulus E --poisson-ratio NU --pressure P"
+    return Mistake(str(path), "is a measured trace, no scene", f"a TOML file; a trace is solved by: {solved}")
 
 
 def _syntax_mistake(path: Path, text: str, error: str) -> Mistake:

@@ -49,10 +49,7 @@ def profile_mistakes(values: Mapping[str, Any], given: Collection[str]) -> Itera
 
 
 def loading_mistakes(
-    values: Mapping[str, Any],
-    given: Collection[str],
-    tables: Collection[str],
-    period: float | None,
+    values: Mapping[str, Any], given: Collection[str], tables: Collection[str], period: float | None
 ) -> Iterator[Mistake]:
     """Yield mistakes of the path, of the signs of separations, and of the needs of the control and the initial state.
 

@@ -161,13 +161,6 @@ def test_folders_of_two_kinds_are_told_in_one_line(result, tmp_path, capsys):
     assert main(["compare", report, report]) == 0
 
 
-@pytest.mark.parametrize("name", ["nothing", "."])
-def test_a_folder_that_holds_neither_is_told(tmp_path, monkeypatch, capsys, name):
-    monkeypatch.chdir(tmp_path)
-    assert main(["compare", name, name]) == 2
-    assert ("neither result.json nor report.json there" if name == "." else "is no folder") in capsys.readouterr().err
-
-
 def test_numbers_that_differ_by_rounding_are_equal():
     one = stored_state(mean_pressure=2e6, error_estimate=ErrorEstimate(mean_pressure=7e-12))
     other = stored_state(mean_pressure=np.nextafter(2e6, 3e6), error_estimate=ErrorEstimate(mean_pressure=7e-12))

@@ -81,12 +81,12 @@ def test_a_large_contact_shows_fewer_states():
 
 def test_digits_follow_the_estimated_errors():
     result = bem.solve(ROUGH)
-    known = moving_path(result, [])["states"]
+    known = moving_path(result)["states"]
     rough = [
         replace(state, error_estimate=replace(state.error_estimate, mean_pressure=abs(0.05 * state.mean_pressure)))
         for state in result.states
     ]
-    doubtful = moving_path(replace(result, states=tuple(rough)), [])["states"]
+    doubtful = moving_path(replace(result, states=tuple(rough)))["states"]
     place = next(k for k, row in enumerate(known) if row["contacts"] == "2" and not row["words"])
     precise, vague = (rows[place]["mean_pressure"].replace(".", "") for rows in (known, doubtful))
     assert (len(precise), len(vague.rstrip("0"))) == (4, 2)
@@ -94,7 +94,7 @@ def test_digits_follow_the_estimated_errors():
 
 def test_complete_contact_has_no_gap_and_is_no_number_of_contacts():
     result = bem.solve({**DRY, "loading": DEEP, "output": {}})
-    last = moving_path(result, [])["states"][-1]
+    last = moving_path(result)["states"][-1]
     assert (last["separation"], last["contact_fraction"], last["open"], last["contacts"]) == (
         "0",
         "1.000",

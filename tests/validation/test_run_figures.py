@@ -66,7 +66,6 @@ def test_the_theory_is_that_of_its_package(pressed):
     for theory, solve in ((plain, persson.solve), (fitted, persson.contact_area)):
         states = [solve(spectrum, load, **given) for load in (theory.loads[0], theory.loads[-1])]
         assert [theory.fractions[0], theory.fractions[-1]] == pytest.approx([s.contact_fraction for s in states])
-    assert plain.separations[-1] == pytest.approx(persson.solve(spectrum, plain.loads[-1], **given).separation)
     drawn = series_of(pressed, "area")
     assert {"Persson's theory", "fitted area"} <= set(drawn)
 

@@ -72,7 +72,8 @@ def test_pull_off_is_the_tension_at_which_the_contact_comes_apart(tmp_path, caps
     result, told = bem.read_result(tmp_path / "out"), capsys.readouterr().out
     assert [state.status for state in result.targets] == ["converged", "converged", "unreachable"]
     assert result.events[-1].kind == "pull_off"
-    assert f"largest tension on the way out is {-result.largest_tension.mean_pressure / 1e3:.4g} kPa" in told
+    assert f"largest tension on the way out is {-result.largest_tension.mean_pressure:.4g} Pa" in told
+    assert re.search(r"5000 Pa +0 Pa +-6\.6 MPa$", told.splitlines()[0])
     assert "apart" in next(line for line in told.splitlines() if line.startswith("contacts"))
 
 
@@ -97,6 +98,33 @@ def test_a_map_is_answered_by_the_median_of_its_rows(tmp_path, capsys):
     (tmp_path / "out" / "report.html").unlink()
     assert main(["report", str(tmp_path / "out")]) == 0
     assert (tmp_path / "out" / "report.html").read_text("utf-8") == page
+
+
+@pytest.mark.parametrize(
+    ("name", "taken"),
+    [("map.npy", "the column a[:, 3] of the array"), ("map.txt", "line 4 of the file")],
+)
+def test_the_line_of_a_map_is_named_wherever_its_row_is(name, taken, tmp_path, capsys):
+    heights = 2e-6 * np.random.default_rng(1).normal(size=(64, 6))
+    np.save(tmp_path / "map.npy", heights)
+    np.savetxt(tmp_path / "map.txt", heights.T)
+    words = (tmp_path / name, *SOLID, "--pressure", "5e4", "--out", tmp_path / "out", "--quiet", "--profile")
+    assert answer(*words, "row=3", "spacing=1", "unit_x=um", "unit_h=m", "harmonics=5") == 0
+    np.testing.assert_allclose(bem.load_scene(tmp_path / "out" / "scene.toml").scan.measured.h, heights[:, 3])
+    assert f"row = 3  # as given: {taken}\n" in (tmp_path / "out" / "scene.toml").read_text("utf-8")
+    assert f"one row of a map of 6 rows ({taken}), positions in um" in (tmp_path / "out" / "report.html").read_text(
+        "utf-8"
+    )
+    capsys.readouterr()
+    assert main(["check", str(tmp_path / "out" / "scene.toml")]) == main(["keys", "profile"]) == 0
+    told = capsys.readouterr().out
+    assert f"one row of a map of 6 rows ({taken}), " in told
+    assert "the fourth line of a text, the column a[:, 3] of a .npy or .mat array" in told
+    if name == "map.npy":
+        words = (*words[:-4], "--out", tmp_path / "each", "--quiet", "--jobs", "1", "--profile", "row=all", "every=3")
+        assert answer(*words, "spacing=1", "unit_x=um", "unit_h=m", "harmonics=5") == 0
+        scene = (tmp_path / "each" / "scene.toml").read_text("utf-8")
+        assert 'row = "all"  # as given: row 0 is the column a[:, 0] of the array\n' in scene
 
 
 def test_a_spike_is_replaced_and_told_of_unless_it_is_asked_for(tmp_path, capsys):

@@ -12,7 +12,7 @@ from devtools import tab
 
 from validation.plugin.rows import VERDICTS, Code, Quantity, Rows
 from validation.plugin.study_report import Part, write_study
-from validation.report.verification_page import prices, three_ways
+from validation.report.verification_page import prices
 
 HOSTILE = "<script>alert(1)</script> \"' & <img src=x onerror=alert(2)> {{ 7*7 }} \x00"
 DEAD_LINKS = """[...document.querySelectorAll("a[href]")].map((a) => a.getAttribute("href"))
@@ -181,20 +181,6 @@ def test_a_browser_shows_hostile_text_as_text_and_follows_every_link(written, tm
         assert page.find("document.documentElement.scrollWidth <= window.innerWidth")
         assert page.console == []
         assert page.requests == []
-
-
-def test_numbers_that_both_solvers_and_a_third_side_give_stand_side_by_side(tmp_path):
-    rows = Rows()
-    for name, quantity in (("area", Quantity.AREA), ("load", Quantity.PRESSURE), ("energy", Quantity.ENERGY)):
-        for of, by in ((Code.BEM, Code.EXACT), (Code.FEM, Code.EXACT), (Code.BEM, Code.FEM)):
-            rows.compare(name, 1.0, 1.0005, of=of, by=by, quantity=quantity, uncertainty=(1e-3, 2e-3))
-    alone = Rows()
-    alone.compare("area", 1.0, 1.0, **AREA)
-    content = write_study(tmp_path, "a command", [Part("three", "?", rows), Part("two", "?", alone)])
-    (way,) = three_ways(content["rows"])
-    assert (way["case"], way["codes"]) == ("three", ["bem", "fem", "closed form"])
-    assert [number["name"] for number in way["numbers"]] == ["area", "load", "energy"]
-    assert way["numbers"][0]["by"]["closed form"] == (1.0005, 2e-3)
 
 
 def test_the_price_of_digits_is_the_cheapest_line_that_has_them():

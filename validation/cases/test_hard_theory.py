@@ -1,17 +1,12 @@
 """Hard cases of Persson's theory: one line and ten thousand, steep and flat spectra, vanishing loads, much adhesion.
 
-Expected is the status of the result, or the argument that an error names.  Without adhesion the area is
-
-    A / A0 = erf(sqrt(2) sigma_0 / (E* h'_rms));
-
-with adhesion both routes of the diffusion, finite volumes and an integral equation, each with its own fixed point,
-agree; adhesion adds area and takes away separation.  E = 1 MPa, nu = 0.5, period 10 mm, rms height 50 um, H = 0.7.
-SI units.
+Expected is the status of the result, or the argument that an error names.  With adhesion both routes of the diffusion,
+finite volumes and an integral equation, each with its own fixed point, agree; adhesion adds area and takes away
+separation.  E = 1 MPa, nu = 0.5, period 10 mm, rms height 50 um, H = 0.7.  SI units.
 """
 
 import numpy as np
 import pytest
-from scipy.special import erf
 
 import persson
 from validation.plugin.rows import Code, Quantity
@@ -69,7 +64,7 @@ def spectrum_of(hurst=0.7, rms=RMS, lines=125, decades=0, **_):
     "name", [pytest.param(name, marks=pytest.mark.standard if name in STANDARD else pytest.mark.quick) for name in HARD]
 )
 def test_hard_theory(rows, name):
-    """Does the theory end as expected in a hard case, and do two routes and the error function give its area?"""
+    """Does the theory end as expected in a hard case, do two routes agree, and does adhesion add area?"""
     load, changes, expected = HARD[name]
     spectrum, pressure, material = spectrum_of(**changes), load * STAR, SOLID | {"work_of_adhesion": WORK}
     if "work" in changes:
@@ -82,10 +77,6 @@ def test_hard_theory(rows, name):
     contact = persson.solve(spectrum, pressure, **material)
     unexpected(rows, contact.status != expected)
     dry = persson.solve_nonadhesive(spectrum, pressure, **SOLID)
-    exact = float(erf(np.sqrt(2) * pressure / (STAR * spectrum.slope_rms)))
-    rows.compare("contact fraction without adhesion", dry.contact_fraction, exact, of=Code.THEORY, by=Code.EXACT,
-                 quantity=Quantity.AREA, kind="construction", required=1e-12 * exact,
-                 because="rounding: the theory evaluates the same function", source="Persson 2001, erf")
     if material["work_of_adhesion"] is None:
         return None
     other = persson.solve(spectrum, pressure, route="volterra", with_separation=False, **material).contact_fraction

@@ -100,6 +100,6 @@ def test_rough_profile(rows, harmonics, elements):
     counts = ", ".join(str(len(state.edges)) for state in fem)
     rows.table(f"Rough profile of {harmonics} harmonics, {'adhesive' if harmonics == 20 else 'no adhesion'}: {counts} "
                "patches. Value ± U", ["number", "load / E*", "bem", "fem", f"bem, mean of {REALISATIONS}", "theory"],
-               lines, front=True)
+               lines, front=harmonics == 20)
     rows.curves(f"Boundary elements over Persson's theory, {harmonics} harmonics", "load / E*", "over the theory",
                 ratios)

@@ -66,7 +66,7 @@ def scalars(state, fem):
 @pytest.mark.quick
 def test_any_two_answers_agree(rows, state, fem):
     """Do boundary elements, finite elements and the closed form find the same contact under the same load?"""
-    by_fem = f"P4/P3, {fem.unknowns} unknowns"
+    by_fem, lines = f"P4/P3, {fem.unknowns} unknowns", []
     for name, quantity, unit, exact, ours, theirs in scalars(state, fem):
         for of, by, first, second, source in (
             (Code.BEM, Code.EXACT, ours, exact, "Johnson 1995"),
@@ -75,6 +75,10 @@ def test_any_two_answers_agree(rows, state, fem):
         ):
             rows.compare(name, first[0], second[0], of=of, by=by, quantity=quantity, unit=unit, source=source,
                          uncertainty=(first[1], second[1]))
+        if name != "edges":
+            sides = [f"{value:.6g} ± {uncertainty:.2g}" for value, uncertainty in (ours, theirs, exact)]
+            lines.append([f"{name}{' / ' if unit else ''}{unit}", *sides])
+    rows.table("One adhesive wave under a load. Value ± U", ["number", "bem", "fem", "closed form"], lines, front=True)
     rows.count("unknowns", state.unknowns, of=Code.BEM)
     rows.count("unknowns", fem.unknowns, of=Code.FEM)
 

@@ -44,6 +44,7 @@ from bem.scene.memory_estimate import refuse_beyond_memory
 from bem.scene.plausibility import cautions_of, groups_of
 from bem.scene.scene import Scene, SceneError, load_scene, parse_scene
 from bem.scene.scene_file import read_tables
+from bem.scene.scene_scan import ALL_ROWS
 from validation.report.pages import PAGE
 from validation.report.rows_page import write_rows_page
 from validation.report.run_page import write_run_page
@@ -238,7 +239,7 @@ def choice_for(options: argparse.Namespace, given: Mapping[str, Any]) -> Choice:
         scan = _scan(tables, trace)
         if scan.end_jump <= LARGEST_JUMP:
             break
-    if "outliers" not in given and _step(scan, "outliers")["count"]:
+    if "outliers" not in given and scan.step("outliers")["count"]:
         tables["profile"]["outliers"] = "replace"
         scan = _scan(tables, trace)
     if "periodic" not in given:
@@ -274,11 +275,6 @@ def _scan(tables: Mapping[str, Any], trace: Path) -> PeriodicSamples:
     return scan
 
 
-def _step(scan: PeriodicSamples, name: str) -> Mapping[str, Any]:
-    """Return the record of a step of the preparation of a trace."""
-    return next(step for step in scan.steps if step["step"] == name)
-
-
 def _most(tables: Mapping[str, Any]) -> int:
     """Return the most waves along a trace that a first answer has."""
     return MOST_ADHERING if "adhesion" in tables else MOST_WAVES
@@ -309,7 +305,7 @@ def scene_lines(choice: Choice) -> Lines:
     yield "\n[solid]"
     yield from _keys(tables["solid"], {"youngs_modulus": "Pa, as given", "poisson_ratio": "as given"})
     yield "\n[profile]"
-    yield from _keys(tables["profile"], _reasons(choice) | dict.fromkeys(choice.given, "as given"))
+    yield from _keys(tables["profile"], _reasons(choice) | _given(choice))
     yield from _resolved_lines(choice)
     if "layer" in tables:
         yield "\n[layer]"
@@ -328,10 +324,19 @@ def scene_lines(choice: Choice) -> Lines:
     yield from _keys(tables["accuracy"], {"tolerance": "three digits; 1e-6 for more, which takes longer"})
 
 
+def _given(choice: Choice) -> dict[str, str]:
+    """Return the comment of each key that the command line gave; that of a row says which line of the file it is."""
+    comments, taken = dict.fromkeys(choice.given, "as given"), choice.scan.steps[0].get("taken")
+    if "row" in comments and taken:
+        each = f"row {choice.scene.profile.row} is " * (choice.given["row"] == ALL_ROWS)
+        comments["row"] += f": {each}{taken}"
+    return comments
+
+
 def _reasons(choice: Choice) -> dict[str, str]:
     """Return the reason of each choice in [profile]."""
     scan = choice.scan
-    line, tilt = _step(scan, "detrend")["method"] == "line", _step(scan, "detrend")["tilt"]
+    line, tilt = scan.step("detrend")["method"] == "line", scan.step("detrend")["tilt"]
     taken = f'the tilt of {tilt:.3g} is subtracted; "mean" keeps it, "quadratic" takes a bow away too'
     reasons = {"detrend": taken if line else 'the ends of the trace meet without; "line" subtracts a tilt'}
     cautions = cautions_of(choice.scene, groups_of(choice.scene))
@@ -344,11 +349,11 @@ def _reasons(choice: Choice) -> dict[str, str]:
     reasons["periodic"] = f"{apart}: it is followed by its mirror image" if mirrored else f"{apart}: it repeats"
     reasons["periodic"] += f'; "window" tapers the ends. Period {scan.period * 1e3:.6g} mm'
     least, coarse = _coarse(scan, _most(choice.tables))
-    spikes = _step(scan, "outliers")
+    spikes = scan.step("outliers")
     if spikes["count"]:
         told = f"{spikes['count']} of up to {spikes['largest'] * 1e6:.3g} um, the first at {spikes['first']}"
         reasons["outliers"] = f'spikes ({told}) take the median of their neighbours; "keep" keeps them'
-    crossing, noise = scan.spectrum.crossing, _step(scan, "spectrum")["noise"]
+    crossing, noise = scan.spectrum.crossing, scan.step("spectrum")["noise"]
     if crossing is None:
         reason = f"{coarse}; the data suggest no other cut: {noise}"
     elif crossing >= least:
@@ -356,7 +361,7 @@ def _reasons(choice: Choice) -> dict[str, str]:
     else:
         reason = f"{coarse}; the trace falls below its noise at {crossing:.3g} m only, try that next"
     if any(step["step"] == "filter" for step in scan.steps):
-        before, after = _step(scan, "filter")["rms_slope"]
+        before, after = scan.step("filter")["rms_slope"]
         reason += f". It leaves an rms slope of {after:.3g} of {before:.3g}; contact areas go as the inverse"
     return reasons | {"cutoff_short": f"m, Gaussian filter: {reason}"}
 

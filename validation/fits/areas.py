@@ -3,7 +3,6 @@
     python -m validation.fits.areas dry --jobs 2               # the fit, 2274 realisations, and the hold-out, 1710
     python -m validation.fits.areas wet --jobs 2               # the fit and the hold-out, 368 realisations; hours
     python -m validation.fits.areas dry --hold-out --seed 7    # the hold-out alone, with a seed root of your own
-    python -m validation.fits.areas dry --trial                # few realisations of few lines: some minutes
 
 Both fits minimise ln(A_law / A_ensemble) over the standard error of the ensemble and a floor, inside the domain; the
 dry fit at all contact fractions from `LEAST`.  With adhesion every realisation is solved without it too, on the same
@@ -149,15 +148,14 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--hold-out", action="store_true", help="without the fit")
     parser.add_argument("--seed", type=int, help="root of the seeds of the hold-out; default: that of plans.json")
-    parser.add_argument("--trial", action="store_true", help="few realisations of few lines")
     parser.add_argument("--out", type=Path, help="CSV for the areas of the hold-out")
     options = parser.parse_args()
     packaged, fit = (DRY, fit_dry) if options.law == "dry" else (WET, fit_wet)
     if not options.hold_out:
-        plan = read_plan(options.law, "fit", trial=options.trial)
+        plan = read_plan(options.law, "fit")
         for name, value in fit(observe(plan, options.jobs)).items():
             print(f"{name:4} fitted {value:.4g}, in the package {packaged[name]:.4g}")
-    means = observe(read_plan(options.law, "hold_out", options.seed, options.trial), options.jobs)
+    means = observe(read_plan(options.law, "hold_out", options.seed), options.jobs)
     error, noise, inside, area = np.concatenate([of.judged() for of in means], axis=1)
     counted = area > LEAST[options.law]
     for name, chosen in (("all", counted), ("in the domain", counted & (inside > 0))):

@@ -12,7 +12,7 @@ Limits: half-space, loading, tolerance 1e-3, no slope term.
 import json
 import zlib
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +27,6 @@ from validation.references.paper_problem import MODULUS, PERIOD, RMS_SLOPE, line
 SHORT = {"self-affine": "sa", "roll-off": "ro", "band": "nb", "gaussian": "ga", "lines": "li"}
 SAME_LOAD = 1e-7  # of E*
 DEEPEST = 1e-4  # separation in rms heights; the last load ends the path before it
-TRIAL = 2, 36  # realisations of a group at most, and highest order, of a trial
 
 
 @dataclass(frozen=True)
@@ -86,16 +85,11 @@ class Plan:
     groups: Sequence[Group]
 
 
-def read_plan(law: str, part: str, seed: int | None = None, trial: bool = False) -> Plan:
-    """Read the plan of a law ("dry" or "wet") and a part ("fit" or "hold_out"), with another seed root, as a trial."""
+def read_plan(law: str, part: str, seed: int | None = None) -> Plan:
+    """Read the plan of a law ("dry" or "wet") and a part ("fit" or "hold_out"), with another seed root if given."""
     content = json.loads((Path(__file__).parent / "plans.json").read_text("utf-8"))[law][part]
-    most, highest = TRIAL if trial else (10**6, 10**6)
-    groups = [
-        replace(group, realisations=[min(count, most) for count in group.realisations])
-        for group in (Group(**fields) for fields in content["groups"])
-        if group.shape[0][-1] <= highest
-    ]
     roots = content["seed_roots"] if seed is None else [seed]
+    groups = [Group(**fields) for fields in content["groups"]]
     return Plan(roots, np.array(content["loads"]), content["thetas"], groups)
 
 

@@ -97,16 +97,6 @@ class DenseState:
     load_jacobian: FloatArray  # dload / d(outward motion of an edge), (2 L,)
     elastic_energy: float  # U_el
 
-    @property
-    def elastic_hessian(self) -> FloatArray:
-        """d2 U_el / d out_e d out_f = (K_e/2) dK_e/d out_f, (2 L, 2 L), symmetric up to truncation."""
-        return self.stress_intensity[:, None] / 2 * self.stress_intensity_jacobian
-
-    @property
-    def truncation(self) -> float:
-        """Largest of the last three coefficients of any patch over the largest of that patch."""
-        return max(float(np.max(np.abs(q[-3:])) / np.max(np.abs(q))) for q in self.pressure.charges)
-
 
 def dense_nodes(
     profile: Harmonics, left: FloatArray, right: FloatArray, tolerance: float = 1e-13, margin: float = 1.3

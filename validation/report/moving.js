@@ -121,7 +121,6 @@ const moving = () => {
     const f = frame(w, h, reach, [low - (low < 0 ? room : 0), high + room], last ? `separation / ${U.separation}` : "", name, [46, 8, 18, last ? 30 : 8]), id = `clip${drawings++}`;
     const at = (k) => [f.x(x[k]), f.y(y[k])], strokes = { l: `stroke="${INK}" stroke-width="1.6"`, u: `stroke="${INK}" stroke-width="1.6" stroke-dasharray="6 3"`, j: `stroke="${NEW}" stroke-width="2" stroke-dasharray="2 2"` };
     let out = `<defs><clipPath id="${id}">${rect(f.left, f.top, f.right - f.left, f.bottom - f.top, "")}</clipPath></defs>` + (last ? path([[f.left, f.y(0)], [f.right, f.y(0)]], `stroke="${PALE}"`) : "") + `<g clip-path="url(#${id})">`;
-    for (const theory of D.theory) if (theory[key]) out += path(theory.separation.map((v, k) => [f.x(v), f.y(theory[key][k])]), 'fill="none" stroke="#8a949e" stroke-dasharray="3 3"');
     const joins = D.path.joins;
     for (let k = 1, run = [0]; k <= x.length; k++) {
       const kind = joins[k - 1], next = joins[k];

@@ -31,7 +31,6 @@ from validation.report.path_states import (
     shown_of,
     with_events,
 )
-from validation.report.run_figures import Theory
 
 NAMES = {  # short name for the slider, name, and 1 where contact is gained, -1 where it is lost
     "first_touch": ("snap-in", "first touch", 1),
@@ -63,7 +62,7 @@ class Units:
     pressure: tuple[float, str]
 
 
-def moving_path(result: Result, theories: Sequence[Theory]) -> dict[str, Any] | None:
+def moving_path(result: Result) -> dict[str, Any] | None:
     """Return the values of moving.jinja; None for a result without a state."""
     path = path_of(result)
     if not path:
@@ -108,7 +107,6 @@ def moving_path(result: Result, theories: Sequence[Theory]) -> dict[str, Any] | 
             np.clip(pressures, min(ranges["partial"][0], ranges["complete"][0]), None) * units.pressure[0]
         ),
         "path": _curves(path, units),
-        "theory": _theory(theories, units),
         "tension": tension and [tension.separation * units.separation[0], tension.mean_pressure * units.load[0]],
     }
     return {
@@ -119,7 +117,6 @@ def moving_path(result: Result, theories: Sequence[Theory]) -> dict[str, Any] | 
         "curves": any(point.state.status == "converged" for point in path) or len(path) > len(rows),
         "complete": bool(gapped and closed),
         "adhesive": adhesive,
-        "theory": bool(data["theory"]),
         "tension": tension is not None,
         "data": Markup(json.dumps(data, separators=(",", ":"), ensure_ascii=True).replace("<", "\\u003c")),
     }
@@ -254,19 +251,6 @@ def _curves(path: list[PathState], units: Units) -> dict[str, Any]:
         "joins": joins_of(path),
         "reach": [min(reach) * units.separation[0], max(reach) * units.separation[0]],
     }
-
-
-def _theory(theories: Sequence[Theory], units: Units) -> list[dict[str, list[float]]]:
-    """Return theories whose separations are known."""
-    return [
-        {
-            "separation": [_short(value * units.separation[0]) for value in theory.separations],
-            "fraction": [_short(value) for value in theory.fractions],
-            "load": [_short(value * units.load[0]) for value in theory.loads],
-        }
-        for theory in theories
-        if theory.separations
-    ]
 
 
 def _packed(values: FloatArray) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 Area: mean pressure against contact fraction.  Lines join states as `joins_of` says; a dashed line joins both ends of a
 jump.  Persson's theory and the fitted law of the area follow from the result alone, for a half-space under compression.
-The fitted law is drawn inside its domain.  Separations with adhesion need a ladder of loads and are left out.
+The fitted law is drawn inside its domain.
 
 Scan: heights as measured and as solved, each about its own mean, and the power spectrum of the scan with its noise
 floor and the wavelengths at which it is cut and should be (bem/scans/noise_floor.py).  The numbers are those that a
@@ -48,12 +48,11 @@ def figures_of(result: Result, theories: Sequence[Theory]) -> Iterator[Figure]:
 
 @dataclass(frozen=True)
 class Theory:
-    """Curve of a theory: loads in Pa, contact fractions, and separations in m where they are known."""
+    """Curve of a theory: loads in Pa and contact fractions."""
 
     label: str
     loads: list[float]
     fractions: list[float]
-    separations: list[float]
 
 
 def theories_of(result: Result) -> list[Theory]:
@@ -66,17 +65,14 @@ def theories_of(result: Result) -> list[Theory]:
     given = {name: solid[name] for name in ("youngs_modulus", "poisson_ratio")}
     if adhesion is not None:
         given["work_of_adhesion"] = adhesion["work_of_adhesion"]
-    adhesive = adhesion is not None
-    loads = np.geomspace(most / SPAN, most, FEW if adhesive else MANY).tolist()
-    states = [persson.solve(spectrum, load, with_separation=not adhesive, **given) for load in loads]
-    fractions = [state.contact_fraction for state in states]
-    known = [state.separation for state in states if state.separation is not None]
-    theories = [Theory("Persson's theory", loads, fractions, known if len(known) == len(states) else [])]
+    loads = np.geomspace(most / SPAN, most, FEW if adhesion else MANY).tolist()
+    fractions = [persson.solve(spectrum, load, with_separation=False, **given).contact_fraction for load in loads]
+    theories = [Theory("Persson's theory", loads, fractions)]
     partial = [load for load, fraction in zip(loads, fractions, strict=True) if LEAST < fraction < MOST]
     areas = [(load, persson.contact_area(spectrum, load, **given)) for load in partial]
     fitted = [(load, area.contact_fraction) for load, area in areas if area.status == "in_domain"]
     if len(fitted) > 1:
-        theories.append(Theory("fitted area", [load for load, _ in fitted], [area for _, area in fitted], []))
+        theories.append(Theory("fitted area", [load for load, _ in fitted], [area for _, area in fitted]))
     return theories
 
 

@@ -18,8 +18,6 @@ from validation.report.pages import PAGE, ReportError, filled
 
 REPORT = "report.json"
 PASSED = ("passed", "skipped")
-SIDES = ("bem", "fem", "closed form", "theory")
-SHARED = 3  # numbers of a case that all three sides give
 PRECISIONS = {"2 digits": 1e-2, "4 digits": 1e-4, "8 digits": 1e-8}  # relative error of the contact fraction
 
 
@@ -52,10 +50,8 @@ def page(content: Mapping[str, Any]) -> str:
         report=dict(content) | {"cases": cases},
         groups=groups,
         anchors={row["case"]: "not-run" for row in rows} | {case["case"]: case["anchor"] for case in cases},
-        questions={case["case"]: case["question"] for case in cases},
         failures=[row for row in rows if row["failed"]],
         matrix=matrix(rows),
-        ways=three_ways(rows),
         fronts=[(case, table) for case in cases for table in case["tables"] if table.get("front")],
         prices=prices(content["costs"]),
         precisions=PRECISIONS,
@@ -90,28 +86,6 @@ def matrix(rows: Iterable[Mapping[str, Any]]) -> dict[str, dict[str, dict[str, A
         if row["kind"] == "accuracy" and row["routes"]:
             cells.setdefault(" – ".join(row["routes"]), {}).setdefault(row["quantity"], []).append(row)
     return {pair: {quantity: _cell(of) for quantity, of in line.items()} for pair, line in sorted(cells.items())}
-
-
-def three_ways(rows: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Return numbers that both solvers and a third side give: case, codes, and of each number its value and U by code.
-
-    A case is shown if at least `SHARED` of its numbers have all three sides.
-    """
-    cases: dict[str, dict[tuple[str, str], dict[str, tuple[float, float]]]] = {}
-    for row in rows:
-        if row["kind"] == "accuracy" and row["routes"] and len(row["values"]) == 1 and row["value"] is not None:
-            numbers = cases.setdefault(row["case"], {}).setdefault((row["name"], row["unit"]), {})
-            numbers[row["routes"][0]] = row["value"], row["value_uncertainty"]
-            numbers[row["routes"][1]] = row["reference"], row["reference_uncertainty"]
-    shown = []
-    for case, lines in cases.items():
-        codes = [code for code in SIDES if any(code in line for line in lines.values())]
-        shared = sum(len(line) >= len(SIDES) - 1 for line in lines.values())
-        if {"bem", "fem"} <= set(codes) and shared >= SHARED:
-            table = [{"name": name, "unit": unit, "by": line} for (name, unit), line in lines.items()]
-            table.sort(key=lambda line: not {*SIDES[2:]} & {*line["by"]})  # third sides first
-            shown.append({"case": case, "codes": codes, "numbers": table})
-    return shown
 
 
 def prices(costs: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:

@@ -24,7 +24,6 @@ from bem.command_line.answer_table import (
     units_of,
 )
 from bem.scene.result import LargestTension, TensionError
-from bem.scene.result_file import write_result
 from bem.scene_commands import main
 
 PERIOD, HEIGHT, MODULUS = 0.01, 1e-4, 1e6 / 0.75
@@ -188,16 +187,6 @@ def test_the_load_turns_after_complete_contact_was_forced_open():
         "the surfaces come apart at 14.05 µm."
     )
     assert pull_off(whole) is None
-
-
-def test_a_way_out_that_begins_in_larger_tension_than_it_turns_at_says_so(tmp_path):
-    loading = {"control": "separation", "targets": [0.0, 1e-6], "initial": "complete_contact"}
-    coarse = {"accuracy": {"max_increment": 1.0}}
-    write_result(bem.solve(FORCED_OPEN | coarse | {"loading": loading}), tmp_path / "start")
-    onward = loading | {"targets": [20e-6], "initial": {"result": str(tmp_path / "start"), "state": 1}}
-    result = bem.solve(FORCED_OPEN | coarse | {"loading": onward})
-    assert "the way out begins in larger tension, and the load turns at 1.173 kPa" in pull_off_words(result)
-    assert pull_off(result) is None
 
 
 def test_without_tension_there_is_no_pull_off(wave):

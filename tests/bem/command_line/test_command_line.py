@@ -258,3 +258,16 @@ def test_every_state_is_in_the_journal_and_now_and_then_in_the_result(scene, tmp
         kept.append(len(read_result(tmp_path).states))
         shown.append(len(json.loads((tmp_path / "result.json").read_text())["states"]))
     assert (kept, shown) == ([1, 2, 3, 4], [1, 1, 1, 4])
+
+
+@pytest.mark.parametrize("words", [["run"], ["run", "--out", "out"], ["check"]])
+@pytest.mark.parametrize("content", [b"x [mm];h [um]\n0,0;1,5\n0,1;1,25\n", b"# map\n1.5\n2.5\n", b"\x93NUMPY\x01\x00"])
+def test_a_trace_in_place_of_a_scene_is_told_the_command_that_solves_it(words, content, tmp_path, capsys):
+    (tmp_path / "trace.csv").write_bytes(content)
+    try:
+        code = main([words[0], str(tmp_path / "trace.csv"), *words[1:]])
+    except SystemExit as error:
+        code = error.code
+    assert code == 2
+    told = f"{tmp_path / 'trace.csv'} is a measured trace, no scene; allowed: a TOML file; a trace is solved by: "
+    assert f"{told}linecontact answer {tmp_path / 'trace.csv'} --youngs-modulus E " in capsys.readouterr().err

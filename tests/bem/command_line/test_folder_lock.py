@@ -71,12 +71,6 @@ def test_a_new_folder_stays_only_if_something_was_written(written, tmp_path):
     assert (tmp_path / "deep" / "out").exists() == written
 
 
-def test_a_folder_that_was_empty_stays(tmp_path):
-    with locked(tmp_path) as new:
-        assert not new
-    assert tmp_path.is_dir()
-
-
 def test_many_that_come_and_go_are_never_inside_together(tmp_path):
     """Each enters 30 times and leaves a mark inside that must not be there when another enters."""
     code = (

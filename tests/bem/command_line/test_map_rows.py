@@ -128,6 +128,7 @@ def test_python_solves_rows(tmp_path):
     rows = bem.solve_rows(write(tmp_path, '"all"\nevery = 4', missing=(4, 2)))
     assert sorted(rows.results) == [0]
     assert "missing" in rows.failures[4]
+    assert repr(rows) == "<RowResults: 1 rows of a map answered, 1 failed, reasons in .failures>"
     columns = rows.to_table()
     assert {len(values) for values in columns.values()} == {len(columns["quantity"])}
 

@@ -36,8 +36,10 @@ def run_of(folder, targets, *words):
 def test_a_completed_pull_off_is_an_answer(targets, tmp_path, capsys):
     assert run_of(tmp_path, targets) == 0
     beyond = sum(target < 0 for target in targets)
-    assert f"pulled off, {beyond} of the targets being tensions beyond that: " in capsys.readouterr().out
+    told = f"unreachable, answered: pulled off, {beyond} of the targets being tensions beyond that: "
+    assert told in capsys.readouterr().out
     result = read_result(tmp_path / "out")
+    assert repr(result).startswith("<Result unreachable, answered: pulled off: ")
     assert (result.status, result.answered) == ("unreachable", True)
     assert result.to_table("targets")["target"].tolist() == targets
     assert answer(result)[0][1][1 if beyond > 1 else 2] == "-50 kPa"

@@ -10,7 +10,7 @@ from bem.elastic.layer import Layer
 from bem.geometry.patches import PatchPressure
 from bem.geometry.profile import Profile
 from bem.loading.complete_contact import complete_contact
-from bem.observables.shapes import OUTSIDE, complete_contact_shape, separated_shape, shape
+from bem.observables.shapes import OUTSIDE, complete_contact_shape, shape
 from bem.problem import Problem, pose
 from bem.scene.scene_tables import OUTPUTS
 from bem.stored_fields import complete_contact_fields, contact_fields
@@ -114,12 +114,6 @@ def test_displacement_is_continuous_at_the_edges(rough):
     bound = np.max(np.abs(state.stress_intensity)) * np.sqrt(2 * distance / np.pi)
     assert switch.size == 6
     assert np.all(step <= bound)
-
-
-def test_separated_surfaces_keep_their_shape():
-    found = separated_shape(WAVE, -0.5)
-    np.testing.assert_array_equal(found.displacement, 0.0)
-    np.testing.assert_allclose(found.gap, 1.5 - np.cos(found.x), atol=1e-14)
 
 
 def test_complete_contact_follows_the_profile():

@@ -140,9 +140,3 @@ def test_cut_that_keeps_mostly_noise_is_named_and_the_cut_suggested_is_not(tmp_p
     assert "profile.cutoff_short" not in said(followed)
     assert groups_of(followed)["noise_share_of_slope"] < 0.2
     assert followed.scan.spectrum.crossing == suggested  # of the scan, not of what is left of it
-
-
-def test_scan_without_a_floor_has_no_share_of_noise(tmp_path):
-    scene = scene_of(tmp_path, 0.0, harmonics="all")
-    assert "noise_share_of_slope" not in groups_of(scene)
-    assert said(scene) == {}

@@ -24,7 +24,7 @@ def raw(x=X, h=H):
 
 
 def step_of(scan, name):
-    return next(step for step in scan.steps if step["step"] == name)
+    return scan.step(name)
 
 
 def test_a_good_line_is_left_as_it_is():

@@ -25,7 +25,7 @@ def scan_of(folder, x, h=HEIGHTS, **values):
 
 
 def step_of(scan):
-    return next(step for step in scan.steps if step["step"] == "spacing")
+    return scan.step("spacing")
 
 
 def plain(value, decimals):

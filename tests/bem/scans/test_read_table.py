@@ -207,6 +207,34 @@ def test_lines_above_the_numbers_are_shown_with_what_skips_them(tmp_path):
     )
 
 
+@pytest.mark.parametrize("decimal", [".", ","])
+def test_what_the_lines_above_a_map_state_is_told_as_keys_that_read_it(decimal, tmp_path):
+    heights = np.round(np.random.default_rng(4).normal(size=(6, 16)), 4)
+    header = "# Channel: Height\n# Width: 4.000 µm\n# Height: 1.500 µm\n# Value units: nm\n"
+    text = (header + "\n".join("\t".join(f"{h:.4f}" for h in line) for line in heights)).replace(".", decimal)
+    refusal = refusal_of(tmp_path, text, row=3)
+    assert f"lines 1 to 4 ('# Channel: Height', '# Width: 4{decimal}000 µm', '# Height" in refusal.found
+    told = 'spacing = 0.25 and unit_x = "um", as 16 heights on a line are 4 um wide; unit_h = "nm")'
+    assert "skip_lines = 4, " in refusal.allowed and told in refusal.allowed
+    scan = scan_of(tmp_path, text, row=3, skip_lines=4, spacing=0.25, unit_x="um", unit_h="nm")
+    np.testing.assert_allclose([scan.x, scan.h], [np.arange(16) * 0.25e-6, heights[3] * 1e-9], rtol=1e-12)
+    assert "they say" not in refusal_of(tmp_path, text.replace("Width: 4", "Width about 4").replace("nm", "V")).allowed
+
+
+@pytest.mark.parametrize("heading", ["", "x [mm],h [um]", "x,h", "x,h\nmm,um"])
+@pytest.mark.parametrize("digits", [None, 3])
+def test_commas_of_both_kinds_are_the_reason_that_is_told(heading, digits, tmp_path):
+    """Also under a heading of two columns, for lines of unlike lengths, and where the scene states the comma."""
+    form = "{:g},{:g}" if digits is None else f"{{:.{digits}f}},{{:.{digits}f}}"
+    rows = [form.format(x, h).replace(".", ",") for x, h in zip(X, H, strict=True)]
+    text = "\n".join([heading, *rows])
+    refusal = refusal_of(tmp_path, text)
+    assert (refusal.path, "has commas that may part columns or decimals" in refusal.found) == ("profile.decimal", True)
+    assert "write decimal points, or semicolons between columns" in refusal.allowed
+    refusal = refusal_of(tmp_path, text, decimal=",")
+    assert "has commas between columns beside decimal commas" in refusal.found
+
+
 @pytest.mark.parametrize("heading", ["x [mm];h [um]", "# x [mm];h [um]", "x;h\nmm;um"])
 def test_comments_above_a_heading_are_read_over(heading, tmp_path):
     """They state no unit, and are named in the facts; a line that is no comment is still refused."""

@@ -112,15 +112,6 @@ def test_scan_read_in_another_unit_is_named(unit, about, loading, folder):
     assert "unit" in found[about]
 
 
-def test_short_scan_in_mm_read_as_m_is_named(tmp_path):
-    """0.5 mm and 2.5 um rms, read as m under mean pressures: slope, pressures and adhesion are ordinary."""
-    np.savetxt(tmp_path / "scan.csv", np.column_stack([X, ROUGH.height(X)]) / 20, delimiter=",", fmt="%.12g")
-    assert said(scan_scene(tmp_path, loading=PRESSURE)) == {}
-    found = said(scan_scene(tmp_path, "m", "m", PRESSURE))
-    assert sorted(found) == ["profile.period", "rms_height"]
-    assert 'unit_x = "m"?' in found["profile.period"]
-
-
 @pytest.mark.parametrize(("units", "doubted"), [(("mm", "m"), 'unit_h = "m"'), (("um", "mm"), 'unit_x = "um"')])
 def test_one_of_two_units_mistaken_is_doubted(units, doubted, folder):
     assert doubted in said(scan_scene(folder, *units))["rms_slope"]

@@ -1,6 +1,5 @@
 """A result as table, dataset, figure and in a few words."""
 
-import importlib
 import re
 import subprocess
 import sys
@@ -124,8 +123,3 @@ def test_neither_library_is_imported_before_it_is_used():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
-
-
-def test_a_stored_result_is_read_from_a_text(result, tmp_path):
-    importlib.import_module("bem.scene.result_file").write_result(result, tmp_path)
-    assert repr(bem.read_result(str(tmp_path))) == repr(result)
