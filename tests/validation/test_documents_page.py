@@ -22,13 +22,6 @@ def page(tmp_path_factory):
     return path.read_text("utf-8")
 
 
-def test_topics_are_listed_with_their_headings(capsys):
-    assert main(["docs"]) == 0
-    printed = capsys.readouterr().out
-    assert all(f"\n{topic}" in f"\n{printed}" for topic in TOPICS)
-    assert "10. Limits of the model" in printed
-
-
 def test_a_topic_is_the_document_beside_the_code(capsys):
     assert main(["docs", "theory"]) == 0
     assert capsys.readouterr().out == (ROOT / "persson" / "README.md").read_text("utf-8") + "\n"
@@ -37,18 +30,19 @@ def test_a_topic_is_the_document_beside_the_code(capsys):
 @pytest.mark.parametrize(
     ("words", "hit"),
     [
-        (["detrend"], r"bem/KEYS.md, \[profile\]: .*`detrend`"),
-        (["separation"], r"validation/ANSWER.md, Reading and quoting an answer: .*separation"),
-        (["OPEN", "gap:", "mean"], r"validation/ANSWER.md, .*: \| open gap: mean"),
-        (["pull-off"], r"bem/THRESHOLDS.md, `bem/adhesive/vanishing.py`: .*pull-off"),
+        (["detrend"], r"\[keys\] \[profile\]:\n    - `detrend`"),
+        (["separation"], r"\[answer\] Reading and quoting an answer:\n    .*separation"),
+        (["OPEN", "gap:", "mean"], r"\[answer\] .*:\n    \| open gap: mean"),
+        (["pull-off"], r"\[answer\] .*:\n    \| pull-off"),
+        (["largest_tension"], r"\[python\] Result:\n    largest_tension : "),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )
 def test_words_of_a_line_find_it_with_its_place(words, hit, capsys):
     assert main(["docs", *words]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert any(re.match(hit, line) for line in lines), lines
-    assert max(map(len, lines)) < 240
+    told = capsys.readouterr().out
+    assert re.search(f"^{hit}", told, re.MULTILINE), told
+    assert max(map(len, told.splitlines())) < 240
 
 
 def test_the_answer_has_a_screen_with_each_of_its_rows(capsys):
@@ -98,7 +92,7 @@ def test_formulas_are_mathml(tex, tags):
 def test_documents_are_in_the_package():
     """The names of the files are in the data of their packages."""
     data = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["package-data"]
-    for package, name in TOPICS.values():
+    for package, name in filter(all, TOPICS.values()):
         top, _, inner = package.partition(".")
         assert any(
             Path(f"{inner}/{name}".strip("/")).match(pattern) for pattern in data[top] if pattern.endswith(".md")

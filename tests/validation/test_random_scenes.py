@@ -2,7 +2,6 @@
 
 from functools import cache
 
-import numpy as np
 import pytest
 
 from bem.scene.scene import load_scene, parse_scene
@@ -46,12 +45,6 @@ def test_every_choice_of_a_key_is_drawn(key):
 @pytest.mark.parametrize("key", LOADING)
 def test_every_way_to_load_is_drawn(key):
     assert any(key in scene.tables["loading"] for scene in drawn())
-
-
-@pytest.mark.parametrize("table", ["layer", "adhesion", "output"])
-def test_tables_are_there_and_absent(table):
-    share = np.mean([table in scene.tables for scene in drawn()])
-    assert 0.2 < share < 0.8
 
 
 def written(scene, folder):

@@ -1,7 +1,6 @@
 """The command line: exit codes, and reports rendered again."""
 
 import json
-import os
 
 import pytest
 
@@ -47,14 +46,6 @@ def test_a_foreign_report_is_one_sentence(tmp_path, capsys, text, message):
         (tmp_path / "report.json").write_text(text)
     assert main(["report", str(tmp_path)]) == 2
     assert message in capsys.readouterr().err
-
-
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes of POSIX")
-@pytest.mark.parametrize("words", [("report",), ("challenge", "judge", "--out", "x", "--submission")])
-def test_a_pipe_in_place_of_a_file_is_one_sentence_at_once(tmp_path, capsys, words):
-    os.mkfifo(tmp_path / "report.json")
-    assert main([*words, str(tmp_path / "report.json" if "--out" in words else tmp_path)]) == 2
-    assert "is a folder, a pipe or a device" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("change", [{"rows": [{}]}, {"cases": [1]}, {"counts": 3}, {"provenance": []}])

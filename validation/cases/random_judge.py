@@ -2,8 +2,8 @@
 
     python -m validation.cases.random_judge --seed 7 --count 100 --out FOLDER
 
-writes the report of scenes 0..99 of seed 7 and the scene files of those that fail.  Scene k of seed K is the same
-whichever others are drawn (corpus/random_scenes.py).
+writes the report of scenes 0..99 of seed 7, and the scene file of every scene that fails.  Scene k of seed K does not
+depend on other scenes (corpus/random_scenes.py).
 """
 
 import argparse
@@ -79,7 +79,7 @@ def judge(rows: Rows, drawn: Drawn, folder: Path) -> None:
 
 def ending(rows: Rows, words: str, expected: bool) -> None:
     """Add the row of how a scene ended."""
-    rows.compare("ended otherwise than it may", float(not expected), 0.0, of=Code.BEM, by=Code.IDENTITY,
+    rows.compare("endings that are not allowed", float(not expected), 0.0, of=Code.BEM, by=Code.IDENTITY,
                  quantity=Quantity.COUNT, kind="construction", required=0.5, because=words)
 
 

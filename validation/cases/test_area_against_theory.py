@@ -24,7 +24,7 @@ HURST, LOADS = (0.3, 0.5, 0.7, 0.9), (0.02, 0.05, 0.1, 0.2)  # loads over E* h'_
 
 
 def theory(scene, pressures):
-    """Return contact fractions of the theory at mean pressures in Pa; the same for all realisations."""
+    """Return contact fractions of the theory at mean pressures in Pa, which all realisations share."""
     return np.array(
         [persson_contact(scene, pressure, with_separation=False).contact_fraction for pressure in pressures]
     )

@@ -1,4 +1,4 @@
-"""Scans of one wave, in other units, forms and places, against Westergaard's contact of that wave; noise of a rough one.
+"""Scans of one wave, in other units, forms and places, against Westergaard's contact of it; noise of a rough one.
 
 h = D cos(2 pi x / period), D = 100 um, period 10 mm, 64 samples; E = 1 MPa, nu = 0.5, no adhesion.  Closed forms as in
 test_johnson.py: contact fraction 2 psi / pi at the penetration D S (1 - ln S), S = sin^2 psi.

@@ -20,15 +20,15 @@ from validation.__main__ import read_report
 from validation.report.pages import ReportError
 from validation.report.verification_page import REPORT
 
-SAME = 1e-6  # of the largest target: two states are at the same one
+SAME = 1e-6  # of the largest target: two states this near one another are at one target
 LIMIT = 2.0  # of the combined uncertainty of two estimates
 KINDS = {REPORT: "a verification report", RESULT_FILE: "a result"}  # by the file that a folder holds
-WORDS = ("n_patches", "status")  # of a state, which are the same or not
+WORDS = ("n_patches", "status")  # attributes of a state that are equal or differ, without an uncertainty
 
 
 @dataclass(frozen=True)
 class Apart:
-    """A number of A and of B, their combined uncertainty, and the limit of their difference in units of it."""
+    """Pair of numbers of A and B with their combined uncertainty; `limit` is the allowed difference over it."""
 
     quantity: str
     where: str
@@ -50,8 +50,8 @@ class Apart:
         """Difference over the larger number, in words; a difference within rounding counts as none."""
         apart, larger = abs(self.a - self.b), max(abs(self.a), abs(self.b))
         if self.a == self.b or apart <= ERROR_FLOOR * larger:
-            return "the same to rounding"
-        return "one is no number" if math.isnan(apart / larger) else f"{100 * apart / larger:.2g} % apart"
+            return "equal to rounding"
+        return "one is not a number" if math.isnan(apart / larger) else f"{100 * apart / larger:.2g} % apart"
 
     @property
     def differs(self) -> bool:
@@ -203,7 +203,8 @@ def _numbers(
         errors = [getattr(side.error_estimate, name) for side in (a, b)]
         values = [getattr(side, name) for side in (a, b)]
         if None not in errors and None not in values:
-            apart = max(sum(errors), ERROR_FLOOR * max(map(abs, values)))  # older results know no floor
+            # results of older versions state errors below rounding
+            apart = max(sum(errors), ERROR_FLOOR * max(map(abs, values)))
             yield Apart(name.replace("_", " "), where, values[0], values[1], apart)
 
 
@@ -217,6 +218,6 @@ def _scene_notes(a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _counts(words: Iterable[str]) -> str:
-    """Return words with their counts, in the order of first occurrence."""
+    """Return a text of distinct words with their counts, in the order of first occurrence."""
     listed = list(words)
     return ", ".join(f"{listed.count(word)} {word.replace('_', ' ')}" for word in dict.fromkeys(listed)) or "none"

@@ -1,6 +1,6 @@
-"""The command `linecontact`: those of a scene go straight to the solver, all others through commands.py.
+"""The command `linecontact`: commands of a scene go straight to the solver, all others through commands.py.
 
-They do without the harness, whose loading takes longer than a small scene.
+Commands of a scene do not load the verification, which takes longer than a small scene.
 """
 
 import gc

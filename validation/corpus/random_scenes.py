@@ -1,11 +1,11 @@
 """Scenes drawn at random from the whole contract of the scene file, each by its own seed.
 
-Scene k of seed K comes from `default_rng([K, k])` alone: it is the same however many are drawn, and in whichever
-worker.  Drawn are kinds of profile, solids, layers from thin to thick, adhesion from none to strong (Johnson's alpha of
-a wave with the rms height of the profile), controls, histories, accuracies and outputs, at lengths from nm to m and
-moduli from 1e2 to 1e13 Pa.  Every range is met at its ends now and then (`_within`).  Targets are parts of the way to
-complete contact, so that a scene asks for something whatever its scale; increments are parts of the path, so that it
-is walked in a bounded number of steps.
+Scene k of seed K comes from `default_rng([K, k])` alone, whatever else is drawn, in any worker.  Drawn are kinds of
+profile, solids, layers from thin to thick, adhesion from none to strong (Johnson's alpha of a wave with the rms height
+of the profile), controls, histories, accuracies and outputs, at lengths from nm to m and moduli from 1e2 to 1e13 Pa.
+Every range is met at its ends now and then (`_within`).  Targets are parts of the way to complete contact, so that a
+scene asks for something whatever its scale; increments are parts of the path, so that it is walked in a bounded number
+of steps.
 
 SI units.  Limits: few harmonics (`HARMONICS`), so that many scenes are affordable; equal crests come of waves of
 one order and of phases that are multiples of pi/2.

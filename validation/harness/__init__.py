@@ -1,1 +1,1 @@
-"""What cases, studies and pages share: figures as data, problems in raw numbers, provenance."""
+"""Common ground of cases, studies and pages: figures as data, problems in raw numbers, provenance."""

@@ -111,7 +111,7 @@ def _version(name: str) -> str:
 
 
 def _library(pool: dict[str, Any]) -> str:
-    """Name and version of a BLAS, and the processor whose kernels it uses."""
+    """Return the name and version of a BLAS, and the processor for which its kernels are made."""
     return " ".join(str(pool[key]) for key in ("internal_api", "version", "architecture") if pool.get(key))
 
 

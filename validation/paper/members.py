@@ -7,8 +7,8 @@ high load  one profile with fewer harmonics, pressed until contact is all but co
 hurst H    H = 0.8 and H = 0.3 with fewer harmonics, each to the same load over its rms slope
 faint W    profiles with 100 harmonics and work of adhesion W: zero, nearly zero, and the paper's
 
-Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.  The quick form has the same
-scenes with fewer realisations and harmonics: it shows that everything runs, and replicates nothing.
+Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.  The quick form solves
+these scenes with fewer realisations and harmonics: it shows that everything runs, and replicates nothing.
 """
 
 from collections.abc import Mapping

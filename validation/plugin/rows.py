@@ -4,7 +4,7 @@ A row compares values with reference values.  It passes where
 
     |value - reference| <= allowed   and   max |value - reference| <= 5 stored error + 1e-13 max |reference|
 
-(of a construction, which often vanishes: + a thousandth of what is allowed, if that is more).
+For rows by construction, whose stored error often is zero, the last term is at least a thousandth of `allowed`.
 `allowed` is the combined uncertainty of both sides, sqrt(u_value^2 + u_reference^2) with k = 2, or a requirement that
 is declared with its reason.  The stored error is in stored.csv.  A known deviation has a band for the ratio
 value / reference instead, and fails outside the band on either side.
@@ -28,7 +28,7 @@ from validation.harness.figure_data import drawn, trace
 
 WORSE = 5.0  # an error above this many stored errors is a regression
 ROUNDING = 1e-13  # of the largest reference: differences below are rounding
-FAR_BELOW = 1e-3  # of what is allowed to a construction
+FAR_BELOW = 1e-3  # of what is allowed: errors of a row by construction below this share are rounding
 MARGINAL = 0.9  # of what is allowed
 
 

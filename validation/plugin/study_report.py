@@ -54,7 +54,7 @@ def write_study(
 ) -> dict[str, Any]:
     """Write report.json and report.html; return the content, whose "failed" counts parts that failed.
 
-    `statements` are those of the paper: statement, printed, ours, uncertainty, verdict.
+    `statements` of the paper are tables with the keys statement, printed, ours, uncertainty, verdict.
     """
     content = content_of(
         {

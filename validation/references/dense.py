@@ -1,4 +1,4 @@
-"""The plain dense evaluation of given contact patches: the reference that the compressed one is measured against.
+"""Pressure of given contact patches by dense linear algebra: the reference for the compressed evaluation of bem.
 
 On every patch x = c + r t and sigma(x) = q(t) / (r sqrt(1 - t^2)), so that with charges y_k = (pi/N) q(t_k) at N
 Gauss-Chebyshev nodes per patch the equation u = h - h_max + Delta becomes A y = b,
@@ -143,7 +143,7 @@ def evaluate_dense(
     nodes : (L,) int array, optional
         Nodes per patch instead of `dense_nodes`; hold them fixed between states whose energies are compared.
     smooth_kernel : LayerKernel, optional
-        What a layer adds to log|2 sin(x/2)|.
+        Kernel that a layer adds to log|2 sin(x/2)|.
 
     Raises
     ------
@@ -198,10 +198,10 @@ def evaluate_dense(
 def _with_edges(
     blocks: list[slice], grids: list[FloatArray], radius: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return how nodes follow edges and edges read nodes, (n, 2 L), (n, 2 L) and (2 L, n).
+    """Return three matrices that link nodes and edges, (n, 2 L), (n, 2 L) and (2 L, n).
 
-    dx of every node as an edge moves outward by one; dr/r, the limit of the slope term on the diagonal; and q(-1),
-    q(+1) from charges.
+    The first holds the motion dx of every node as an edge moves outward by one, the second dr/r, the limit of the slope
+    term on the diagonal.  The third gives q(-1) and q(+1) of every patch from the charges.
     """
     size, count = blocks[-1].stop, radius.size
     motion, stretch, at_edge = np.zeros((size, 2 * count)), np.zeros((size, 2 * count)), np.zeros((2 * count, size))

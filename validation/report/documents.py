@@ -1,16 +1,21 @@
 """Documents of the packages as text and as one HTML page: methods, keys, thresholds, as they were built.
 
-The documents are Markdown beside the code: README.md, KEYS.md, THRESHOLDS.md.  The page needs no network.  Of Markdown
-it knows what they use: headings, paragraphs, lists, tables, code, emphasis, links, formulas.
+The documents are Markdown beside the code: README.md, KEYS.md, THRESHOLDS.md; that of Python is made of the docstrings
+of what `bem` exports.  The page needs no network.  Of Markdown it knows what they use: headings, paragraphs, lists,
+tables, code, emphasis, links, formulas.
 """
 
+import inspect
 import re
+import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib import resources
+from typing import Any
 
 from markupsafe import Markup, escape
 
+import bem
 from validation.report.formulas import formula
 from validation.report.pages import filled
 
@@ -21,6 +26,7 @@ TOPICS = {  # of the terminal: package, and file beside its code
     "thresholds": ("bem", "THRESHOLDS.md"),
     "fem": ("fem_reference", "README.md"),
     "theory": ("persson", "README.md"),
+    "python": ("bem", ""),
     "verification": ("validation", "README.md"),
     "challenge": ("validation.challenge", "README.md"),
 }
@@ -29,7 +35,7 @@ INLINE = re.compile(
 )
 ITEM = re.compile(r"(-|\d+\.) ")
 HEADING = re.compile(r"(#{1,4}) (.+)")
-EXCERPT = 100  # format: characters of a line that holds the words of a search
+WIDTH, MOST_HITS = 100, 12  # format: characters of a line, and paragraphs, of a search
 
 
 class UnknownTopicError(ValueError):
@@ -48,7 +54,35 @@ class Section:
 def document(topic: str) -> str:
     """Return the Markdown of a topic."""
     package, name = TOPICS[topic]
+    if not name:
+        return _docstrings()
     return resources.files(package).joinpath(name).read_text("utf-8")
+
+
+def _docstrings() -> str:
+    """Return the docstrings of what `bem` exports, and of the public parts of its classes, as Markdown."""
+    text = ["# Python", "What `import bem` gives; a result and its states have the columns of `to_table` in SI units."]
+    for name in bem.__all__:
+        owner = getattr(bem, name)
+        parts = [(name, owner)]
+        if inspect.isclass(owner):
+            members = {key: value for base in reversed(owner.__mro__[:-1]) for key, value in vars(base).items()}
+            parts += [(f"{name}.{key}", value) for key, value in members.items() if not key.startswith("_")]
+        for title, part in parts:
+            called = getattr(part, "__func__", part)
+            if inspect.isclass(called) or inspect.isfunction(called) or isinstance(called, property):
+                text.append(f"{'##' if called is owner else '###'} {title}")
+                text.append(f"```\n{title}{_arguments(called)}\n\n{inspect.getdoc(called) or ''}\n```")
+    return "\n\n".join(text) + "\n"
+
+
+def _arguments(part: Any) -> str:
+    """Return the arguments of a class or function with their defaults; their types are in its docstring."""
+    if isinstance(part, property):
+        return ""
+    arguments = inspect.signature(part).parameters.values()
+    named = [argument.replace(annotation=argument.empty) for argument in arguments if argument.name != "self"]
+    return textwrap.fill(str(inspect.Signature(named)), WIDTH, subsequent_indent="    ")
 
 
 def sections(text: str) -> list[Section]:
@@ -78,20 +112,40 @@ def topic_text(topic: str) -> str:
     words = topic.lower().split()
     topics = [words.pop(0)] if len(words) > 1 and words[0] in TOPICS else list(TOPICS)  # as in: keys loading
     parts: list[str] = []
-    hits: list[tuple[str, str]] = []  # place and line
+    hits: list[tuple[str, str]] = []  # place and paragraph
     for name in topics:
-        package, file = TOPICS[name]
         for section in sections(document(name)):
             if _holds(section.heading, words):
                 parts.append(f"[{name}] {section.text}")
             else:
-                place = f"{package.replace('.', '/')}/{file}, {section.heading}"
-                lines = section.text.splitlines()[1:]
-                hits += [(place, line) for line in lines if _holds(line, words)]
+                hits += [
+                    (f"[{name}] {section.heading}", block)
+                    for block in _paragraphs(section.text)
+                    if _holds(block, words)
+                ]
     hits.sort(key=lambda hit: not hit[1].startswith(f"- `{' '.join(words)}"))  # keys of that name come first
     if not words or not parts + hits:
         raise UnknownTopicError(f"topic: {topic!r} is in no line; allowed: {', '.join(TOPICS)}, or words to search for")
-    return "\n".join([*parts, *(f"{place}: {_excerpt(line, words)}" for place, line in hits)])
+    for place, block in hits[:MOST_HITS]:
+        wrapped = textwrap.wrap(" ".join(block.split()), WIDTH - 4, break_on_hyphens=False)
+        parts.append("\n    ".join([f"{place}:", *wrapped]))
+    if len(hits) > MOST_HITS:
+        parts.append(f"{len(hits) - MOST_HITS} more; a topic before the words has less, as in: docs keys {words[0]}")
+    return "\n".join(parts)
+
+
+def _paragraphs(text: str) -> Iterator[str]:
+    """Yield the paragraphs, items of lists, rows of tables and indented parts of code of a section."""
+    block: list[str] = []
+    fenced = False
+    for line in [*text.splitlines()[1:], ""]:
+        begins = not line.strip() or ITEM.match(line) or line.startswith(("|", "```"))
+        if block and (begins or (fenced and not line.startswith(" "))):
+            yield "\n".join(block)
+            block = []
+        fenced ^= line.startswith("```")
+        if line.strip() and not line.startswith("```"):
+            block.append(line)
 
 
 def _holds(line: str, words: Sequence[str]) -> bool:
@@ -103,13 +157,6 @@ def _begins(line: str, word: str) -> int | None:
     """Return where a word begins with the given letters in a line; None if none does."""
     match = re.search(rf"(?<![a-z0-9]){re.escape(word)}", line.lower())
     return None if match is None else match.start()
-
-
-def _excerpt(line: str, words: Sequence[str]) -> str:
-    """Return the part of a line around the first word, in at most EXCERPT characters and an ellipsis at each cut."""
-    start = max(min((_begins(line, words[0]) or 0) - EXCERPT // 3, len(line) - EXCERPT), 0)
-    end = start + EXCERPT
-    return f"{'.. ' * (start > 0)}{line[start:end].strip()}{' ..' * (end < len(line))}"
 
 
 def contents() -> str:

@@ -1,6 +1,6 @@
 """report.html of a run: its answer first, then how well it is known and what was asked; from its result alone.
 
-The uncertainty of the input is that of a study of the same scene, where its study.json lies beside the result.
+The uncertainty of the input comes from a study of this scene, where study.json lies beside the result.
 """
 
 import json

@@ -7,9 +7,9 @@ The gap g >= 0 on n points minimises
 mode by mode in U_el, by the constrained conjugate gradients of Bugnicourt, Sainsot, Lesaffre and Lubrecht, J. Tribol.
 140 (2018) 011411, doi:10.1115/1.4037226, along the path of separations.  JKR is the limit of a cohesive range rho of
 zero.  On a grid rho cannot go there: cohesion acts along E* rho^2 / gamma beside an edge, and unless some c of the
-spacings fit into it, edges are held by the lattice.  Hence the one knob, n, with rho = sqrt(c dx gamma / E*), c = 8: it
-falls like n^-1/2.  Contact is what the package counts: points without a gap.  SI units.  Limits: half-space, targets of
-penetration, no slope term.
+spacings fit into it, edges are held by the lattice.  So n is the only parameter, with
+rho = sqrt(c dx gamma / E*), c = 8: rho falls like n^-1/2.  Contact is what the package counts: points without a gap.
+SI units.  Limits: half-space, targets of penetration, no slope term.
 """
 
 import io

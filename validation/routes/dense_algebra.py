@@ -1,4 +1,4 @@
-"""Dense algebra next to a state of a scene; the equations are those of references/dense_equilibrium.py."""
+"""Dense algebra next to a state of a scene; equations and limits: references/dense_equilibrium.py."""
 
 from dataclasses import replace
 

@@ -175,7 +175,7 @@ def copied(source: Path, target: Path, without: str = "") -> None:
 
 
 class Executed:
-    """Which tests and quick cases execute which lines, measured once without a mutant."""
+    """Lines that each test and quick case executes, measured once without a mutant."""
 
     def __init__(self, folder: Path) -> None:
         self.folder, self.seconds = folder, dict[str, float]()
@@ -186,7 +186,7 @@ class Executed:
         self.data.read()
 
     def _measure(self, suite: str, progress: str) -> None:
-        """Run the tests right in a folder, unless they have been.
+        """Run the tests that lie directly in a folder, unless their seconds are stored.
 
         Tests that name no judged module are left out, and lines of other processes are not seen.
         """
@@ -214,10 +214,10 @@ class Executed:
         self.seconds |= json.loads(kept.read_text("utf-8"))
 
     def tests(self, mutant: Mutant, folder: str, budget: float) -> list[str]:
-        """Return the tests below a folder that execute a statement: the quickest, up to a budget in s, file by file.
+        """Return the quickest tests below a folder that execute the statement of a mutant, up to a budget in s.
 
-        Those of the folder of the mutant come first.  A statement that is executed on import alone concerns all tests
-        that execute its file.
+        Tests of the mutant's own folder come first, file by file.  A statement that is executed on import alone
+        concerns all tests that execute its file.
         """
         lines = self.data.contexts_by_lineno(str(self.folder / "sources" / mutant.file))
         contexts = {name for line in mutant.lines for name in lines.get(line, ())}
@@ -288,7 +288,7 @@ def table(lines: Iterable[dict[str, str]]) -> str:
 
 
 def main() -> int:
-    """Run the mutants that have no answer yet, and print the table."""
+    """Run the drawn mutants that mutants.csv lacks, and print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--count", type=int, default=300)

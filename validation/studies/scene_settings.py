@@ -176,7 +176,7 @@ class Change:
             yield self.to("cut", f"none, {most} harmonics", {"profile": {"cutoff_short": None, "harmonics": most}})
 
     def detrends(self) -> Iterator[Setting]:
-        """Yield other trends, except those that leave the profile tilted."""
+        """Yield other trends, except trends that leave the profile tilted."""
         level = _left_by_detrending(self.scene)
         for method in DETRENDS:
             same = {method, self.scene.profile.detrend} <= {"none", "mean"}  # a constant height changes nothing

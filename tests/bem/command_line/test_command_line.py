@@ -124,13 +124,6 @@ def test_a_folder_that_exists_is_refused_and_kept(scene, out, tmp_path, capsys):
     assert run(scene, tmp_path / "empty") == 2
 
 
-@pytest.mark.parametrize("flag", [(), ("--resume",), ("--overwrite",)], ids=["plain", "resume", "overwrite"])
-def test_a_file_in_place_of_the_folder_is_refused(flag, scene, tmp_path):
-    (tmp_path / "out").write_text("precious")
-    assert run(scene, tmp_path / "out", *flag) == 2
-    assert (tmp_path / "out").read_text() == "precious"
-
-
 def test_overwrite_replaces_what_a_run_wrote_and_keeps_other_files(out, tmp_path):
     for name in ("notes.txt", "answer.csv", "report.html", "shape_0.png"):
         (out / name).write_text("before")

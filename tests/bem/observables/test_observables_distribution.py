@@ -83,10 +83,6 @@ def test_all_of_the_contact_is_accounted_for(rough):
     assert abs(found.above) <= 1e-15
 
 
-def test_density_is_never_negative(rough):
-    assert np.min(pressure_distribution(rough.pressure, bins=3000).density) >= 0
-
-
 @pytest.mark.parametrize("bins", [200, 400, 800], ids=lambda n: f"bins={n}")
 def test_bins_share_one_cumulative_function(rough, bins):
     """No binning noise: coarse densities are means of fine ones."""
