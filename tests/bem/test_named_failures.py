@@ -116,7 +116,7 @@ def test_a_fault_of_the_program_is_not_called_a_numerical_failure():
 def recorder():
     """Recorder of a path at which nothing is recorded yet."""
     scene = rough_scene(TARGETS)
-    problem = pose(scene, scene.surface())
+    problem = pose(scene)
     complete = complete_contact(problem.profile, problem.law, None)
     return Recorder(scene, problem, complete, path_for(scene, problem, complete), Record(scene), None)
 
