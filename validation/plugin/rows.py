@@ -438,7 +438,7 @@ class Rows:
         lines = [row.described() for row in failed]
         if gone:
             lines.insert(
-                0, f"stored rows are gone: {', '.join(gone)}; run with --store --reason TEXT if they should be"
+                0, f"stored rows are gone: {', '.join(gone)}; run with --store --reason TEXT if this is meant"
             )
         if failed:
             names = ", ".join(f"{row.name} ({row.of}, {row.by}) {row.verdict}" for row in failed[:3])
