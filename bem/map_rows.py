@@ -15,21 +15,23 @@ import csv
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bem.geometry.ranges import Mistake, shown
+from bem.geometry.table import plain
 from bem.loading.crew import at_work
 from bem.scene.digest import digest
 from bem.scene.result import Result
 from bem.scene.result_file import RESULT_FILE, read_result, write_result
 from bem.scene.result_views import UNITS
-from bem.scene.scene import Scene, parse_scene
+from bem.scene.scene import Scene, Tables, parse_scene, refuse_unclear
 from bem.scene.scene_error import SceneError
 from bem.scene.scene_file import read_tables
-from bem.scene.scene_scan import ALL_ROWS
+from bem.scene.scene_scan import ALL_ROWS, measured_line, without_arrays
+from bem.scene.scene_tables import ProfileTable
 from bem.scene.state import FINAL_STATUSES
 from bem.scene.stored_json import CorruptResultError
 from bem.solver import solve
@@ -118,11 +120,11 @@ def rows_of(tables: Content, base: Path) -> tuple[range, Scene]:
 
 def _count(tables: Content, base: Path, error: SceneError) -> int:
     """Return the number of rows of the map of a scene whose row cannot be solved; raise the error if none is read."""
-    from bem.scans.read_scan import read_scan
     from bem.scans.scan_file_error import ScanFileError
 
+    data, arrays, _ = without_arrays(tables_of_row(tables, 0))
     try:
-        raw = read_scan(base / tables["profile"]["file"], tables_of_row(tables, 0)["profile"])
+        raw = measured_line(data["profile"], base, arrays)
     except (ScanFileError, KeyError, TypeError) as unread:
         raise error from unread
     return int(raw.facts["rows"])
@@ -146,16 +148,17 @@ def folder_of_row(folder: Path, row: int) -> Path:
 
 
 def solve_rows(
-    scene: Path | str | Content,
+    scene: Path | str | Content | None = None,
     jobs: int = 1,
     folder: Path | None = None,
     progress: Callable[[int, str], None] | None = None,
+    **given: Unpack[Tables],
 ) -> RowResults:
     """Solve the rows of a map.
 
     Parameters
     ----------
-    scene : path or mapping
+    scene : path or mapping, optional
         Scene file or tables, with profile.row = "all" and perhaps profile.every.
     jobs : int
         Worker processes; results do not depend on it.  ChildProcessError if one is killed.
@@ -163,13 +166,23 @@ def solve_rows(
         Every row is written into a folder of it when it is solved, and rows that the folder holds are not solved again.
     progress : callable, optional
         Called with each row, and "answered" or the reason why it is not.
+    **given
+        `profile`, `solid`, `loading`, `layer`, ...: objects or mappings, where no scene is given.  The profile may be
+        {"kind": "samples", "h": heights, "spacing": 1e-6, "row": "all"} with an array of two indices, the first along
+        x, as `linecontact keys profile` has it.
 
     Raises
     ------
     SceneError
-        A scene without profile.row = "all", or no row that can be solved.
+        No row that can be solved.
+    TypeError
+        A scene without profile.row = "all"; neither a scene nor tables, or both.
     """
-    tables, base = (scene, Path()) if isinstance(scene, Mapping) else (read_tables(scene), Path(scene).parent)
+    refuse_unclear(scene, given)
+    tables: Content = given if scene is None else scene if isinstance(scene, Mapping) else read_tables(scene)
+    base = Path(scene).parent if isinstance(scene, str | Path) else Path()
+    if isinstance(tables.get("profile"), ProfileTable):
+        tables = {**tables, "profile": plain(tables["profile"])}
     if not asks_for_rows(tables):
         parse_scene(tables, base)
         raise TypeError('solve_rows: the scene is of one profile; bem.solve solves it, profile.row = "all" has rows')

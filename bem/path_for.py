@@ -25,9 +25,8 @@ if TYPE_CHECKING:
 
 def check_path(scene: Scene) -> None:
     """Pose the path of a scene; raise SceneError for mistakes that only posing the path shows."""
-    surface = scene.surface()
-    if not surface.is_flat:
-        problem = pose(scene, surface)
+    if not scene.surface().is_flat:
+        problem = pose(scene)
         path_for(scene, problem, complete_contact(problem.profile, problem.law, problem.elastic.compliance))
 
 

@@ -29,10 +29,10 @@ class Problem:
 
     Attributes
     ----------
-    profile : Profile
-        Dimensionless.
     surface : Profile
-        SI.
+        Of the scene, SI: `Scene.surface()`.
+    profile : Profile
+        The surface in units of the problem, dimensionless.
     elastic : Elastic
         With the compliance, unless the body is a half-space.
     law : InterfaceLaw or None
@@ -73,15 +73,9 @@ class Problem:
         return load / (2 * np.pi) * self.scales.stress
 
 
-def pose(scene: Scene, surface: Profile) -> Problem:
-    """Return the dimensionless problem of a scene whose profile is not flat.
-
-    Parameters
-    ----------
-    scene : Scene
-    surface : Profile
-        The profile of the scene, SI.
-    """
+def pose(scene: Scene) -> Problem:
+    """Return the dimensionless problem of a scene whose profile is not flat."""
+    surface = scene.surface()
     solid = Solid(scene.solid.youngs_modulus, scene.solid.poisson_ratio)
     profile = surface.scaled()
     scales = Scales(surface.period, surface.rms_height, solid.plane_strain_modulus)

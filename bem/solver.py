@@ -108,13 +108,12 @@ def solve(
     """
     scene = scene_of(scene, tables)
     refuse_beyond_memory(scene)
-    surface = scene.surface()
-    if surface.is_flat:
+    if scene.surface().is_flat:
         return solve_flat(scene)
     record = Record(scene)
     with threadpool_limits(limits=1, user_api="blas"), Crew(jobs) as crew:
         try:
-            run = _Run(scene, pose(scene, surface), record, progress, on_state, crew)
+            run = _Run(scene, pose(scene), record, progress, on_state, crew)
             if resume is not None:
                 run.take_over(resume)
             status, failure = run.follow()

@@ -129,7 +129,7 @@ def layer_state(
 
 
 def carried(vertices: FloatArray, function: Function, x: FloatArray, order: int) -> FloatArray:
-    """Return values at nodes x that carry a function: exact at vertices, its moments up to order - 2 between."""
+    """Return values at nodes x that interpolate a function: at vertices itself, between them its lower moments."""
     line = skfem.Basis(skfem.MeshLine(vertices), skfem.ElementLinePp(order), intorder=16)
     tests = line.with_element(skfem.ElementLineP0() if order == 2 else skfem.ElementDG(skfem.ElementLineP2()))
     mass = skfem.BilinearForm(lambda u, q, w: u * q).assemble(line, tests)
@@ -141,7 +141,7 @@ def carried(vertices: FloatArray, function: Function, x: FloatArray, order: int)
 
 
 def motion(mesh: Any, edges: FloatArray, place: tuple[int, ...]) -> FloatArray:
-    """Return theta at the vertices: one near an edge, falling to zero at 0.8 of the way to what is next to it."""
+    """Return theta at the vertices: 1 near an edge, 0 from 0.8 of the way to the next edge, seam or plate on."""
     period, depth = mesh.p.max(axis=1)
     knots = np.sort(np.concatenate([[0.0, period], (edges % period).ravel()]))
     tip = edges[place] % period

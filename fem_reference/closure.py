@@ -87,7 +87,7 @@ class Evaluation:
 def evaluate(
     problem: Problem, mesh: LayerMesh, resolution: Resolution, control: Control, kept: KeptFactors | None = None
 ) -> Evaluation:
-    """Solve on a mesh, with factors of one nearly the same where there are any; find the load of the control."""
+    """Return the state on a mesh at the load that meets the control; `kept` factors of a similar mesh save work."""
     states = solve_unit_states(problem, mesh, resolution.order, kept)
     edges = edge_states(states) if mesh.edges.size else None
     return Evaluation(states, edges, control.load(states), resolution)
@@ -141,10 +141,10 @@ def intervals(edges: FloatArray) -> FloatArray:
 def start_edges(
     problem: Problem, crests: FloatArray, control: Control, resolution: Resolution, factor: float
 ) -> FloatArray:
-    """Return the edges (n_patches, 2) of the family of `crests` where the closure is nearest to being met, stably.
+    """Return edges (n_patches, 2) from which the closure starts: patches cut off the crests at one depth.
 
-    Near pull-off few contacts of the family close: where all that are tried open at every edge, those that close are
-    looked for between them.
+    The depth is the greatest at which the mean residual of K rises through zero, a stable contact. Near pull-off the
+    residual may be positive at every depth of the scan: then its minimum between the depths is searched.
 
     Raises
     ------
@@ -173,7 +173,8 @@ def start_edges(
     else:
         share = _stable(sorted(tried), lambda share: float(opening(at(share)).mean()))
         if share is None:
-            raise InvalidProblemError("value", "leaves no contact: every edge of every contact tried opens")
+            reason = "leaves no contact: all edges open at every depth tried; allowed: a greater penetration or load"
+            raise InvalidProblemError("value", reason)
         return scaled_patches(at(share), factor)
     members = [edges for _, edges in kept]
     stable = np.flatnonzero((mean[:-1] < 0.0) & (mean[1:] >= 0.0))
@@ -185,9 +186,9 @@ def start_edges(
 
 
 def _stable(tried: list[tuple[float, float]], mean: Callable[[float], float]) -> float | None:
-    """Return the depth beyond the least mean residual where it rises through zero; None if the least is not negative.
+    """Return the depth at which the mean residual rises through zero behind its minimum; None if it has no zero.
 
-    The least lies between the neighbours of the best of those tried (depth, mean residual).
+    `tried` holds (depth, mean residual); the minimum is searched between the neighbours of the least of them.
     """
     k = int(np.argmin([value for _, value in tried]))
     below, above = tried[max(k - 1, 0)][0], tried[min(k + 1, len(tried) - 1)][0]
@@ -252,7 +253,7 @@ def close(
     jacobian : FloatArray, optional
         From a coarser closure; without it one is made by differences and renewed when convergence is slow.
     kept : KeptFactors, optional
-        To be left with those of the last mesh that was factorised.
+        Factors to begin with; on return it holds those of the last mesh that was factorised.
     """
     own = jacobian is None
     mesh = layer_mesh(problem.depth, edges, resolution, problem.highest_order)
@@ -283,7 +284,7 @@ def close(
         try:
             there = evaluate(problem, followed_mesh(mesh, trial, resolution, problem), resolution, control, kept)
         except InvalidProblemError as reason:
-            return ended("no_equilibrium", f"the edges lost their order ({reason})")
+            return ended("no_equilibrium", f"a step of Newton's method moved an edge past another ({reason})")
         then = residual(problem, there)
         reached = float(np.max(np.abs(then)))
         slope = slope + np.outer(then - now - slope @ step, step) / (step @ step)

@@ -108,7 +108,7 @@ def contact_indicator(mesh: LayerMesh) -> ContactIndicator:
 
 @dataclass
 class KeptFactors:
-    """Factors of the last mesh factorised, to serve those of the same topology whose edges are nearly the same."""
+    """Factors of the last mesh factorised; they also serve meshes of its topology whose edges are nearly equal."""
 
     mesh: LayerMesh | None = None
     factors: Any = None

@@ -144,7 +144,7 @@ class Branch:
         return self._point(self.solved(evaluation.states.mesh, slope, place, border), border)
 
     def step(self, start: Point, length: float, value: float | None = None) -> Point | None:
-        """Return the point a length along the tangent of a start, or the one at a value of the control beside it.
+        """Return the point a length along the tangent of a start or, with `value`, the nearby point at that control.
 
         None where Newton's method fails, or ends on another branch, or the branch bends too much for the length.
         """
@@ -166,7 +166,7 @@ class Branch:
     def solved(
         self, mesh: LayerMesh, slope: FloatArray, place: FloatArray, border: FloatArray, closed: float = CLOSED
     ) -> Solution | None:
-        """Solve F(z) = 0 and border . (z - place) = 0 from a place on; None where Newton's method fails.
+        """Solve F(z) = 0 and border . (z - place) = 0, starting at z = place; None where Newton's method fails.
 
         Parameters
         ----------

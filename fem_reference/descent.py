@@ -102,7 +102,7 @@ def descend(branch: Branch, edges: FloatArray, value: float, direction: float) -
         beside = np.minimum(np.minimum(intervals(edges), np.roll(intervals(edges), 1)), WIDEST)
         outwards = np.tile([-1.0, 1.0], len(edges))
         edges = edges - (pace * lack / (np.abs(lack) + SOFT) * beside * outwards).reshape(edges.shape)
-    raise NoRestError(f"the edges find no rest in {MOVES} moves at control {value:.6g}")
+    raise NoRestError(f"no equilibrium at control {value:.6g}: the edges still move after {MOVES} moves")
 
 
 def without_narrow(edges: FloatArray, opening: BoolArray) -> tuple[FloatArray, list[Change]]:

@@ -222,7 +222,7 @@ def _parts(order: int, shear_modulus: float, inverse_bulk_modulus: float) -> Flo
 
 
 def _representatives(basis: Any) -> IntArray:
-    """Return the index (n,) of the nodal value each one stands for: those at X = 1 by those at X = 0 and the same y."""
+    """Return the index (n,) of the periodic partner of every nodal value: at X = 1 the one at X = 0, else itself."""
     x, y = basis.doflocs
     left, right = (np.flatnonzero(np.abs(x - end) < 1e-12) for end in (0.0, 1.0))
     left, right = left[np.argsort(y[left])], right[np.argsort(y[right])]

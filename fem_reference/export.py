@@ -102,5 +102,5 @@ def write_fields(result: Result, path: str | Path) -> None:
     """
     target = Path(path)
     if target.exists():
-        raise FileExistsError(f"{target} exists")
+        raise FileExistsError(f"{target} exists: name another file, or remove it")
     field_mesh(result).write(target, file_format="vtu")

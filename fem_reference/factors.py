@@ -32,7 +32,7 @@ class SingularSystemError(RuntimeError):
 
 @dataclass(frozen=True)
 class Factorised:
-    """A constrained matrix, element by element, with factors of it, or nearly so; `solve` refines on the matrix.
+    """Constrained matrix, element by element, with factors of it or of a similar one; `solve` refines on the matrix.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ class Factorised:
 def factorise(
     stiffness: Stiffness, constraints: Constraints, inverse_bulk_modulus: float, factors: Any = None
 ) -> Factorised:
-    """Factorise the constrained matrix, regularised when nearly incompressible; or take `factors` of nearly the same.
+    """Factorise the constrained matrix, regularised when nearly incompressible; or take `factors` of a similar one.
 
     Raises
     ------

@@ -108,7 +108,7 @@ def _numbers(branch: Branch, jump: Jump) -> dict[str, float]:
 
 
 def _across(branch: Branch, point: Point) -> tuple[FloatArray, list[Solution]]:
-    """Return places along the tangent of a point, and the states on planes across it there."""
+    """Return distances along the tangent of a point, and the state on the plane normal to it at each distance."""
     border = point.tangent / branch.scales(point.edges) ** 2
 
     def row(places: FloatArray) -> list[Solution]:
@@ -121,14 +121,14 @@ def _across(branch: Branch, point: Point) -> tuple[FloatArray, list[Solution]]:
 
 
 def _about(branch: Branch, point: Point) -> tuple[FloatArray, list[Solution]]:
-    """Return values of the control from that of a point on, and the states there."""
+    """Return offsets of the control about its value at a point, and the state at each offset."""
     values = VALUES * (LOADS * branch.unit if branch.kind == "mean_pressure" else 1.0)
     border = np.append(np.zeros(point.edges.size), 1.0)
     return values, _row(branch, point, values[:, None] * point.tangent / point.tangent[-1], border)
 
 
 def _row(branch: Branch, point: Point, steps: FloatArray, border: FloatArray) -> list[Solution]:
-    """Solve at steps (n, 2 n_patches + 1) from a coarse point on, the middle one first and the others beside it."""
+    """Solve on a finer mesh at steps (n, 2 n_patches + 1) from a coarse point, the middle step first."""
     problem, middle = branch.problem, len(steps) // 2
     mesh, kept = layer_mesh(problem.depth, point.edges, branch.resolution, problem.highest_order), KeptFactors()
     slope = branch.by_edges_of(branch.evaluated(mesh, point.value, kept), point.value, kept)

@@ -63,7 +63,7 @@ class Resolution:
     def coarser(self, share: float) -> "Resolution":
         """Return the resolution with a share of the cells, rounded up.
 
-        The sizes at the tips keep pace with the order of a load: 2 m levels for each halving.
+        Each halving takes away 2 m tip levels, so that errors of the tips grow with the order 2 m of a load.
         """
         cells = int(np.ceil(share * self.cells))
         fewer = round(2 * self.order * float(np.log2(self.cells / cells)))

@@ -154,7 +154,7 @@ class Result:
         return np.asarray(self.displacement(at) - rigid - self.total_displacement)
 
     def uncertainty_at(self, field: Literal["displacement", "gap", "pressure"], x: ArrayLike) -> FloatArray:
-        """Return the uncertainty of a field at positions x in m (any shape): the larger of the nodes beside x."""
+        """Return the uncertainty of a field at positions x in m: the larger of the two nodes beside x."""
         nodes = self.interface.x
         local = nodes[0] + (np.asarray(x, dtype=float) - nodes[0]) % self.problem.period
         after = np.clip(np.searchsorted(nodes, local), 1, len(nodes) - 1)
@@ -232,8 +232,8 @@ def strain_energy(evaluation: Evaluation) -> float:
 def quantities(evaluation: Evaluation, order: IntArray | None = None) -> dict[str, Quantity]:
     """Return every scalar and edge quantity of one mesh in SI units, by the names of `Result`.
 
-    Patches are listed by `patch_order`, or in the order given: meshes compared with one another need the same one, even
-    when an edge near the end of the period falls on either side of it.
+    Patches are listed by `patch_order`, or in a given order. Meshes that are compared need one order: an edge near the
+    end of the period may fall on either side of it.
     """
     listed = patch_order(evaluation) if order is None else order
     states, load = evaluation.states, evaluation.load
@@ -310,7 +310,7 @@ def uncertainties(evaluations: Sequence[Evaluation]) -> dict[str, Quantity]:
 def _field_uncertainties(evaluations: Sequence[Evaluation]) -> dict[str, Quantity]:
     """Return the uncertainty of displacement, gap and pressure at the face nodes of the last evaluation, SI units.
 
-    That of a node is the largest in the facets it belongs to: two meshes may agree at a point by chance.
+    A node has the largest uncertainty of its facets, because two meshes may agree at a point by chance.
     """
     fine = evaluations[-1]
     problem, at = fine.states.problem, interface_fields(fine).x / fine.states.problem.period

@@ -184,7 +184,9 @@ def prescribed(
         if edges != "complete":
             raise InvalidProblemError("edges", f"must be pairs, 'complete' or None, got {edges!r}")
         if control.kind == "penetration":
-            raise InvalidProblemError("control", "complete contact has penetration h_max; give load or displacement")
+            raise InvalidProblemError(
+                "control", "complete contact has penetration h_max; give mean_pressure or total_displacement"
+            )
         if control.kind == "total_displacement" and problem.uniform_compliance < 1e-6 * problem.depth:
             raise InvalidProblemError("control", "an incompressible layer in complete contact needs mean_pressure")
         pairs = np.zeros((0, 2))
@@ -211,7 +213,7 @@ def closed(
     if not (np.isfinite(start_scale) and start_scale > 0.0):
         raise InvalidProblemError("start_scale", f"must be positive, got {start_scale!r}")
     if problem.work_of_adhesion == 0.0 and control.value <= 0.0:
-        raise InvalidProblemError("value", f"{control.kind} <= 0 detaches everything without adhesion")
+        raise InvalidProblemError("value", f"{control.kind} must be positive without adhesion: the faces part")
     if start is None:
         edges = start_edges(problem, chosen_crests(problem, patches), control, Resolution(2, 6, 4), start_scale)
     else:
@@ -230,7 +232,7 @@ def pairs_of(argument: str, edges: ArrayLike, problem: Problem) -> FloatArray:
 
 
 def judged_closure(problem: Problem, closures: list[Closure]) -> Result:
-    """Return the result of the last closure with its uncertainty, or the name of its failure."""
+    """Return the result of the last closure; one that failed has its outcome as status and infinite uncertainties."""
     last = closures[-1]
     if last.outcome != "converged":
         nowhere = np.full(face_nodes(last.evaluation.states.spaces).x.shape, np.inf)
@@ -253,7 +255,7 @@ def judged(
     residual: float | None,
     min_eigenvalue: float | None = None,
 ) -> Result:
-    """Name the state: admissible, closing at an edge, or entered by the profile, within its uncertainty."""
+    """Return the result with its status: an edge with K < 0 or a profile inside the layer is no contact state."""
     problem = evaluation.states.problem
     status: Status = "converged" if evaluation.edges.size else "complete_contact"
     message = ""

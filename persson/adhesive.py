@@ -223,7 +223,7 @@ def _anderson(
 
 
 def _mix(points: list[FloatArray], images: list[FloatArray]) -> FloatArray:
-    """Return the combination of the images, weights summing to one, with the smallest residual."""
+    """Return the weighted mean of the last images whose residual is smallest; the weights sum to one."""
     residuals = [image - point for image, point in zip(images, points, strict=True)]
     if len(residuals) == 1:
         return images[-1]

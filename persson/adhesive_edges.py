@@ -88,7 +88,7 @@ class EdgeLaw:
         self.pull_off, self.complete = min(float(loads[least]), 0.0), float(loads[top])
 
     def edges(self, area: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return n without adhesion in 1/m, and m, at contact fractions (n,)."""
+        """Return edges per length n without adhesion, 1/m, and the share m that roughness adds, at each area."""
         depth = erfinv(area)[:, None] / np.sqrt(self._resolved)
         # ln A_q, all digits
         logarithm = np.where(depth < 1, np.log(erf(depth)), np.log1p(-erfc(np.maximum(depth, 1.0))))

@@ -94,7 +94,7 @@ def contact_fractions(
 
 
 def pair_correlation(spectrum: Spectrum, coefficients: Mapping[str, float] = COEFFICIENTS) -> float:
-    """Return D, in (0, D_0]: the share of the slope variance that correlated lines take from a small contact.
+    """Return D, in (0, D_0]: the share of the slope variance that a small contact lacks, by correlated lines.
 
     Examples
     --------

@@ -65,11 +65,11 @@ class MagnificationMesh:
     duration: FloatArray
 
     def smoothed(self, barrier: FloatArray) -> FloatArray:
-        """Return the barrier at the nodes, (.., n + 1), moved inward by the staircase that the nodes do not resolve."""
+        """Return the barrier at the nodes, (.., n + 1), moved inward to replace jumps of lines between two nodes."""
         return _moved_inward(barrier, self.jump, self.duration)
 
     def smoothed_inside(self, barrier: FloatArray) -> FloatArray:
-        """Return the barrier in the middle of the cells, (.., n), moved inward by the unresolved staircase."""
+        """Return the barrier in the middle of the cells, (.., n), moved inward as `smoothed` moves it."""
         return _moved_inward(barrier, self.jump[1:], self.duration[1:])
 
     @property

@@ -20,6 +20,12 @@ from bem.scene.scene_tables import REQUIRED_TABLES, TABLES, class_of
 
 TYPES = {"number": "number", "integer": "integer", "string": "text", "boolean": "true or false", "array": "list"}
 TITLE = "What the scene is about, a text; it stands above its results."
+FROM_PYTHON = (
+    "From Python (`bem.solve`, `bem.solve_rows`) arrays in m stand in place of `file`: `h` (array, from Python), "
+    "heights, missing where NaN or masked; `x` (array, from Python), their positions, or else `spacing` in m. "
+    "An `h` of two indices is a map, whose first index runs along x: `row` = 3 is h[:, 3]. "
+    'Example: `profile={"kind": "samples", "h": heights, "spacing": 1e-6, "row": 3}`'
+)
 HEAD = f"""# The keys of a scene file
 
 Made by `linecontact keys`; `linecontact keys SECTION` prints one section. All numbers are in SI units.
@@ -107,6 +113,8 @@ def _section(name: str, schema: Mapping[str, Any]) -> Iterator[str]:
         yield f"- `{key}` ({kind}): {does}"
         yield f"  Allowed: {rest}"
         yield f"  Example: `{key} = {toml(entry['example'])}`"
+    if name == "profile":
+        yield from ("", FROM_PYTHON)
 
 
 def _types(shape: Mapping[str, Any]) -> Iterator[str]:

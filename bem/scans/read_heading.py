@@ -48,15 +48,19 @@ def units_above(above: Sequence[NumberedLine], width: int, heights: int = 0) -> 
         count = 2 if not named and _are_names(above[-2:-1], above[-1][0], width) else 1
         if all(line.startswith(COMMENT) for _, line in above[:-count]):
             return units
+    skipped, stated = f"skip_lines = {above[-1 - count][0]}", _stated(above, heights)
+    if len(stated) > 1:
+        allowed = f"if no samples stand there, these keys, as the lines say: {', '.join([skipped, *stated])}"
+        raise refused("file", f"{quoted(above)} not numbers", allowed + "; and row = 0, 1, .. of a map")
     allowed = (
         "columns of numbers, under a heading with a unit for each column, as in x [mm]; h [um]; or, if no samples "
     )
-    allowed += f"stand there, skip_lines = {above[-1 - count][0]}, and what the lines say in unit_x, unit_h, spacing, "
-    allowed += f"columns, missing_value, valid_column{_stated(above, heights)}; {REMEDY}"
+    allowed += f"stand there, {skipped}, and what the lines say in unit_x, unit_h, spacing, columns, missing_value, "
+    allowed += f"valid_column{''.join(f' ({words})' for words in stated)}; {REMEDY}"
     raise refused("file", f"{quoted(above)} not numbers", allowed)
 
 
-def _stated(above: Sequence[NumberedLine], heights: int) -> str:
+def _stated(above: Sequence[NumberedLine], heights: int) -> list[str]:
     """Return the keys that lines such as `# Width: 5 um` and `# Value units: m` state, as they are to be written.
 
     The width of a map is the length of all its pixels, as Gwyddion writes it: the spacing is a pixel.
@@ -65,9 +69,9 @@ def _stated(above: Sequence[NumberedLine], heights: int) -> str:
     --------
     >>> header = ["# Channel: Z", "# Width: 5.00 µm", "# Height: 3.00 µm", "# Value units: m"]
     >>> _stated([NumberedLine(k + 1, line) for k, line in enumerate(header)], 100)
-    ' (they say: spacing = 0.05 and unit_x = "um", as 100 heights on a line are 5 um wide; unit_h = "m")'
+    ['spacing = 0.05, unit_x = "um" (100 heights on a line are 5 um wide)', 'unit_h = "m"']
     >>> _stated([NumberedLine(1, "# Pixel size: 0.5 nm")], 1)
-    ' (they say: spacing = 0.5 and unit_x = "nm")'
+    ['spacing = 0.5, unit_x = "nm"']
     """
     said = {}
     for line in above:
@@ -75,13 +79,13 @@ def _stated(above: Sequence[NumberedLine], heights: int) -> str:
         if length is not None and unit_of(length[3]) in METRES:
             name, number, word = length[1].lower(), float(length[2].replace(",", ".")), unit_of(length[3])
             if name != "width":
-                said["spacing"] = f'spacing = {number:g} and unit_x = "{word}"'
+                said["spacing"] = f'spacing = {number:g}, unit_x = "{word}"'
             elif heights > MOST_COLUMNS:
-                step = f'spacing = {number / heights:.9g} and unit_x = "{word}"'
-                said.setdefault("spacing", f"{step}, as {heights} heights on a line are {number:g} {word} wide")
+                step = f'spacing = {number / heights:.9g}, unit_x = "{word}"'
+                said.setdefault("spacing", f"{step} ({heights} heights on a line are {number:g} {word} wide)")
         elif unit is not None and unit_of(unit[1]) in METRES:
             said["unit_h"] = f'unit_h = "{unit_of(unit[1])}"'
-    return f" (they say: {'; '.join(said.values())})" if said else ""
+    return list(said.values())
 
 
 def quoted(lines: Sequence[NumberedLine]) -> str:

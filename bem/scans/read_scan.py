@@ -21,10 +21,10 @@ from bem.scans.pick_columns import columns_of, heights_of
 from bem.scans.pick_row import ARRAY_LINES, MAP_LINES, TEXT_LINES, map_of, row_of
 from bem.scans.read_bytes import content_of, text_of
 from bem.scans.read_instrument import RASTER_TEXT, read_instrument
-from bem.scans.read_npy import REAL, REAL_NUMBERS, SIGNATURE, read_npy
+from bem.scans.read_npy import REAL, REAL_NUMBERS, SIGNATURE, read_npy, trace_or_rows
 from bem.scans.read_table import read_table
 from bem.scans.scan_file_error import ScanFileError, refused
-from bem.scans.scan_keys import SCAN_KEYS, TEXT_KEYS
+from bem.scans.scan_keys import ARRAY_KEYS, SCAN_KEYS, TEXT_KEYS
 
 
 def read_scan(path: Path, values: Mapping[str, Any]) -> MeasuredLine:
@@ -46,18 +46,28 @@ def read_scan(path: Path, values: Mapping[str, Any]) -> MeasuredLine:
     return _placed(replace(line, sha256=hashlib.sha256(content).hexdigest()))
 
 
-def line_of_arrays(positions: ArrayLike, heights: ArrayLike, values: Mapping[str, Any]) -> MeasuredLine:
-    """Return the measured line of two arrays in m; heights are missing where masked, NaN or infinite.
+def line_of_arrays(positions: ArrayLike | None, heights: ArrayLike, values: Mapping[str, Any]) -> MeasuredLine:
+    """Return the measured line of arrays in m; heights are missing where masked, NaN or infinite.
 
-    `values` are the keys of [profile]; ScanFileError for keys that say how a file is read, for unlike arrays, and for a
-    position that is missing.
+    Heights are a trace, or a map like that of a `.npy` file: the first index runs along x.  `values` are the keys of
+    [profile]: `spacing` in m where there are no positions, and the `row` of a map.  ScanFileError for keys that say how
+    a file is read, for unlike arrays, and for a position that is missing.
     """
-    _refuse_keys(values, SCAN_KEYS, "is for files, arrays are in m")
-    x, h = _real_array("x", positions), without_missing(_real_array("h", heights), {})
-    if x.ndim != 1 or x.shape != h.shape:
-        raise refused("x", f"of shape {x.shape} beside h of shape {h.shape}", "two arrays of one dimension and length")
+    _refuse_keys(values, [key for key in SCAN_KEYS if key not in ARRAY_KEYS], "is for files, arrays are in m")
+    if positions is not None:
+        _refuse_keys(values, ["spacing"], "beside x")
+    given = without_missing(_real_array("h", heights), {})
+    if given.ndim not in (1, 2):
+        raise refused("h", f"of shape {given.shape}", "heights along one index (a trace) or two (a map)")
+    lines = trace_or_rows(given)
+    x = values["spacing"] * np.arange(lines.shape[-1]) if positions is None else _real_array("x", positions)
+    if x.shape != lines.shape[-1:]:
+        allowed = "an array of one index, with a position for each height along the first index of h"
+        raise refused("x", f"of shape {x.shape} beside h of shape {given.shape}", allowed)
     facts = {"format": "arrays", "unit_x": "m", "unit_h": "m", "unit_x_from": "arrays", "unit_h_from": "arrays"}
-    return _placed(MeasuredLine(x, h, facts, hashlib.sha256(x.tobytes() + h.tobytes()).hexdigest()))
+    h, of_row = _trace_or_row(lines, ARRAY_LINES, values)
+    facts |= of_row | {key: values[key] for key in ("row", "spacing") if key in values}
+    return _placed(MeasuredLine(x, h, facts, hashlib.sha256(x.tobytes() + given.tobytes()).hexdigest()))
 
 
 def _line_of_text(text: str, encoding: str, values: Mapping[str, Any]) -> MeasuredLine:
@@ -86,15 +96,19 @@ def _line_of_heights(
     """Return a trace, (n,), or the row that the scene names of a map, (n_rows, n); x is None without lengths."""
     _refuse_keys(values, TEXT_KEYS, "is for text files")
     heights = without_missing(heights, values)
-    if heights.ndim == 1:
-        _refuse_keys(values, ["row"], "of a line scan")
-    else:
-        heights, of_row = row_of(heights, values.get("row"), ARRAY_LINES if x is None else MAP_LINES)
-        facts = facts | of_row
+    heights, of_row = _trace_or_row(heights, ARRAY_LINES if x is None else MAP_LINES, values)
     if x is not None:
         _refuse_keys(values, ["spacing"], "beside the lengths in the file")
     stated = dict.fromkeys("h" if x is None else "xh", unit)
-    return line_in_metres(values, x, heights, stated, "what its instrument wrote", facts)
+    return line_in_metres(values, x, heights, stated, "what its instrument wrote", facts | of_row)
+
+
+def _trace_or_row(heights: FloatArray, lines: str, values: Mapping[str, Any]) -> tuple[FloatArray, dict[str, Any]]:
+    """Return a trace, (n,), without facts, or the row that the scene names of a map, (n_rows, n), with its facts."""
+    if heights.ndim == 2:
+        return row_of(heights, values.get("row"), lines)
+    _refuse_keys(values, ["row"], "of a line scan")
+    return heights, {}
 
 
 def _real_array(name: str, values: ArrayLike) -> FloatArray:

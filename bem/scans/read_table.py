@@ -122,7 +122,7 @@ def read_table(text: str, skip_lines: int = 0, decimal: str | None = None) -> Te
     reading, read = _best_reading(body, readings)
     width = len(reading.cells(body[0].text))
     if decimal is None:
-        _refuse_commas(body, reading, read)
+        _refuse_commas(above, body, reading, read)
     elif decimal == ",":
         _refuse_comma_columns([line for line, row in zip(body, read, strict=True) if row is None])
     units = units_above(above, width, width - (not reading.cells(body[0].text)[-1]))
@@ -191,10 +191,13 @@ def _numbers(body: Sequence[NumberedLine], reading: Reading, rows: Sequence[Cell
     return np.array(rows, dtype=np.float64)
 
 
-def _refuse_commas(body: Sequence[NumberedLine], reading: Reading, rows: Sequence[Cells | None]) -> None:
+def _refuse_commas(
+    above: Sequence[NumberedLine], body: Sequence[NumberedLine], reading: Reading, rows: Sequence[Cells | None]
+) -> None:
     """Raise ScanFileError if commas between columns may be decimal marks of the column before (`0,1,25`).
 
-    Lines of unlike lengths, of 3 or 4 cells, are whole numbers among such decimals (`1,1,25`, `1,50,1,75`).
+    Lines of unlike lengths, of 3 or 4 cells, are whole numbers among such decimals (`1,1,25`, `1,50,1,75`).  A heading
+    of half as many cells leaves no doubt.
     """
     if reading.delimiter != "," or any("." in line for _, line in body):
         return
@@ -203,6 +206,8 @@ def _refuse_commas(body: Sequence[NumberedLine], reading: Reading, rows: Sequenc
     filled = known[:, 1:][:, ~np.isnan(known[:, 1:]).all(axis=0)]  # without the empty cell behind a comma at the end
     decimals = filled.shape[1] > 1 and (filled >= 0).all(axis=0).any()
     if decimals or (len(widths) > 1 and widths <= {2, 3, 4}):
+        if above and not above[-1].text.startswith(COMMENT) and 2 * len(above[-1].text.split(",")) in widths:
+            _refuse_comma_columns(body)
         problem = f"is needed: {body[0]} has commas that may part columns or decimals"
         raise refused("decimal", problem, f'decimal = "." if every comma parts columns; otherwise {OTHER_MARK}')
 

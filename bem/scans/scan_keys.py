@@ -2,6 +2,7 @@
 
 TEXT_KEYS = ("skip_lines", "decimal", "columns", "valid_column", "valid_value")  # of text files alone
 SCAN_KEYS = ("unit_x", "unit_h", *TEXT_KEYS, "missing_value", "spacing", "row", "every", "channel")  # how it is read
+ARRAY_KEYS = ("spacing", "row", "every")  # of SCAN_KEYS, those of arrays in memory
 DEFAULTS = {  # how it is prepared
     **{"dropouts": "missing", "missing": "refuse", "outliers": "keep"},
     **{"detrend": "mean", "periodic": "as_is", "unequal_spacing": "refuse"},

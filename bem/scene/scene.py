@@ -175,6 +175,16 @@ def scene_of(scene: Scene | Path | str | Table | None, tables: Mapping[str, Any]
     >>> scene.surface().max_height, scene.loading.targets
     (1e-05, (8e-06, 4e-06))
     """
+    refuse_unclear(scene, tables)
+    if isinstance(scene, Scene):
+        return scene
+    if isinstance(scene, str | Path):
+        return load_scene(scene)
+    return parse_scene(tables if scene is None else scene)
+
+
+def refuse_unclear(scene: Scene | Path | str | Table | None, tables: Mapping[str, Any]) -> None:
+    """Raise TypeError for neither a scene nor tables, for both of them, and for a scene of another type."""
     needed = "a scene, its file or its tables as a mapping is needed, or profile=, solid=, loading=, ..."
     if scene is not None and not isinstance(scene, Scene | Path | str | Mapping):
         raise TypeError(f"scene = {scene!r}, {type(scene).__name__}: {needed}")
@@ -184,13 +194,8 @@ def scene_of(scene: Scene | Path | str | Table | None, tables: Mapping[str, Any]
         wrong = [f"{', '.join(unknown)} unknown"] if unknown else []
         wrong += [f"{', '.join(clashing)} beside a whole scene"] if clashing else []
         raise TypeError(f"{' and '.join(wrong)}: {needed}")
-    if isinstance(scene, Scene):
-        return scene
-    if isinstance(scene, str | Path):
-        return load_scene(scene)
     if scene is None and not tables:
         raise TypeError(f"nothing given: {needed}")
-    return parse_scene(tables if scene is None else scene)
 
 
 def parse_scene(data: Mapping[str, Any], base_dir: Path | str = ".") -> Scene:
@@ -200,7 +205,8 @@ def parse_scene(data: Mapping[str, Any], base_dir: Path | str = ".") -> Scene:
     ----------
     data : mapping
         Tables by name, as `tomllib` returns them, or objects (`Tables`).  A profile of samples may have arrays or lists
-        `x` and `h` in m instead of `file`; they are prepared like those of a file, where masked heights are missing.
+        `x` and `h` in m instead of `file`, or `h` and `spacing`; they are prepared like those of a file, where masked
+        heights are missing.  An `h` of two indices is a map, the first index along x, of which `row` is solved.
     base_dir : Path or str
         Folder relative file names start from.
 

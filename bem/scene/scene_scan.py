@@ -17,13 +17,14 @@ from bem.scans.scan_keys import CUTOFFS, DEFAULTS, SCAN_KEYS
 from bem.scene.scene_tables import ProfileTable
 
 if TYPE_CHECKING:
+    from bem.scans.measured_line import MeasuredLine
     from bem.scans.periodic_samples import PeriodicSamples
 
 ALL_ROWS = "all"  # profile.row of a map whose rows are solved each (bem/map_rows.py)
 IN_MEMORY = "arrays in memory"  # the name of the file of samples that are given as arrays
 SAMPLED_HARMONICS = 1000  # format: default cut of a scan that is not filtered
 
-Samples = tuple[ArrayLike, ArrayLike]
+Samples = tuple[ArrayLike | None, ArrayLike]  # positions, where they are given, and heights
 
 
 def without_arrays(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], Samples | None, list[Mistake]]:
@@ -36,9 +37,9 @@ def without_arrays(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], Samples 
         return data, None, []
     rest = {key: value for key, value in profile.items() if key not in ("x", "h")}
     data = {**data, "profile": rest | {"file": IN_MEMORY}}
-    if x is None or h is None:
-        allowed = "samples in memory need x and h, arrays of equal length in m"
-        return data, None, [Mistake(f"profile.{'x' if x is None else 'h'}", "is missing", allowed)]
+    if h is None or (x is None and "spacing" not in profile):
+        allowed = "samples in memory need x and h, arrays of equal length in m, or h and its spacing in m"
+        return data, None, [Mistake(f"profile.{'h' if h is None else 'x'}", "is missing", allowed)]
     return data, (x, h), []
 
 
@@ -53,19 +54,24 @@ def scan_of(
         allowed = 'a row, or "mean"; all are solved by linecontact run, and by bem.solve_rows in Python'
         return None, [Mistake("profile.row", f'= "{ALL_ROWS}" is many scenes', allowed)]
     from bem.scans.prepare_line import prepare
-    from bem.scans.read_scan import line_of_arrays, read_scan
     from bem.scans.scan_file_error import ScanFileError
 
     name = profile["file"]
     try:
-        raw = read_scan(base_dir / name, profile) if arrays is None else line_of_arrays(*arrays, profile)
-        scan = prepare(raw, profile)
+        scan = prepare(measured_line(profile, base_dir, arrays), profile)
     except ScanFileError as error:
         named = f"= {shown(name)}: "
         return None, [
             replace(each, found=named * (each.path == "profile.file") + each.found) for each in error.mistakes
         ]
     return scan, list(_scan_mistakes(profile, scan))
+
+
+def measured_line(profile: Mapping[str, Any], base_dir: Path, arrays: Samples | None) -> MeasuredLine:
+    """Return the measured line of profile.file or of arrays; ScanFileError if there is none."""
+    from bem.scans.read_scan import line_of_arrays, read_scan
+
+    return read_scan(base_dir / profile["file"], profile) if arrays is None else line_of_arrays(*arrays, profile)
 
 
 def with_scan(profile: ProfileTable, scan: PeriodicSamples) -> ProfileTable:

@@ -9,11 +9,12 @@ from validation.cases.bem_beside_fem import (
     RESOLUTIONS,
     Comparison,
     away_from_edges,
+    compare_codes,
     compare_equilibria,
     compare_prescribed,
     differences,
 )
-from validation.plugin.rows import Rows
+from validation.plugin.rows import Quantity, Rows
 from validation.routes.fem_scenes import fem_arguments, middle_pressure, solve_fem
 from validation.routes.scenes import contact_state, posed
 
@@ -100,3 +101,13 @@ def test_middle_pressure_is_the_weighted_mean_of_westergaards():
     exact = 2 * full * np.cos(at) * np.sqrt(sine - np.sin(at) ** 2)
     # measured 3.8e-9: the layer
     np.testing.assert_allclose(middle_pressure(state), np.sum(weight * exact) / np.sum(weight), rtol=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("theirs", "uncertainty", "verdict"),
+    [(1.003, 0.002, "agrees"), (1.005, 0.002, "deviates"), (1.005, 0.02, "not converged"), (1.012, 0.009, "deviates")],
+)
+def test_what_is_allowed_has_a_ceiling_and_a_large_uncertainty_establishes_nothing(theirs, uncertainty, verdict):
+    rows = Rows()
+    compare_codes(rows, "load", 1.0, theirs, (0.0, uncertainty), 1.0, quantity=Quantity.PRESSURE)
+    assert [row.verdict for row in rows.rows] == [verdict]

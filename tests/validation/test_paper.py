@@ -66,6 +66,9 @@ def test_a_statement_without_a_number_is_not_run():
     rows = judge({"area over theory": Measured(1.9, 0.01)}, "")
     assert headline(rows) == "1 of 39 statements run: 1 reproduced"
     assert headline(judge({"area over theory": Measured(1.9, 0.01)}, "short form")) == "0 of 39 statements run"
+    others = judge({"area over theory": Measured(1.9, 0.01)}, "", "the ensemble")
+    assert [row["note"] for row in others[:2]] == ["", "the ensemble"]
+    assert [row["verdict"] for row in others[:2]] == ["reproduced", "not run"]
 
 
 def test_ensemble_is_the_papers():
@@ -148,6 +151,18 @@ def test_bands_keep_the_mean_of_every_order():
     order, value = banded(np.arange(1.0, 101.0), 5)
     assert len(order) == 5
     assert value[-1] == pytest.approx(np.mean(np.arange(41.0, 101.0)))  # 101^(4/5) = 40.1
+
+
+def test_moments_of_heights_under_random_phases():
+    amplitudes, rng = np.array([1.0, 0.7, 0.5, 0.4]), np.random.default_rng(1)
+    x, orders = 2 * np.pi * np.arange(64) / 64, np.arange(1, 5)
+    phases = rng.uniform(0, 2 * np.pi, (4000, 4, 1))
+    heights = np.sum(amplitudes[:, np.newaxis] * np.cos(np.outer(orders, x) + phases), axis=1)
+    heights /= np.sqrt(np.sum(amplitudes**2) / 2)
+    third, fourth = profiles.expected_moments(amplitudes)
+    for moments, expected in ((np.mean(heights**3, axis=1) ** 2, third**2), (np.mean(heights**4, axis=1), fourth)):
+        mean, error = estimate(moments)
+        assert abs(mean - expected) < 3 * error < 0.1 * expected
 
 
 @pytest.mark.parametrize("power", [1.0, 2.0, 3.0])

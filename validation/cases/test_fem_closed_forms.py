@@ -3,8 +3,8 @@
 - Complete contact of a wave with a bonded layer, any nu: energy per area h_1^2 / (4 c(q)), c(q) of Carbone and
   Mangialardi (J. Mech. Phys. Solids 56 (2008) 684); the energy converges with the order 2 m of elements of order m.
 - One patch on a layer of two periods, which is a half-space to 1e-8: Johnson's state (Int. J. Solids Struct. 32 (1995)
-  423), with its edges given (load and stress intensity asked) and found by the finite elements' closure (edges and
-  load).
+  423), with its edges given: load and stress intensity are asked.  Edges that finite elements find are in
+  test_three_ways.py and test_fem_calibration.py.
 - The closure moves edges until K = K_c.  Both are made with E*, so that a wrong E* leaves edges, load and energy as
   they are: asked are K at the edges found, sqrt(2 E* gamma), and the smallest eigenvalue of the energy in motions of
   the edges.
@@ -21,13 +21,12 @@ from fem_reference import Resolution
 from fem_reference.result import spread
 from fem_reference.solve import companions
 from validation.plugin.rows import Code, Quantity
-from validation.references.closed_forms import Sinusoid, layer_compliance, uniform_compliance
+from validation.references.closed_forms import Sinusoid, layer_compliance
 from validation.routes.fem_scenes import on_meshes, uncertain
 
 PERIOD, AMPLITUDE, E = 0.01, 50e-6, 1e6
 HALVED = 0.35 * float(np.expm1(0.5 / 0.35)) * PERIOD  # thickness at which meshes have half as many rows as columns
 HALF_SPACE = 1e-8  # relative: a layer of two periods
-CLOSURE = {2: Resolution(2, 10, 10), 4: Resolution(4, 8, 18)}
 GIVEN = {2: Resolution(2, 10, 12), 4: Resolution(4, 10, 22)}
 
 
@@ -70,26 +69,15 @@ def test_complete_contact(rows, order, poisson_ratio):
                      source="energy norm of order m, squared")
 
 
-def patch(fraction, poisson_ratio, alpha, resolution, *, given):
-    """Return Johnson's wave and the finite elements' state at its penetration, edges given or found."""
-    wave, half = Sinusoid(AMPLITUDE, PERIOD, E, poisson_ratio, alpha), 0.5 * fraction * PERIOD
-    state = fem_reference.solve(**raw(wave, 2 * PERIOD), control="penetration", resolution=resolution,
-                                value=float(wave.penetration(fraction * np.pi / 2)),
-                                work_of_adhesion=wave.work_of_adhesion,
-                                edges=[[-half, half]] if given else None)
-    assert given or state.status == "converged", state.message
-    return wave, state
-
-
-at_both_orders = pytest.mark.parametrize("order", [pytest.param(2, marks=pytest.mark.quick),
-                                                   pytest.param(4, marks=pytest.mark.standard)])
-
-
-@at_both_orders
+@pytest.mark.parametrize("order", [pytest.param(2, marks=pytest.mark.quick),
+                                   pytest.param(4, marks=pytest.mark.standard)])
 @pytest.mark.parametrize(("fraction", "poisson_ratio", "alpha"), [(0.1, 0.3, 0.1), (0.4, 0.5, 0.3), (0.7, 0.45, 0.3)])
 def test_given_edges(rows, order, fraction, poisson_ratio, alpha):
     """Do finite elements find load and stress intensity of Johnson's states at given edges?"""
-    wave, state = patch(fraction, poisson_ratio, alpha, GIVEN[order], given=True)
+    wave, half = Sinusoid(AMPLITUDE, PERIOD, E, poisson_ratio, alpha), 0.5 * fraction * PERIOD
+    state = fem_reference.solve(**raw(wave, 2 * PERIOD), control="penetration", resolution=GIVEN[order],
+                                value=float(wave.penetration(fraction * np.pi / 2)), edges=[[-half, half]],
+                                work_of_adhesion=wave.work_of_adhesion)
     johnson = rows.between(Code.FEM, Code.EXACT, "Johnson 1995")
     star, critical = wave.full_contact_pressure, wave.alpha * wave.full_contact_pressure * np.sqrt(PERIOD)
     johnson.compare("mean pressure", state.mean_pressure, float(wave.mean_pressure(fraction * np.pi / 2)),
@@ -97,20 +85,6 @@ def test_given_edges(rows, order, fraction, poisson_ratio, alpha):
                     uncertainty=(uncertain(state, "mean_pressure"), HALF_SPACE * star))
     johnson.compare("stress intensity", state.stress_intensity, critical, quantity=Quantity.INTENSITY, unit="Pa m^1/2",
                     uncertainty=(np.ravel(state.uncertainty["stress_intensity"]), HALF_SPACE * critical))
-
-
-@at_both_orders
-@pytest.mark.parametrize(("fraction", "poisson_ratio", "alpha"), [(0.5, 0.3, 0.3), (0.35, 0.5, 0.2)])
-def test_closure(rows, order, fraction, poisson_ratio, alpha):
-    """Do finite elements find edges and load of Johnson's states by their own closure?"""
-    wave, state = patch(fraction, poisson_ratio, alpha, CLOSURE[order], given=False)
-    johnson = rows.between(Code.FEM, Code.EXACT, "Johnson 1995")
-    johnson.compare("contact fraction", state.contact_fraction, fraction, quantity=Quantity.AREA,
-                    uncertainty=(uncertain(state, "contact_fraction"), HALF_SPACE))
-    johnson.compare("mean pressure", state.mean_pressure, float(wave.mean_pressure(fraction * np.pi / 2)),
-                    quantity=Quantity.PRESSURE, unit="Pa",
-                    uncertainty=(uncertain(state, "mean_pressure"),
-                                 HALF_SPACE * wave.full_contact_pressure))
 
 
 WAVE = Sinusoid(amplitude=1e-4, wavelength=PERIOD, youngs_modulus=E, poisson_ratio=0.3, alpha=0.3)
@@ -136,7 +110,7 @@ def stiffness(psi):
 def test_modulus_of_the_closure(rows):
     """Has the contact whose edges the finite elements find the stress intensity and the stability it must?"""
     fractions = (0.3, 0.5, 0.7)
-    states = [fem_reference.solve(**raw(WAVE, 2 * PERIOD), control="penetration", resolution=CLOSURE[2],
+    states = [fem_reference.solve(**raw(WAVE, 2 * PERIOD), control="penetration", resolution=Resolution(2, 10, 10),
                                   value=float(WAVE.penetration(fraction * np.pi / 2)),
                                   work_of_adhesion=WAVE.work_of_adhesion) for fraction in fractions]
     critical = float(np.sqrt(2 * WAVE.modulus * WAVE.work_of_adhesion))
@@ -160,30 +134,3 @@ def test_modulus_of_the_closure(rows):
     rows.compare("d2U outwards and to one side", np.ravel(by_bem), closed, of=Code.BEM, by=Code.EXACT,
                  quantity=Quantity.STIFFNESS, unit="J/m^3", uncertainty=1e-10 * closed, required=1e-9 * closed,
                  because="nine digits of a derivative", source="Johnson's state, moved edges")
-
-
-@pytest.mark.quick
-def test_two_given_patches_on_a_layer(rows):
-    """Do both codes see the same load, stress intensity, energy and displacement of two given patches?"""
-    nu, thickness, penetration, harmonics = 0.3, 0.2 * PERIOD, 12e-6, ([1, 2], [4e-6, 20e-6], [0.5, 0.3])
-    profile = bem.Profile.from_harmonics(PERIOD, *harmonics)
-    edges = [[place - 0.7e-3, place + 0.9e-3] for place in np.sort(profile.crests[0])]
-    solid, layer = bem.Solid(E, nu), bem.Layer(thickness)
-    state = bem.ContactState(profile, solid, edges, penetration, layer=layer)
-    fem = fem_reference.solve(youngs_modulus=E, poisson_ratio=nu, thickness=thickness, period=PERIOD,
-                              harmonics=harmonics, control="penetration", value=penetration, edges=edges,
-                              resolution=Resolution(4, 8, 12))
-    total = layer.total_displacement(solid, penetration, state.mean_pressure)
-    both = rows.between(Code.BEM, Code.FEM, "P4/P3, 6 cells, given edges")
-    for name, quantity, unit, value in (
-        ("load", Quantity.PRESSURE, "N/m", state.load),
-        ("stress_intensity", Quantity.INTENSITY, "Pa m^1/2", np.ravel(state.stress_intensity)),
-        ("elastic_energy", Quantity.ENERGY, "J/m", state.elastic_energy),
-        ("total_displacement", Quantity.LENGTH, "m", total),
-    ):
-        both.compare(name.replace("_", " "), value, np.ravel(getattr(fem, name)), quantity=quantity, unit=unit,
-                     uncertainty=(1e-9 * np.max(np.abs(value)), uncertain(fem, name)))
-    mean = uniform_compliance(thickness, E, nu) * fem.mean_pressure
-    rows.compare("mean displacement of the face", fem.total_displacement - fem.penetration, mean, of=Code.FEM,
-                 by=Code.EXACT, quantity=Quantity.LENGTH, unit="m", uncertainty=1e-11 * mean, required=1e-10 * mean,
-                 because="holds on any mesh, to rounding of the solution", source="Betti: c(0) p")

@@ -17,7 +17,6 @@ import pytest
 import bem
 from validation.cases.bem_beside_fem import compare_equilibria, compare_prescribed, figure
 from validation.corpus.random_scenes import draw
-from validation.plugin.rows import Code, Quantity
 from validation.routes.scenes import posed
 
 PERIOD = 0.01
@@ -101,18 +100,13 @@ def in_matrix(k):
 )
 def test_random_scenes(rows, scenes, elements):
     """Do both codes find the same equilibria of random scenes, past events, whatever layer, adhesion and control?"""
-    shares, stable = [], []
+    shares = []
     for k in scenes or [k for k in range(DRAWN) if in_matrix(k)]:
         scene = random_scene(k)
         both = compare_equilibria(scene, elements, None)
         both.add_to(rows, f"scene {k}")
         shares.append([k, scene.loading.control, scene.layer.thickness / scene.surface().period,
                        scene.solid.poisson_ratio, "yes" if scene.adhesion else "no", both.share()])
-        if both.fem is not None and both.fem.stable is not None:
-            stable.append(float(both.fem.stable))
-    if stable:
-        rows.compare("adhesive states that are minima of the energy by finite elements", stable, 1.0, of=Code.BEM,
-                     by=Code.FEM, quantity=Quantity.COUNT, uncertainty=(0.0, 0.0), required=0.5,
-                     because="yes or no")
+        assert both.fem is None or both.fem.stable is not False, f"scene {k}: no minimum by finite elements"
     rows.table(f"Scenes of seed {SEED}: |BEM - FEM| over the combined U, at most",
                ["scene", "control", "d/period", "nu", "adhesion", "largest share"], shares)

@@ -1,34 +1,20 @@
-"""Code verification of the finite elements: manufactured solutions, Richardson and GCI.
+"""Code verification of the finite elements by manufactured solutions.
 
-- A plane wave u = A sin(k x + c), p = p0 cos(k x + c) with the body force it needs, on uniform crisscross meshes of the
-  unit square: errors in L2 fall as h^(m+1) for displacements of order m and h^m for pressures, any nu.
-- Johnson's state at given edges on three meshes graded to the edges, each halved: the load is an energy and falls as
-  h^2m.  With the observed order p, or 2 m where that is less, Roache (1998, ch. 5) has
-
-      q_R = q_3 + (q_3 - q_2) / (2^p - 1),   GCI = 1.25 |q_3 - q_2| / (2^p - 1).
+A plane wave u = A sin(k x + c), p = p0 cos(k x + c) with the body force it needs, on uniform crisscross meshes of the
+unit square: errors in L2 fall as h^(m+1) for displacements of order m and h^m for pressures, any nu.  Orders at
+singular edges are in test_convergence.py, stated uncertainties in test_fem_calibration.py.
 """
-
-from itertools import pairwise
 
 import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
 
-from fem_reference import Resolution
 from fem_reference.elasticity import assemble, taylor_hood
 from fem_reference.mesh import crisscross
-from fem_reference.result import spread
 from validation.plugin.rows import Code, Quantity
-from validation.references.closed_forms import Sinusoid
-from validation.routes.fem_scenes import on_meshes
 
-PERIOD, AMPLITUDE, E = 0.01, 50e-6, 1e6
 WAVE_VECTOR, SHIFT = np.array([2.0, 3.0]), 0.3
 CELLS = {2: (8, 16), 4: (3, 6)}
-LADDERS = {  # halved, tips keeping pace
-    2: (Resolution(2, 6, 6), Resolution(2, 12, 10), Resolution(2, 24, 14)),
-    4: (Resolution(4, 4, 6), Resolution(4, 8, 14), Resolution(4, 16, 22)),
-}
 
 
 def manufactured_errors(order, nu, cells):
@@ -81,41 +67,3 @@ def test_manufactured_solution(rows, order):
                      order + 1.0 - place, of=Code.FEM, by=Code.RATE, quantity=Quantity.RATE, uncertainty=0.1,
                      required=0.25, because="a quarter of an order on two meshes; an error of one costs one",
                      source="m + 1 and m on a smooth solution")
-
-
-def arguments(wave, fraction):
-    """Return Johnson's state at given edges, on a layer of two periods, as `fem_reference.solve` takes it."""
-    half = 0.5 * fraction * PERIOD
-    return {"youngs_modulus": E, "poisson_ratio": wave.poisson_ratio, "thickness": 2 * PERIOD, "period": PERIOD,
-            "harmonics": ([1], [AMPLITUDE], [0.0]), "work_of_adhesion": wave.work_of_adhesion,
-            "control": "penetration", "value": float(wave.penetration(fraction * np.pi / 2)),
-            "edges": [[-half, half]]}
-
-
-@pytest.mark.parametrize("order", [pytest.param(2, marks=pytest.mark.quick),
-                                   pytest.param(4, marks=pytest.mark.standard)])
-def test_richardson(rows, order):
-    """Are graded meshes in the asymptotic range, and do GCI and stated uncertainty hold the true error?"""
-    wave, fraction, predicted = Sinusoid(AMPLITUDE, PERIOD, E, 0.3, 0.3), 0.4, 2 * order
-    exact, scale = float(wave.mean_pressure(fraction * np.pi / 2)), wave.full_contact_pressure
-    values = [float(each["mean_pressure"]) for each in on_meshes(LADDERS[order], **arguments(wave, fraction))]
-    cells = [resolution.cells for resolution in LADDERS[order]]
-    steps = [abs(b - a) for a, b in pairwise(values)]
-    observed = float(np.log2(steps[0] / steps[1]))  # cells double
-    refined = 2 ** min(observed, predicted) - 1
-    richardson, index = values[-1] + (values[-1] - values[-2]) / refined, 1.25 * steps[-1] / refined
-    rate = rows.between(Code.FEM, Code.RATE, "energy norm of order m: 2 m of the load on graded meshes")
-    by_errors = np.log2(abs(values[1] - exact) / abs(values[2] - exact))
-    rate.compare("observed order of the load", observed, predicted, quantity=Quantity.RATE,
-                 uncertainty=abs(observed - by_errors), required=0.1 * predicted,
-                 because="a tenth: bounded on both sides")
-    rate.compare("ratio of differences over 2^2m", steps[0] / steps[1] / 2**predicted, 1.0, quantity=Quantity.RATE,
-                 uncertainty=0.1, required=0.1, because="a tenth: the asymptotic range")
-    johnson = rows.between(Code.FEM, Code.EXACT, "Johnson 1995; a layer of two periods: 1e-8", unit="Pa")
-    stated = float(spread(np.array(values), LADDERS[order]))
-    for name, value, u in (("load on the finest mesh, U its GCI", values[-1], index),
-                           ("load on the finest mesh, U as stated", values[-1], stated),
-                           ("Richardson's value, U its GCI", richardson, index)):
-        johnson.compare(name, value, exact, quantity=Quantity.PRESSURE, uncertainty=(u, 1e-8 * scale))
-    rows.curves("Error of the load at given edges", "cells per period", "error / p*",
-                {f"P{order}, graded": (cells, [abs(value - exact) / scale for value in values])}, log="xy")

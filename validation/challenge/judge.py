@@ -57,28 +57,29 @@ def judge(rows: Rows, name: str, given: dict[str, Any], digits: float, of: Code 
     for quantity, key in problem(name)[1].items():
         column = next((of for start, of in COLUMNS.items() if quantity.startswith(start)), Quantity.POINTS)
         title, values = quantity.replace("_", " "), given.get(quantity)
+        by = Code.EXACT if key["made"] == "closed form" else Code.BEM
         if values is None:
-            rows.not_converged(title, "not answered", of=of, by=Code.PUBLISHED, quantity=column)
+            rows.not_converged(title, "not answered", of=of, by=by, quantity=column)
             continue
         try:
             numbers = np.ravel(np.asarray(values, float))
         except (TypeError, ValueError):
-            rows.not_converged(title, f"not numbers: {str(values)[:60]}", of=of, by=Code.PUBLISHED, quantity=column)
+            rows.not_converged(title, f"not numbers: {str(values)[:60]}", of=of, by=by, quantity=column)
             continue
-        spread, own = np.asarray(key["uncertainty"], float), of == Code.BEM and key["made"] != "closed form"
+        spread = np.asarray(key["uncertainty"], float)
         rows.compare(
             title,
             numbers,
             key["value"] if numbers.size == len(spread) else [],
             of=of,
-            by=Code.PUBLISHED,
+            by=by,
             quantity=column,
             unit=key["unit"],
             uncertainty=(0.0, spread.max()),
             required=10.0**-digits * key["scale"] + spread.max(),
             because=f"{digits:g} digits of the scale",
             source=key["made"],
-            kind="construction" if own else "accuracy",
+            kind="construction" if of == by else "accuracy",
         )
 
 

@@ -77,29 +77,34 @@ def theories(ensemble: Ensemble, of: Callable[[Contact], float]) -> list[FloatAr
     return [np.array([of(states[load]) for load in LOADS]) for states in (ensemble.wet, ensemble.dry)]
 
 
+def of_theory(lines: persson.DiscreteSpectrum) -> dict[str, Measured]:
+    """Return the numbers of the theory's area, which need no realisation."""
+
+    def dry(load: float) -> float:
+        return persson.solve_nonadhesive(lines, load * MODULUS, **SOLID).contact_fraction
+
+    def wet(load: float) -> float:
+        return theory_with_adhesion(lines, load).contact_fraction
+
+    random = departures(lambda load: -float(np.expm1(-load)))[0]
+    return {
+        "wet over dry theory": Measured(float(np.mean([wet(load) / dry(load) for load in np.array(LOADS)[COMPARED]]))),
+        "straightness of theory": Measured(max([*departures(dry), *departures(wet)], key=abs), excluded=random),
+    }
+
+
 def measured(ensemble: Ensemble) -> dict[str, Measured]:
     """Return our numbers of area and separation."""
-    area, (wet_area, dry_area) = ensemble.at_loads(_area), theories(ensemble, _area)
+    area, (wet_area, _) = ensemble.at_loads(_area), theories(ensemble, _area)
     separation, (wet_separation, _) = ensemble.at_loads(_separation), theories(ensemble, _separation)
     ratio, slope, length = area / wet_area, _slope(wet_area), _length(wet_separation)
     loads = np.array(LOADS)[FITTED]
     bend = jackknife(lambda curve: curvature(loads, curve[FITTED]), area)
-
-    def dry(load: float) -> float:
-        return persson.solve_nonadhesive(ensemble.lines, load * MODULUS, **SOLID).contact_fraction
-
-    def wet(load: float) -> float:
-        return theory_with_adhesion(ensemble.lines, load).contact_fraction
-
-    return {
+    return of_theory(ensemble.lines) | {
         "area over theory": Measured(*estimate(ratio[:, COMPARED].mean(axis=1))),
         "area over theory 0.001": Measured(*estimate(ratio[:, 0])),
         "curvature of area": Measured(*bend, excluded=curvature(loads, np.sqrt(loads))),
         "slope over theory": Measured(*estimate([_slope(curve) / slope for curve in area])),
-        "wet over dry theory": Measured(float(np.mean((wet_area / dry_area)[COMPARED]))),
-        "straightness of theory": Measured(
-            max([*departures(dry), *departures(wet)], key=abs), excluded=departures(lambda load: -np.expm1(-load))[0]
-        ),
         "length of separation": Measured(*estimate([_length(curve) / length for curve in separation])),
         **{
             f"separation over theory {load:g}": Measured(*estimate(separation[:, k] / wet_separation[k]))

@@ -1,8 +1,13 @@
 """Heights of the profiles, the deformed shapes of one of them, and the gain of area by faint adhesion.
 
-Heights.  Each profile is sampled on a grid that resolves its shortest wave 16 times.  The mean excess kurtosis of a sum
-of waves with independent phases, -(3/2) sum h_m^4 / (sum h_m^2)^2, tends to the Gaussian's 0 only when many waves share
-the variance.
+Heights.  Each profile is sampled on a grid that resolves its shortest wave 16 times.  Over independent uniform phases,
+with v_m = h_m^2 / sum h_k^2, the mean fourth moment and the mean square of the third are
+
+    <h^4> / h_rms^4 = 3 - (3/2) sum_m v_m^2,
+    <<h^3>^2> / h_rms^6 = (9/2) sum_(m,n) v_m v_n v_(m+n) - (9/4) sum_m v_m^2 v_2m,
+
+since <cos^4> = 3/8, and h^3 has a mean from waves m, n and m + n alone.  For the paper's spectrum: 2.182, and .473^2; a
+Gaussian has 3 and 0, which heights reach only when many waves share the variance.
 
 Shapes at s = 86, 48, 38 and 9.6 um: the text of the paper says 38 um where its caption says 48 um.  Seeds 0 and 1 have
 crests of 84 and 85 um, below 86 um: they do not touch there.
@@ -14,13 +19,14 @@ means over the loads of `FAINT_AT`.
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601, sections 4 and 5.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from bem.geometry.profile import Profile
 from validation.harness.arrays import FloatArray
 from validation.harness.figure_data import Figure, Series, drawn, trace
-from validation.paper.ensemble import Ensemble, Realisation, estimate
+from validation.paper.ensemble import Ensemble, Realisation, estimate, jackknife
 from validation.paper.members import FAINT_AT, FAINT_WORKS, SHAPES_AT
 from validation.paper.statements import Measured
 from validation.references.paper_problem import MODULUS, RMS_HEIGHT
@@ -30,11 +36,7 @@ MOST_POINTS = 2400  # of a curve in a figure
 
 def measured(ensemble: Ensemble) -> dict[str, Measured]:
     """Return our numbers of heights and of faint adhesion."""
-    heights = _heights(ensemble)
-    numbers = {
-        "skewness": Measured(*estimate([np.mean(h**3) for h in heights])),
-        "fourth moment": Measured(*estimate([np.mean(h**4) for h in heights])),
-    }
+    numbers = of_heights([member.profile for member in ensemble.loading])
     groups = [group for work in FAINT_WORKS if (group := ensemble.whole(f"faint {work:g}"))]
     if len(groups) == len(FAINT_WORKS):
         areas = [
@@ -51,9 +53,30 @@ def of_faint_adhesion(areas: FloatArray) -> Measured:
     return Measured(*estimate(gains[0]), excluded=float(gains[1].mean()))
 
 
-def _heights(ensemble: Ensemble) -> list[FloatArray]:
-    """Return the heights of every profile, over the rms height."""
-    return [member.profile.grid[1] / RMS_HEIGHT for member in ensemble.loading]
+def of_heights(profiles: Sequence[Profile]) -> dict[str, Measured]:
+    """Return third and fourth moment of the heights of profiles that share a spectrum, beside the expected numbers."""
+    heights = [profile.grid[1] / RMS_HEIGHT for profile in profiles]
+    third, fourth = expected_moments(profiles[0].amplitudes)
+    squares = np.array([[np.mean(h**3) ** 2] for h in heights])
+    note = "expected of random phases and this spectrum: {:.3f}"
+    return {
+        "skewness": Measured(*jackknife(lambda mean: float(np.sqrt(mean[0])), squares), note=note.format(third)),
+        "fourth moment": Measured(*estimate([np.mean(h**4) for h in heights]), note=note.format(fourth)),
+    }
+
+
+def expected_moments(amplitudes: FloatArray) -> tuple[float, float]:
+    """Return rms skewness and mean fourth moment over random phases (formulas of the module).
+
+    Examples
+    --------
+    >>> tuple(round(moment, 12) for moment in expected_moments(np.array([1.0])))
+    (0.0, 1.5)
+    """
+    share = amplitudes**2 / np.sum(amplitudes**2)
+    twice = share[1::2] @ share[: share.size // 2] ** 2
+    triples = share[1:] @ np.convolve(share, share)[: share.size - 1]
+    return float(np.sqrt(4.5 * triples - 2.25 * twice)), float(3 - 1.5 * share @ share)
 
 
 def figures(ensemble: Ensemble) -> Iterator[Figure]:

@@ -18,12 +18,12 @@ where its fit falls steeper.
 Source: Carbone, Scaraggi, Tartaglino, Eur. Phys. J. E 30 (2009) 65, arXiv:1006.0601.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 
 import numpy as np
 
-from persson import DiscreteSpectrum
+from persson import AdhesiveContact, DiscreteSpectrum
 from validation.harness.arrays import FloatArray
 from validation.harness.figure_data import Figure, Series, drawn, trace
 from validation.paper.curves import banded, scattered
@@ -75,7 +75,7 @@ def _range(by_window: FloatArray) -> str:
 
 def measured(ensemble: Ensemble) -> dict[str, Measured]:
     """Return our numbers of the spectra."""
-    numbers: dict[str, Measured] = {}
+    numbers = of_theory(ensemble.wet, ensemble.loading[0].profile.q0)
     for load in SPECTRA_AT:
         theory = ensemble.wet[load].displacement_power(ensemble.loading[0].profile.q0)
         at_load = of_spectrum(_spectra(ensemble, "C_u", load), theory)
@@ -88,6 +88,21 @@ def measured(ensemble: Ensemble) -> dict[str, Measured]:
     return numbers if high_load is None else numbers | {"C_u over C when nearly flat": _nearly_flat(*high_load)}
 
 
+def of_theory(wet: Mapping[float, AdhesiveContact], q0: float) -> dict[str, Measured]:
+    """Return the exponents of C_u in the theory at `SPECTRA_AT`, as far as its orders reach."""
+    power = {load: wet[load].displacement_power(q0) for load in SPECTRA_AT}
+    return {
+        f"exponent of C_u in theory {load:g}": Measured(mean_exponent(windows, of))
+        for load, of in power.items()
+        if (windows := _middle(of.size))
+    }
+
+
+def _middle(orders: int) -> list[Window]:
+    """Return the windows of the middle range within some orders."""
+    return [window for window in MIDDLE if window[1] <= orders]
+
+
 def _spectra(ensemble: Ensemble, name: str, load: float) -> FloatArray:
     """Return C_u at a load in m^3, or C_sigma, (n_realisations, n_orders)."""
     return ensemble.fields(name, load)[:, : ensemble.size.harmonics]
@@ -96,10 +111,8 @@ def _spectra(ensemble: Ensemble, name: str, load: float) -> FloatArray:
 def of_spectrum(power: FloatArray, theory: FloatArray) -> dict[str, Measured]:
     """Return the numbers of C_u, (n_realisations, n_orders), at one load, as far as its orders reach."""
     numbers: dict[str, Measured] = {}
-    windows = [window for window in MIDDLE if window[1] <= theory.size]
-    if windows:
+    if windows := _middle(theory.size):
         numbers["exponent of C_u"] = of_realisations(power, windows)
-        numbers["exponent of C_u in theory"] = Measured(mean_exponent(windows, theory))
     if theory.size >= SHIFTED.stop:
         shift = (power[:, SHIFTED] / theory[SHIFTED]).mean(axis=1)
         numbers["shift of C_u"] = Measured(*estimate(shift))

@@ -109,9 +109,12 @@ def _at(statement: Statement, load: float) -> Statement:
     return replace(statement, measure=f"{statement.measure} {load:g}", quantity=quantity)
 
 
-def judge(measured: Mapping[str, Measured], shortfall: str) -> list[dict[str, Any]]:
-    """Return all statements with their verdicts."""
-    return [statement.judged(measured.get(statement.measure), shortfall) for statement in statements()]
+def judge(measured: Mapping[str, Measured], shortfall: str, without: str = "") -> list[dict[str, Any]]:
+    """Return all statements with their verdicts; `without` is the note of a statement that has no number."""
+    return [
+        statement.judged(measured.get(statement.measure), shortfall or without * (statement.measure not in measured))
+        for statement in statements()
+    ]
 
 
 def headline(rows: Sequence[Mapping[str, Any]]) -> str:

@@ -34,6 +34,7 @@ def content_of(run: Mapping[str, Any]) -> dict[str, Any]:
         "statements": list(run.get("statements", [])),
         "costs": [cost for case in run["cases"] for cost in case["costs"]],
         "cases": cases,
+        "resumed": run.get("resumed", 0),
         **{key: run[key] for key in ("level", "command", "seconds", "not_run", "provenance")},
     }
     return finite(content)  # type: ignore[no-any-return]
@@ -44,7 +45,7 @@ def _rows_of(case: Mapping[str, Any]) -> list[dict[str, Any]]:
     stated = [_stated(case, Row(**row)) for row in case["rows"]]
     if case["outcome"] == "skipped":
         stated.append(_bare(case["case"], "not run", case["message"]))
-    if case["outcome"] == "error" or (case["outcome"] != "passed" and not stated):
+    if case["outcome"] == "error":
         lines = case["message"].strip().splitlines() or ["failed"]
         raised = [line[1:].strip() for line in lines if line.startswith("E ")]  # as pytest marks the exception
         stated.append(_bare(case["case"], "error", raised[0] if raised else " ".join(lines[-3:])))
@@ -108,10 +109,12 @@ def headline(rows: Iterable[Mapping[str, Any]], ran: int, failed: int, not_run: 
     accuracy = [row for row in rows if row["kind"] == "accuracy" and row["routes"]]
     known = sum(row["verdict"] == "expected deviation" for row in accuracy)
     agree = sum(row["verdict"] in PASSING for row in accuracy) - known
+    marginal = sum(row["verdict"] == "marginal" for row in accuracy)
+    close = f" ({marginal} marginal)" if marginal else ""
     apart = f", {known} known deviation{'s' * (known != 1)} inside the band" if known else ""
     cases = f"{failed} of {ran} cases failed" if failed else f"all {ran} cases passed"
     missing = f", {not_run} did not run" if not_run else ""
-    return f"{agree} of {len(accuracy) - known} independent comparisons agree{apart}; {cases}{missing}"
+    return f"{agree} of {len(accuracy) - known} independent comparisons agree{close}{apart}; {cases}{missing}"
 
 
 def finite(value: Any) -> Any:

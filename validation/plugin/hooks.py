@@ -71,11 +71,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     orphans = orphans_of(config, items)
     highest, only = LEVELS.index(config.option.level), (config.option.only or "").lower()
     named = names_files(config) or bool(config.option.keyword)
+    exact = only in {item.nodeid.lower() for item in items}  # as the report names a case
     chosen, others = list[pytest.Item](), list[pytest.Item]()
     for item in items:
         runs = named or LEVELS.index(level_of(item)) <= highest
         if only:
-            runs = only in item.nodeid.lower()
+            runs = only == item.nodeid.lower() if exact else only in item.nodeid.lower()
         (chosen if runs and item.nodeid not in config.stash[FINISHED] else others).append(item)
     if others:
         config.hook.pytest_deselected(items=others)

@@ -21,7 +21,7 @@ from validation.plugin.rows import PASSING, Row
 
 RECORD = "rows.jsonl"
 EMPTY: dict[str, Any] = dict.fromkeys(("question", "method", "source", "level", "stored_in", "key"), "")
-EMPTY |= {name: [] for name in ("rows", "figures", "tables", "costs")}
+EMPTY |= {name: [] for name in ("rows", "figures", "tables", "costs")} | {"statements": {}}
 CASES = Path(__file__).parents[1] / "cases"
 INTERRUPTED = 2  # exit status of pytest
 
@@ -163,15 +163,18 @@ class Ledger:
 
     def _run(self, exit_status: int) -> dict[str, Any]:
         """Return the facts of the run from which the report is made."""
-        from validation.paper.statements import judge
+        from validation.paper.statements import Measured, judge
 
         cases = self.resumed | self.cases
+        numbers = {name: Measured(**of) for case in cases.values() for name, of in case["statements"].items()}
         return {
             "level": self.config.option.level,
             "command": self.config.option.command or f"pytest {' '.join(self.config.invocation_params.args)}",
             "exit": exit_status,
             "seconds": round(time.monotonic() - self.begun, 1),
-            "statements": judge({}, "linecontact replicate solves the ensemble") if self.whole else [],
+            "statements": judge(numbers, "", "linecontact replicate solves the ensemble")
+            if self.whole or numbers
+            else [],
             "not_run": [case for case in self.planned if case not in cases],
             "resumed": len(self.resumed),
             "cases": list(cases.values()),

@@ -40,7 +40,6 @@ class Code(StrEnum):
     THEORY = "theory"
     DENSE = "dense algebra"
     GRID = "grid method"
-    PUBLISHED = "published"
     EXACT = "closed form"
     RATE = "predicted rate"
     IDENTITY = "identity"
@@ -212,6 +211,7 @@ class Rows:
     figures: list[dict[str, Any]] = field(default_factory=list)
     tables: list[dict[str, Any]] = field(default_factory=list)
     costs: list[dict[str, Any]] = field(default_factory=list)
+    statements: dict[str, dict[str, Any]] = field(default_factory=dict)  # of the paper: our numbers by measure
 
     def __repr__(self) -> str:
         return f"<{len(self.rows)} rows>"
@@ -426,7 +426,7 @@ class Rows:
 
     def content(self) -> dict[str, Any]:
         """Return rows, figures, tables and costs as plain values."""
-        return {name: getattr(self, name) for name in ("figures", "tables", "costs")} | {
+        return {name: getattr(self, name) for name in ("figures", "tables", "costs", "statements")} | {
             "rows": [asdict(row) for row in self.rows]
         }
 

@@ -70,7 +70,7 @@ def _case(case: Mapping[str, Any], anchor: str, rows: Iterable[Mapping[str, Any]
     return dict(case) | {
         "anchor": anchor,
         "file": file,
-        "short": name.removeprefix("test_"),
+        "parameters": name.partition("[")[2].removesuffix("]"),
         "title": case["method"].split("\n\n")[0].rstrip(".") or file or "Study",
         "accuracy": [row for row in own if row["kind"] == "accuracy" and row["routes"]],
         "others": [row for row in own if row["kind"] != "accuracy"],

@@ -26,7 +26,6 @@ from validation.harness.arrays import FloatArray
 from validation.harness.route import Problem
 from validation.routes.scenes import problem_of
 
-TWICE, BECAUSE = 2.0, "twice U of both sides: U of finite elements holds 95 % of errors, one in twenty is beyond"
 DEPTH = 3.0  # periods: a layer of this thickness is the half-space within 1e-12
 
 
@@ -83,7 +82,7 @@ def follow_fem(scene: Scene) -> tuple[FemProblem, Path, float]:
     AssertionError
         Where the path ends early.
     """
-    problem, kind, targets = _path_of(scene)
+    problem, kind, targets = path_of(scene)
     path = follow(problem, kind, targets)
     assert path.failure == "", path.failure
     return problem, path, step_unit(kind, targets)
@@ -100,7 +99,7 @@ def descend_fem(scene: Scene) -> list[FloatArray]:
     AssertionError
         Where contact is lost or complete.
     """
-    problem, kind, targets = _path_of(scene)
+    problem, kind, targets = path_of(scene)
     branch = Branch(problem, kind, TRACKING, step_unit(kind, targets))
     edges, found = chosen_crests(problem, 1)[:, None] + SEED * np.array([[-1.0, 1.0]]), []
     for target in targets:
@@ -111,7 +110,7 @@ def descend_fem(scene: Scene) -> list[FloatArray]:
     return found
 
 
-def _path_of(scene: Scene) -> tuple[FemProblem, ControlKind, list[float]]:
+def path_of(scene: Scene) -> tuple[FemProblem, ControlKind, list[float]]:
     """Return problem, kind of control and dimensionless targets of a scene."""
     arguments = fem_arguments(scene)
     kind = arguments.pop("control")

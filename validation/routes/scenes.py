@@ -104,10 +104,10 @@ def problem_of(scene: Scene, code: str, *effects: str) -> Problem:
     )
 
 
-def contact_state(scene: Scene, edges: ArrayLike, penetration: float) -> bem.ContactState:
+def contact_state(scene: Scene, edges: ArrayLike, penetration: float, tolerance: float = 1e-12) -> bem.ContactState:
     """Return the elastic state of a scene by boundary elements at edges (n_patches, 2) and penetration, both in m."""
     problem = problem_of(scene, "bem.ContactState", "layer", "adhesion")
     profile = bem.Profile.from_harmonics(problem.period, *problem.harmonics)
     solid = bem.Solid(problem.youngs_modulus, problem.poisson_ratio)
     layer = None if problem.thickness is None else bem.Layer(problem.thickness)
-    return bem.ContactState(profile, solid, edges, penetration, layer)
+    return bem.ContactState(profile, solid, edges, penetration, layer, tolerance=tolerance)

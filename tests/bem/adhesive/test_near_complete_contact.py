@@ -43,7 +43,7 @@ EDGES = [  # m, of 19 patches, at a contact fraction of 0.987
 def test_state_whose_newton_steps_end_in_rounding_is_settled():
     """With a rounding that forgot the load a path from 30 um to 5e-13 m ended here."""
     posed = parse_scene(SCENE)
-    problem = pose(posed, posed.surface())
+    problem = pose(posed)
     system, scales = System(problem.elastic, problem.law, problem.control), problem.scales
     edges, depth = np.array(EDGES) / scales.length, PENETRATION / scales.height
     start = Start(ordered(edges[:, 0], edges[:, 1]), depth, depth)

@@ -31,7 +31,7 @@ def exact_pressure(thickness):
 
 def found(thickness=None, adhesion=None):
     posed = scene(thickness, adhesion=adhesion)
-    problem = pose(posed, posed.surface())
+    problem = pose(posed)
     return problem, complete_contact(problem.profile, problem.law, problem.elastic.compliance)
 
 

@@ -15,7 +15,7 @@ from bem.problem import pose
 from bem.solver import solve
 
 SCENE = rough_scene([40e-6], 30, 2, None)
-PROBLEM = pose(SCENE, SCENE.surface())
+PROBLEM = pose(SCENE)
 
 
 def fresh(control=None):
@@ -48,7 +48,7 @@ def test_first_touch_is_an_event_at_the_highest_crest():
 def test_complete_contact_is_an_event_where_the_last_gap_closes(control, stops):
     """Westergaard's last gap closes at the mean pressure and the penetration of complete contact, at the trough."""
     scene = rough_scene([0.0], 1, 2, None)
-    problem = pose(scene, scene.surface())
+    problem = pose(scene)
     path = replace(
         path_for(scene, problem, complete_contact(problem.profile, problem.law, problem.elastic.compliance)),
         control=control,

@@ -32,7 +32,7 @@ def waves(orders, phases):
 
 
 def body_of(scene):
-    problem = pose(scene, scene.surface())
+    problem = pose(scene)
     complete = complete_contact(problem.profile, problem.law, problem.elastic.compliance)
     return problem, CompletedBody(complete, problem.profile.max_height, problem.compliance_ratio)
 

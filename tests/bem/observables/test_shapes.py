@@ -145,7 +145,7 @@ thickness = 0.004
 def problem(tmp_path_factory) -> Problem:
     path = tmp_path_factory.mktemp("scene") / "scene.toml"
     path.write_text(SCENE)
-    return pose(bem.load_scene(path), Profile.self_affine(0.02, 0.7, 3e-5, 40, 0))
+    return pose(bem.load_scene(path))
 
 
 @pytest.fixture(scope="module")

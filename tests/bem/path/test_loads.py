@@ -20,7 +20,7 @@ from bem.solver import solve
 def start(adhesion, harmonics=20):
     loading = {"control": "separation", "targets": [40e-6], "at_mean_pressures": [1e3]}
     posed = rough_scene([], harmonics, 1, adhesion, loading=loading)
-    problem = pose(posed, posed.surface())
+    problem = pose(posed)
     path = path_for(posed, problem, complete_contact(problem.profile, problem.law, problem.elastic.compliance))
     return path, Separated(-1.0)
 

@@ -30,7 +30,7 @@ def flawed_scene(share, harmonics=10, targets=(2e5, -1e9), **changes):
 
 def posed(harmonics, layer):
     scene = flawed_scene(1e-4, harmonics, **LAYERS[layer])
-    problem = pose(scene, scene.surface())
+    problem = pose(scene)
     return System(problem.elastic, problem.law, problem.control), complete_contact(
         problem.profile, problem.law, problem.elastic.compliance
     )

@@ -216,7 +216,7 @@ def test_the_last_gap_closes_at_one_place_at_any_increment(slope_term):
 
 def problem_of(exact):
     scene = exact.scene([0.0])
-    return pose(scene, scene.surface())
+    return pose(scene)
 
 
 def test_first_touch_under_load_relaxes_at_zero_load():
@@ -239,7 +239,7 @@ def test_increments_do_not_matter_on_johnsons_loop(increment):
 
 def path_of(scene, largest):
     """A path with accurate points in between, at its very beginning."""
-    problem = pose(scene, scene.surface())
+    problem = pose(scene)
     positions, heights = problem.profile.crests
     path = Path(
         System(problem.elastic, problem.law, problem.control),

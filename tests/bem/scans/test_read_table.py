@@ -214,11 +214,12 @@ def test_what_the_lines_above_a_map_state_is_told_as_keys_that_read_it(decimal, 
     text = (header + "\n".join("\t".join(f"{h:.4f}" for h in line) for line in heights)).replace(".", decimal)
     refusal = refusal_of(tmp_path, text, row=3)
     assert f"lines 1 to 4 ('# Channel: Height', '# Width: 4{decimal}000 µm', '# Height" in refusal.found
-    told = 'spacing = 0.25 and unit_x = "um", as 16 heights on a line are 4 um wide; unit_h = "nm")'
-    assert "skip_lines = 4, " in refusal.allowed and told in refusal.allowed
+    told = 'skip_lines = 4, spacing = 0.25, unit_x = "um" (16 heights on a line are 4 um wide), unit_h = "nm"; and row'
+    assert told in refusal.allowed
     scan = scan_of(tmp_path, text, row=3, skip_lines=4, spacing=0.25, unit_x="um", unit_h="nm")
     np.testing.assert_allclose([scan.x, scan.h], [np.arange(16) * 0.25e-6, heights[3] * 1e-9], rtol=1e-12)
-    assert "they say" not in refusal_of(tmp_path, text.replace("Width: 4", "Width about 4").replace("nm", "V")).allowed
+    part = refusal_of(tmp_path, text.replace("Width: 4", "Width about 4"), row=3).allowed
+    assert "skip_lines = 4, and what the lines say in" in part and ' (unit_h = "nm"); ' in part
 
 
 @pytest.mark.parametrize("heading", ["", "x [mm],h [um]", "x,h", "x,h\nmm,um"])
@@ -229,7 +230,11 @@ def test_commas_of_both_kinds_are_the_reason_that_is_told(heading, digits, tmp_p
     rows = [form.format(x, h).replace(".", ",") for x, h in zip(X, H, strict=True)]
     text = "\n".join([heading, *rows])
     refusal = refusal_of(tmp_path, text)
-    assert (refusal.path, "has commas that may part columns or decimals" in refusal.found) == ("profile.decimal", True)
+    doubtful = "has commas that may part columns or decimals" in refusal.found
+    sure = "has commas between columns beside decimal commas" in refusal.found
+    assert (refusal.path, doubtful, sure) == (
+        ("profile.file", False, True) if heading else ("profile.decimal", True, False)
+    )
     assert "write decimal points, or semicolons between columns" in refusal.allowed
     refusal = refusal_of(tmp_path, text, decimal=",")
     assert "has commas between columns beside decimal commas" in refusal.found

@@ -116,6 +116,33 @@ def test_samples_in_memory_are_prepared_and_warned_of_like_those_of_a_file(tmp_p
             bem.solve(**tables)
 
 
+def test_a_map_in_memory_is_solved_like_that_of_a_file(tmp_path):
+    """As a trace with a spacing, as a row, as the mean and as all rows, with the tables as keywords."""
+    rng = np.random.default_rng(6)
+    heights = 1e-6 * np.cos(2 * np.pi * np.arange(64)[:, None] / 64 + rng.uniform(0, 6, 3)) * [1.0, 1.2, 1.4]
+    np.save(tmp_path / "map.npy", heights)
+    read = {"kind": "samples", "spacing": 1e-5, "harmonics": 5}
+    rest = {"solid": bem.Solid(1e6, 0.5), "loading": {"control": "mean_pressure", "targets": [500.0]}}
+    by_file = read | {"file": str(tmp_path / "map.npy"), "unit_x": "m", "unit_h": "m"}
+
+    def edges(result):
+        return [state.edges for state in result.states]
+
+    for row, trace in ((1, heights[:, 1]), ("mean", heights.mean(axis=1))):
+        told = edges(bem.solve(profile=by_file | {"row": row}, **rest))
+        assert edges(bem.solve(profile=read | {"h": heights, "row": row}, **rest)) == told
+        assert edges(bem.solve(profile=read | {"h": trace}, **rest)) == told
+    rows = bem.solve_rows(profile=read | {"h": heights, "row": "all", "every": 2}, **rest)
+    assert repr(rows) == "<RowResults: 2 rows of a map answered>"
+    assert {row: edges(result) for row, result in rows.results.items()} == {
+        row: edges(bem.solve(profile=by_file | {"row": row}, **rest)) for row in (0, 2)
+    }
+    heights[3, 0] = np.nan
+    placed = {"kind": "samples", "harmonics": 5, "h": heights, "x": 1e-5 * np.arange(64)}
+    rows = bem.solve_rows(profile=placed | {"row": "all"}, **rest)
+    assert (sorted(rows.results), "missing" in rows.failures[0]) == ([1, 2], True)
+
+
 def masked(h):
     gap = np.isnan(h)
     return np.ma.masked_array(np.where(gap, -9999.0, h), gap)
@@ -144,6 +171,11 @@ def test_lists_masked_and_infinite_heights_are_those_of_a_file(given, tmp_path):
         ({"x": [[0.0, 1.0], [2.0]]}, r"profile\.x of list: "),
         ({"x": list(range(199))}, r"profile\.x of shape \(199,\) beside h of shape \(200,\)"),
         ({"x": np.append(np.arange(199.0), np.inf)}, "sample 200 has no position"),
+        ({"h": np.ones((200, 3))}, r"profile\.row is needed: the file holds a map of 3 rows; allowed: row = 0 to 2"),
+        ({"h": np.ones((3, 200)), "row": 0}, r"profile\.x of shape \(200,\) beside h of shape \(3, 200\)"),
+        ({"h": np.ones((2, 2, 2))}, r"profile\.h of shape \(2, 2, 2\)"),
+        ({"row": 0}, r"profile\.row = 0 of a line scan"),
+        ({"spacing": 1e-5}, r"profile\.spacing = 1e-05 beside x; allowed: leave it out"),
     ],
 )
 def test_arrays_that_are_no_line_are_refused_by_name(changes, said, tmp_path):
@@ -167,7 +199,7 @@ def test_keys_of_files_are_refused_beside_arrays(tmp_path):
 def test_samples_in_memory_that_are_incomplete_are_told_what_they_need(samples, told):
     with pytest.raises(bem.SceneError) as caught:
         bem.solve(**OBJECTS | {"profile": {"kind": "samples", **samples}})
-    need = "; allowed: samples in memory need x and h, arrays of equal length in m"
+    need = "; allowed: samples in memory need x and h, arrays of equal length in m, or h and its spacing in m"
     assert list(map(str, caught.value.mistakes)) == [told + need]
 
 
