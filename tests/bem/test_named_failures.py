@@ -144,6 +144,8 @@ def test_a_state_between_targets_that_is_not_certified_is_a_warning_and_targets_
     assert warning.about == "states"
     assert "at a separation of 2e-05 m: mean gap less separation 1.13e-10 exceeds 1e-10" in warning.message
     record.add(replace(between, target=True, index=1), {})
+    record.add(replace(between, certificate=Certificate()), {})
     status, failure = verdict(record.states)
     assert status == "not_converged"
+    assert [caution for caution in record.result(status, failure).warnings if caution.about == "states"] == [warning]
     assert failure.startswith("1 of 2 states at targets are not certified, the first at a separation of 2e-05 m")

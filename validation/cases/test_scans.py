@@ -1,4 +1,4 @@
-"""Scans of one wave, written in other units, forms and places, against Westergaard's contact of that wave.
+"""Scans of one wave, in other units, forms and places, against Westergaard's contact of it; noise of a rough one.
 
 h = D cos(2 pi x / period), D = 100 um, period 10 mm, 64 samples; E = 1 MPa, nu = 0.5, no adhesion.  Closed forms as in
 test_johnson.py: contact fraction 2 psi / pi at the penetration D S (1 - ln S), S = sin^2 psi.
@@ -67,3 +67,23 @@ def test_wave(rows, tmp_path, name):
     both.compare("mean pressure", values(states, "mean_pressure"), WAVE.mean_pressure(psi), unit="Pa",
                  quantity=Quantity.PRESSURE, uncertainty=estimates(states, "mean_pressure"),
                  required=1e-10 * WAVE.full_contact_pressure, because=TEN_DIGITS)
+
+
+@pytest.mark.quick
+def test_noise(rows, tmp_path):
+    """Does a rough scan with white noise tell the rms height of the noise?
+
+    Its power is the median over bands of means of squares of normal numbers, half as many as samples: k = 2 is
+    2 / sqrt(samples) of the rms for one mean of all, and 1.25 times that for the median.
+    """
+    random, orders, count, rms = np.random.default_rng(1), np.arange(1, 200), 8192, 2e-9
+    phases = np.multiply.outer(np.arange(count) / count, 2 * np.pi * orders) + random.uniform(0, 2 * np.pi, orders.size)
+    heights = np.cos(phases) @ (1e-6 * orders**-1.3) + random.normal(0, rms, count)
+    (tmp_path / "scan.txt").write_text(lines(heights), "utf-8")
+    scene = {"solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
+             "profile": {"kind": "samples", "file": "scan.txt", "unit_h": "m", "unit_x": "m", "spacing": 1e-6,
+                         "harmonics": 300},
+             "loading": {"control": "penetration", "targets": [1e-7]}}
+    facts = {key: value for step in bem.parse_scene(scene, tmp_path).preparation() for key, value in step.items()}
+    rows.compare("rms of the noise", facts.get("noise_rms", 0.0), rms, of=Code.BEM, by=Code.EXACT, unit="m",
+                 quantity=Quantity.SPECTRUM, uncertainty=2.5 / np.sqrt(count) * rms, source="drawn")

@@ -45,7 +45,7 @@ def _rows_of(case: Mapping[str, Any]) -> list[dict[str, Any]]:
     stated = [_stated(case, Row(**row)) for row in case["rows"]]
     if case["outcome"] == "skipped":
         stated.append(_bare(case["case"], "not run", case["message"]))
-    if case["outcome"] == "error" or (case["outcome"] != "passed" and not stated):
+    if case["outcome"] == "error":
         lines = case["message"].strip().splitlines() or ["failed"]
         raised = [line[1:].strip() for line in lines if line.startswith("E ")]  # as pytest marks the exception
         stated.append(_bare(case["case"], "error", raised[0] if raised else " ".join(lines[-3:])))

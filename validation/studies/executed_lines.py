@@ -1,7 +1,7 @@
 """Plugin of pytest: which tests execute which lines, and the CPU seconds of each test (for mutants.py).
 
-FOLDER in the environment receives the data of coverage, whose contexts are tests.  Lines of fixtures have the file of
-the tests as their context, because all tests of the file use them.
+FOLDER in the environment receives the data of coverage, whose contexts are tests; JUDGED lists the folders of the code.
+Lines of fixtures have the file of the tests as their context, because all tests of the file use them.
 """
 
 import json
@@ -13,12 +13,9 @@ from typing import Any
 import coverage
 import pytest
 
-from validation.studies.mutants import JUDGED
-
 FOLDER = Path(os.environ["FOLDER"])
-RECORDER = coverage.Coverage(
-    str(FOLDER / "part"), config_file=False, source=[str(Path.cwd() / name) for name in JUDGED]
-)
+SOURCE = [str(Path.cwd() / name) for name in os.environ["JUDGED"].split()]
+RECORDER = coverage.Coverage(str(FOLDER / "part"), config_file=False, source=SOURCE)
 SECONDS: dict[str, float] = {}  # of the tests that passed
 RECORDER.start()
 

@@ -1,6 +1,6 @@
 """Test of the tests: random slips are put into copies of the code, and the tests and the quick level run on each.
 
-    python -m validation.studies.mutants --out DIR [--count 300] [--budget 60] [--jobs N] [--only TEXT]
+    python -m validation.studies.mutants --out DIR [--count 300] [--budget 20] [--jobs N]
 
 A mutant differs from the code in one place: + and -, * and / are exchanged, a comparison or a condition is turned
 around, `and` and `or` are exchanged, a minus or a `not` is lost, a number is changed by one or by half.  Places are
@@ -11,13 +11,13 @@ Kernels are compiled and keep their text.
 DIR/sources is the code as it is when DIR is new.  Its tests and the quick level run once without a mutant, to see which
 test executes which line (executed_lines.py).  A mutant then meets the tests of its package that execute its statement,
 and in the same manner the cases of the quick level: the quickest, up to a budget of CPU seconds, until one fails.  It
-is `killed` by a failure, `timeout` if the tests take ten times their CPU seconds without a mutant, `unseen` if none
-executes the statement, else `survived`.
+is `killed` by a failure, `timeout` if the tests take several times their CPU seconds, `unseen` if none executes the
+statement, else `survived`.
 
-DIR/mutants.csv receives every answer at once, so that a call continues where another ended.  Its last column is
-written by hand after a look at a survivor: "equivalent: REASON", if the mutant computes the same numbers, or what has
-been done about it.  The answers of a version are kept in mutants.csv beside this file, their table in
-validation/README.md.
+DIR/mutants.csv receives every answer at once, so that a call continues where another ended.  Its first line names the
+state of the code, whose lines and columns are the places.  Its last column is written by hand after a look at a
+survivor: "equivalent: REASON", if the mutant computes the same numbers, or what has been done about it.  The answers of
+a version are kept in mutants.csv beside this file, their table in validation/README.md.
 """
 
 import argparse
@@ -25,33 +25,30 @@ import ast
 import csv
 import importlib
 import json
-import math
 import os
 import random
 import resource
-import runpy
 import shutil
 import signal
+import subprocess
 import sys
 import time
 import tomllib
-import traceback
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+
+from validation.harness.provenance import checkout
 
 ROOT = Path(__file__).parents[2]
 JUDGED = ("bem", "fem_reference", "persson", "validation/plugin", "validation/routes", "validation/references")
 COPIED = ("bem", "fem_reference", "persson", "validation", "tests")
-PRELOADED = "numpy scipy.optimize scipy.sparse.linalg scipy.interpolate scipy.integrate pydantic pytest skfem coverage"
 QUICK = ["-c", "validation/plugin/pytest.ini", "--rootdir", ".", "-p", "validation.plugin.hooks", "--level", "quick"]
 CASES = "validation/cases"
-COLUMNS = ("place", "change", "tests", "quick", "looked at")
-PATIENCE, LONGEST = 10.0, 3600.0  # times the CPU seconds of the tests without a mutant; s of the clock
+COLUMNS = ("place", "change", "code", "tests", "quick", "looked at")
+PATIENCE = 4  # times the CPU seconds that the chosen tests, and the import of everything, take without a mutant
 MEMORY = 4 << 30  # bytes that a process may address
 EXCHANGED = {ast.Add: (b"+", b"-"), ast.Sub: (b"-", b"+"), ast.Mult: (b"*", b"/"), ast.Div: (b"/", b"*")}
 TURNED = {
@@ -75,6 +72,7 @@ class Mutant:
     stop: int
     before: str
     after: str
+    code: str  # line of the place, which moves with every change of the file
 
     @property
     def name(self) -> tuple[str, str]:
@@ -102,8 +100,9 @@ def mutants_of(file: str, root: Path = ROOT) -> Iterator[Mutant]:
         return begins[(node.end_lineno or node.lineno) - 1] + (node.end_col_offset or 0)
 
     def changed(node: ast.expr, start: int, stop: int, after: bytes) -> Mutant:
-        place = f"{file}:{node.lineno}:{start - begins[node.lineno - 1]}"
-        return Mutant(file, statement, place, start, stop, text[start:stop].decode(), after.decode())
+        line, before = text.count(b"\n", 0, start), text[start:stop].decode()
+        place, code = f"{file}:{line + 1}:{start - begins[line]}", text.splitlines()[line].decode().strip()
+        return Mutant(file, statement, place, start, stop, before, after.decode(), code)
 
     def between(left: ast.expr, right: ast.expr, before: bytes, after: bytes) -> Iterator[Mutant]:
         start = text.find(before, last(left), first(right))
@@ -151,54 +150,20 @@ def all_mutants(root: Path = ROOT) -> list[Mutant]:
     return [mutant for path in files for mutant in mutants_of(path.relative_to(root).as_posix(), root)]
 
 
-def pytest_on(tree: Path, words: Sequence[str], seconds: int | None = None, **environment: str) -> tuple[int, str]:
-    """Run pytest in a tree, in a fork of this process, for at most so many CPU seconds.
+def pytest_on(tree: Path, words: Sequence[str], seconds: int = -1, **environment: str) -> tuple[int, str]:
+    """Run pytest in a tree, for at most some CPU seconds; return its status (negative: of a signal) and its output."""
 
-    Return its status (negative: of a signal) and its output.
-    """
-    output, (here, there) = bytearray(), os.pipe()
-    process = os.fork()
-    if process == 0:
-        status: Any = 1
-        try:
-            os.setsid()
-            for number, source in enumerate((os.open(os.devnull, os.O_RDONLY), there, there)):
-                os.dup2(source, number)
-            most = resource.getrlimit(resource.RLIMIT_AS)[1]
-            resource.setrlimit(resource.RLIMIT_AS, (MEMORY if most == resource.RLIM_INFINITY else most, most))
-            if seconds is not None:
-                resource.setrlimit(resource.RLIMIT_CPU, (seconds, resource.getrlimit(resource.RLIMIT_CPU)[1]))
-            os.chdir(tree)
-            os.environ.pop("PYTEST_CURRENT_TEST", None)
-            os.environ |= {"PYTHONPATH": str(tree), "PYTEST_ADDOPTS": "", "CI": "1"} | environment
-            for name in [name for name in sys.modules if name.partition(".")[0] in COPIED]:
-                del sys.modules[name]
-            sys.path.insert(0, str(tree))
-            sys.dont_write_bytecode = "PYTHONDONTWRITEBYTECODE" in environment
-            sys.argv = ["pytest", "-n", "0", "-p", "no:cacheprovider", *words]
-            runpy.run_module("pytest", run_name="__main__", alter_sys=True)
-        except SystemExit as end:
-            status = end.code
-        except BaseException:
-            traceback.print_exc()
-        finally:
-            sys.stdout.flush(), sys.stderr.flush()
-            os._exit(int(status))
-    begun = time.monotonic()
-    os.close(there)
-    os.set_blocking(here, False)
-    ended, code = 0, 0
-    while True:
-        with suppress(BlockingIOError):
-            while part := os.read(here, 1 << 16):
-                output += part
-        if ended:
-            os.close(here)
-            return os.waitstatus_to_exitcode(code), output.decode("utf-8", errors="replace")
-        if seconds is not None and time.monotonic() - begun > LONGEST:
-            os.killpg(process, signal.SIGKILL)
-        time.sleep(0.02)
-        ended, code = os.waitpid(process, os.WNOHANG)
+    def limit() -> None:
+        for what, most in ((resource.RLIMIT_AS, MEMORY), (resource.RLIMIT_CPU, seconds)):
+            allowed = resource.getrlimit(what)[1]
+            resource.setrlimit(what, (most if allowed == resource.RLIM_INFINITY else allowed, allowed))
+
+    command = [sys.executable, "-m", "pytest", "-n", "0", "-p", "no:cacheprovider", *words]
+    environment = {"PYTHONPATH": str(tree), "PYTEST_ADDOPTS": "", "CI": "1", "OMP_NUM_THREADS": "1"} | environment
+    run = subprocess.run(
+        command, cwd=tree, env=os.environ | environment, preexec_fn=limit, capture_output=True, text=True, check=False
+    )
+    return run.returncode, run.stdout + run.stderr
 
 
 def copied(source: Path, target: Path, without: str = "") -> None:
@@ -223,7 +188,7 @@ class Executed:
     def _measure(self, suite: str, progress: str) -> None:
         """Run the tests that lie directly in a folder, unless their seconds are stored.
 
-        Left out are tests that start other processes, whose lines are not seen, and files that name no judged module.
+        Tests that name no judged module are left out, and lines of other processes are not seen.
         """
         kept, tree = self.folder / f"seconds-{suite.replace('/', '-')}.json", self.folder / "sources"
         if not kept.exists():
@@ -232,11 +197,11 @@ class Executed:
             judged = [name.replace("/", ".") for name in JUDGED if suite.startswith(f"tests/{name.partition('/')[0]}")]
             texts = {path: path.read_text("utf-8") for path in sorted((tree / suite).glob("test_*.py"))}
             files = [path for path, text in texts.items() if any(name in text for name in judged)]
-            files = [path for path in files if "subprocess" not in texts[path] and "pytester" not in texts[path]]
             words = [*QUICK, suite] if suite == CASES else ["--timeout", "60", *map(str, files)]
             if not files and suite != CASES:
                 return
-            _, output = pytest_on(tree, ["-p", "validation.studies.executed_lines", *words], FOLDER=str(self.folder))
+            words = ["-p", "validation.studies.executed_lines", *words]
+            _, output = pytest_on(tree, words, FOLDER=str(self.folder), JUDGED=" ".join(JUDGED))
             if not (self.folder / "part.json").exists():
                 raise SystemExit(f"{suite}: pytest fails without a mutant:\n{output}")
             seconds, last = time.monotonic() - begun, output.strip().splitlines()[-1]
@@ -274,54 +239,51 @@ class Executed:
 
 def answer(mutant: Mutant, executed: Executed, budget: float) -> dict[str, str]:
     """Run the tests and the quick cases that execute a mutant; return its line of mutants.csv."""
-    line = dict(zip(COLUMNS, mutant.name, strict=False))
-    suites = {"tests": f"tests/{mutant.file.partition('/')[0]}/", "quick": CASES}
-    for key, suite in suites.items():
-        tests = executed.tests(mutant, suite, budget)
-        if not tests:
-            line[key] = "unseen"
-            continue
-        with TemporaryDirectory() as name:
-            tree = Path(name)
-            copied(executed.folder / "sources", tree)
-            mutant.put_into(tree)
-            seconds = math.ceil(PATIENCE * (1 + executed.duration(tests)))
+    line = dict(zip(COLUMNS, (*mutant.name, mutant.code), strict=False))
+    with TemporaryDirectory() as name:
+        tree = Path(name)
+        copied(executed.folder / "sources", tree)
+        mutant.put_into(tree)
+        for key, suite in {"tests": f"tests/{mutant.file.partition('/')[0]}/", "quick": CASES}.items():
+            tests = executed.tests(mutant, suite, budget)
             (tree / "chosen.txt").write_text("\n".join(tests), "utf-8")
-            words = [*(QUICK if key == "quick" else ()), "-x", "--timeout", "0", "@chosen.txt"]
-            status, output = pytest_on(tree, words, seconds, PYTHONDONTWRITEBYTECODE="1")
-        if status == 4 and "not found: " in output:  # parameters, which name the tests, have changed
-            status = 0
-        late = status in (-signal.SIGXCPU, -signal.SIGKILL)
-        line[key] = "survived" if status == 0 else "timeout" if late else "killed"
+            words = [*(QUICK if key == "quick" else ()), "-x", "@chosen.txt"]
+            limit = int(PATIENCE * (10 + executed.duration(tests)))
+            status, output = pytest_on(tree, words, limit, PYTHONDONTWRITEBYTECODE="1") if tests else (0, "")
+            if status == 4 and "not found: " in output:  # parameters, which name the tests, have changed
+                status = 0
+            late = status in (-signal.SIGXCPU, -signal.SIGKILL)
+            line[key] = "timeout" if late else "killed" if status else "survived" if tests else "unseen"
     return line | {"looked at": ""}
 
 
 def read(file: Path) -> dict[tuple[str, str], dict[str, str]]:
-    """Return the lines of a mutants.csv by place and change."""
-    if not file.exists():
-        return {}
+    """Return the lines of a mutants.csv, below that of its state of the code, by place and change."""
     with file.open(encoding="utf-8", newline="") as text:
+        next(text)
         return {(line["place"], line["change"]): line for line in csv.DictReader(text)}
 
 
 def table(lines: Iterable[dict[str, str]]) -> str:
-    """Return the table of a mutants.csv by package: shares with the intervals of Wilson (1927), two standard errors."""
+    """Return the table of a mutants.csv by folder and in all, with Wilson's intervals (1927) of two standard errors."""
     lines = list(lines)
     text = [
-        "| package | mutants | equivalent | killed by tests | by the quick level |",
+        "| folder | mutants | equivalent | killed by tests | by the quick level |",
         "| --- | --- | --- | --- | --- |",
     ]
-    for package in (*sorted({line["place"].partition("/")[0] for line in lines}), ""):
-        own = [line for line in lines if line["place"].startswith(package)]
+    packages = {line["place"].partition("/")[0] for line in lines}
+    folders = {line["place"].rpartition("/")[0] for line in lines}
+    for folder in (*sorted(folders - packages), *sorted(packages), "all"):
+        whole = folder in {*packages, "all"}
+        own = [line for line in lines if folder == "all" or line["place"].startswith(f"{folder}/")]
         other = [line for line in own if not line["looked at"].startswith("equivalent")]
         shares = []
         for key in ("tests", "quick"):
             killed, count = sum(line[key] in ("killed", "timeout") for line in other), max(1, len(other))
             middle, half = (killed + 2) / (count + 4), 2 / (count + 4) * (killed * (count - killed) / count + 1) ** 0.5
-            shares.append(
-                f"{killed} of {len(other)} = {killed / count:.0%} ({middle - half:.0%} to {middle + half:.0%})"
-            )
-        text.append(f"| {package or 'all'} | {len(own)} | {len(own) - len(other)} | {shares[0]} | {shares[1]} |")
+            interval = f" = {killed / count:.0%} ({middle - half:.0%} to {middle + half:.0%})" if whole else ""
+            shares.append(f"{killed} of {len(other)}{interval}")
+        text.append(f"| {folder} | {len(own)} | {len(own) - len(other)} | {shares[0]} | {shares[1]} |")
     return "\n".join(text)
 
 
@@ -330,34 +292,31 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--count", type=int, default=300)
-    parser.add_argument("--budget", type=float, default=60.0, help="CPU seconds of tests, and of cases, for a mutant")
-    parser.add_argument("--only", default="", help="mutants of the sample whose place contains this text")
+    parser.add_argument("--budget", type=float, default=20.0, help="CPU seconds of tests, and of cases, for a mutant")
     parser.add_argument("--jobs", type=int, default=1)
     options = parser.parse_args()
     folder = options.out.resolve()
-    if not (folder / "sources").exists():
-        (folder / "sources").mkdir(parents=True)
-        copied(ROOT, folder / "sources", without="__pycache__")
-    os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-    for name in PRELOADED.split():  # once for all mutants, which start as forks
-        importlib.import_module(name)
-    executed = Executed(folder)
-    version = tomllib.loads((folder / "sources/pyproject.toml").read_text("utf-8"))["project"]["version"]
-    everything = all_mutants(folder / "sources")
-    chosen = [m for m in random.Random(version).sample(everything, options.count) if options.only in m.place]
-    answers = read(folder / "mutants.csv")
+    kept, sources = folder / "mutants.csv", folder / "sources"
+    if not sources.exists():
+        sources.mkdir(parents=True)
+        copied(ROOT, sources, without="__pycache__")
+    version = tomllib.loads((sources / "pyproject.toml").read_text("utf-8"))["project"]["version"]
+    if not kept.exists():
+        commit = (checkout(ROOT, *COPIED) or ("unknown", []))[0]
+        kept.write_text(f"# linecontact {version}, commit {commit[:12]}\n{','.join(COLUMNS)}\n", "utf-8")
+    executed, everything = Executed(folder), all_mutants(sources)
+    chosen = random.Random(version).sample(everything, options.count)
+    answers = read(kept)
     left = [mutant for mutant in chosen if mutant.name not in answers]
     begun = time.monotonic()
-    with ThreadPoolExecutor(options.jobs) as pool, (folder / "mutants.csv").open("a", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, COLUMNS)
-        if not answers:
-            writer.writeheader()
+    with ThreadPoolExecutor(options.jobs) as pool, kept.open("a", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
         for count, line in enumerate(pool.map(lambda mutant: answer(mutant, executed, options.budget), left), 1):
             writer.writerow(line)
             file.flush()
             minutes = (time.monotonic() - begun) / 60 * (len(left) - count) / count
             print(f"[{count}/{len(left)}, about {minutes:.0f} min left] {line}", flush=True)
-    answers = read(folder / "mutants.csv")
+    answers = read(kept)
     print(f"version {version}, {len(answers)} of {options.count} drawn from {len(everything)}")
     print(table(answers.values()))
     return 0

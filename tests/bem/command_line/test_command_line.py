@@ -153,13 +153,6 @@ def test_resume_of_a_finished_run_changes_nothing(scene, out):
     assert files(out) == before
 
 
-@pytest.mark.parametrize("folder_exists", [True, False])
-def test_resume_without_a_result_begins(folder_exists, scene, tmp_path):
-    if folder_exists:
-        (tmp_path / "out").mkdir()
-    assert run(scene, tmp_path / "out", "--resume") == 0
-
-
 @pytest.mark.parametrize(
     ("damage", "told"),
     [

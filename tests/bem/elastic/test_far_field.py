@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rough_surfaces import bearing_cut, short_waved
 
-from bem.elastic.collocation import Elastic, evaluate
+from bem.elastic.collocation import Elastic, _coupled_outside, evaluate
 from bem.elastic.far_field import Arc, Charges, far_fields
 from bem.elastic.gap import gap_field, low_minima
 from bem.elastic.hierarchical import IllConditionedSystemError
@@ -91,6 +91,10 @@ def test_modes_at_the_ends_are_those_that_the_patches_beyond_ask_for(whole):
     for window, far in zip(windows, fields, strict=True):
         alone = evaluate(replace(elastic, far=far), window.of(state.patches), state.penetration, TOLERANCE)
         assert np.all(alone.resolution.modes >= state.resolution.modes[window.members])
+        patches, arc = alone.patches, far.arc  # seen from the other side, the last is the first
+        mirrored = replace(far, arc=Arc(-arc.delta, -arc.beta, arc.margins[::-1]))
+        least = _coupled_outside(mirrored, Patches(-patches.right[::-1], -patches.left[::-1]), TOLERANCE)
+        np.testing.assert_allclose(least[::-1], _coupled_outside(far, patches, TOLERANCE), rtol=1e-9)
 
 
 def test_no_patch_is_lost_between_windows(whole):

@@ -48,12 +48,6 @@ def test_potential_is_the_sum_of_logarithms_of_chords(charges, points, part):
     check(potential(x), potential, x)
 
 
-def test_what_is_prepared_for_many_calls_serves_each_of_them():
-    potential = random_charges(MANY[0])
-    for points in turns_of_points(2 * MANY[1]).reshape(2, -1):
-        check(potential(points), potential, points)
-
-
 @pytest.mark.parametrize(("charges", "points"), AMOUNTS)
 def test_charges_and_points_may_lie_on_any_turn(charges, points):
     potential, x = random_charges(charges), turns_of_points(points)

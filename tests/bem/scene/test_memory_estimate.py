@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from bem.elastic.layer import Layer
@@ -62,11 +61,3 @@ def test_a_scene_beyond_memory_is_refused_by_name_from_python_too():
     scene = replace(scene_of(200_000, "mean_pressure", 0.5), layer=Layer(1e-3))
     with pytest.raises(SceneError, match=r"profile\.harmonics 200000 need about .* GB of memory; allowed: fewer"):
         solve(scene)
-
-
-def test_a_flat_profile_has_no_unknowns():
-    tables = {"kind": "harmonics", "period": 0.008, "orders": [1], "amplitudes": [0.0], "phases": [0.0]}
-    solid, loading = {"youngs_modulus": 5e6, "poisson_ratio": 0.49}, {"control": "mean_pressure", "targets": [1.0]}
-    flat = parse_scene({"solid": solid, "profile": tables, "loading": loading})
-    assert memory_estimate(flat).unknowns == 0
-    assert np.isfinite(memory_estimate(flat).bytes)

@@ -112,11 +112,6 @@ def test_scan_read_in_another_unit_is_named(unit, about, loading, folder):
     assert "unit" in found[about]
 
 
-@pytest.mark.parametrize(("units", "doubted"), [(("mm", "m"), 'unit_h = "m"'), (("um", "mm"), 'unit_x = "um"')])
-def test_one_of_two_units_mistaken_is_doubted(units, doubted, folder):
-    assert doubted in said(scan_scene(folder, *units))["rms_slope"]
-
-
 @pytest.mark.parametrize(
     ("path", "value", "about"),
     [
