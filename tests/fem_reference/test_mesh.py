@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from fem_reference.mesh import Resolution, layer_mesh, moved
+from fem_reference.elasticity import taylor_hood
+from fem_reference.mesh import Resolution, base_unknowns, layer_mesh, moved
 from fem_reference.problem import InvalidProblemError
 
 FINE = Resolution(2, 8, 10)
@@ -75,3 +76,10 @@ def test_an_edge_cannot_cross_the_seam():
 def test_bad_resolution_is_named(arguments):
     with pytest.raises(InvalidProblemError, match=r"^resolution: "):
         Resolution(*arguments)
+
+
+@pytest.mark.parametrize("order", [2, 4])
+def test_unknowns_are_estimated_before_a_mesh_is_made(order):
+    resolution = Resolution(order, 20, 10)
+    nodes, pressures = taylor_hood(layer_mesh(2.0, np.zeros((0, 2)), resolution).triangles, order).sizes
+    assert base_unknowns(2.0, resolution, 1) == pytest.approx(2 * nodes + pressures, rel=0.05)
