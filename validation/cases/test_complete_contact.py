@@ -116,7 +116,7 @@ def test_last_gap_of_one_wave(rows):
      pytest.param([1, 2], None, 5e-4, 0.3, id="layer of 0.05 periods")],
 )
 def test_isolated_cracks(rows, orders, seed, thickness, poisson_ratio):
-    """Close the last gaps as isolated cracks: their number, widths, separation, and the load at that separation?"""
+    """Do the last gaps close as isolated cracks: in number, width, separation, and in the load at that separation?"""
     if seed is None:
         profile = orders, [DEPTH] * len(orders), [0.0] * len(orders)
     else:

@@ -172,6 +172,8 @@ EFFECTS = {  # scene with the effect, and the one it is priced against
     "spectra": (STICKY | {"output": {"spectra": True}}, "slope term"),
     "pressure distribution": (STICKY | {"output": {"pressure_distribution": True}}, "slope term"),
 }
+
+
 @pytest.mark.standard
 def test_price_of_effects(rows):
     """For each effect of a scene, how much does it cost?"""

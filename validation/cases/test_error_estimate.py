@@ -17,8 +17,9 @@ from validation.references.closed_forms import Sinusoid
 from validation.routes.dense_algebra import reference
 from validation.routes.scenes import posed, touching
 
-RESOLUTION, ORDERS = 1e-14, 100.0
-TOLERANCES = (1e-3, 1e-6, 1e-10)
+RESOLUTION = 1e-14  # of the reference, over the largest value of a quantity
+ORDERS = 100.0  # most that an estimate may exceed the true error by
+TOLERANCES = (1e-3, 1e-6, 1e-10)  # that the scenes ask for
 LAYER = {"layer": {"thickness": 0.001}, "solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.3}}
 ROUGH = [70e-6, 45e-6, 30e-6, 50e-6]  # m, separations
 

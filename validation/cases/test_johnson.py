@@ -103,7 +103,7 @@ def test_stability_and_stiffness(rows):
 @pytest.mark.quick
 @pytest.mark.parametrize("alpha", [0.1, 0.5, 1.0])
 def test_largest_tension(rows, alpha):
-    """Is the largest tension that a result reports that of Johnson's curve, where a given penetration passes it by?"""
+    """Under penetration control, is the largest tension that a result reports the minimum of Johnson's curve?"""
     wave = replace(WAVE, alpha=alpha)  # dp/dpsi = 0 where 4 sin^(3/2) psi cos^(5/2) psi = alpha, below tan^2 psi = 3/5
     psi = brentq(lambda a: 4 * np.sin(a) ** 1.5 * np.cos(a) ** 2.5 - alpha, 0.0, np.arctan(np.sqrt(0.6)), xtol=1e-15)
     tension = solved("sinusoid", adhesion={"work_of_adhesion": wave.work_of_adhesion},

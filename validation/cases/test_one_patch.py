@@ -48,7 +48,7 @@ def released(jumps) -> FloatArray:
 
 @pytest.mark.quick
 def test_contact_spreads_and_recedes(rows):
-    """Does contact spread and recede by the jumps of the closed form, with increments that tempt it to leap?"""
+    """Does contact spread and recede by the jumps of the closed form, also with a large increment?"""
     result = solved("rippled_wave")
     up, widths = WAVE.loaded(*UP)
     down, narrower = WAVE.unloaded(widths[-1], *DOWN)

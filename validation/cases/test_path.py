@@ -1,15 +1,16 @@
-"""Paths: the first of several states at a load, and patches that stand beside a detachment.
+"""Paths: the first of two states at one load, and patches that remain when a neighbour detaches.
 
 Rough profile of 100 harmonics (Hurst exponent 0.7, h_rms = 50 um, period 10 mm, E = 1 MPa, nu = 0.5), loaded and
 unloaded.
 
 A wave with a ripple whose crests come in pairs of nearly equal height: when one of a pair detaches, the other patch
-shrinks before it comes to rest.  Seven equal crests lose their symmetry on unloading; which patches detach follows from
-the way this begins.  Reference: overdamped motion of the edges down the energy in small explicit steps,
+shrinks until it is in equilibrium.  Seven equal crests lose their symmetry on unloading; which patches detach depends
+on the first small asymmetry.  Reference: overdamped motion of the edges down the energy in small explicit steps,
 
     d(edge)/dt ~ -dU/d(edge) l / w,   l the shorter of patch and gap,
 
-from the state before the event until forces are 1e-4 w, ended by Newton.  A patch narrower than a thousandth is gone.
+from the state before the event until forces are 1e-4 w, ended by Newton.  A patch narrower than a
+thousandth of its first width has detached.
 """
 
 from dataclasses import dataclass
@@ -22,13 +23,14 @@ import bem
 from validation.plugin.rows import Code, Quantity
 from validation.routes.scenes import edge_scale, solved
 
-STEP, LARGEST, STEPS, NEWTON = 0.2, 0.05, 5000, 4  # of the motion: times l force / w, at most so many l
+STEP, LARGEST = 0.2, 0.05  # motion of an edge in a step over l force / w, and largest motion over l
+STEPS, NEWTON = 5000, 4  # most steps of the motion, and steps of Newton's rule behind it
 AT_REST, GONE = 1e-4, 1e-3
 
 
 @pytest.mark.quick
 def test_first_state_at_a_load(rows):
-    """Is the state at a mean pressure asked for the first on the way, where events make a load occur twice?"""
+    """Where events make a mean pressure occur twice on a path, is the state at that pressure the first of both?"""
     adhesion = {"work_of_adhesion": 0.05}
     twice = {1381.208: 61.8e-6, 3558.97: 48.3e-6}  # Pa, and a separation between the two states of that load
     start, spacing = 70e-6, 0.05e-6
@@ -87,7 +89,7 @@ class Ripples:
 
 @pytest.mark.quick
 def test_patch_that_stands(rows):
-    """Does the other patch of a pair stand when one detaches, shrunk to where the overdamped motion comes to rest?"""
+    """When one patch of a pair detaches, does the other shrink to where overdamped motion comes to rest?"""
     pairs = Ripples((1, 24), (3e-5, 4e-6), (0.0, 0.02), 0.01)
     between = 2.16e-6  # m; the outer pair detaches at penetrations of 2.22 and 2.11 um
     result = pairs.path([10e-6, between])
@@ -105,7 +107,7 @@ def test_patch_that_stands(rows):
 
 @pytest.mark.quick
 def test_first_of_equal_patches_detaches(rows):
-    """Do as many of seven equal patches stay as in an overdamped motion of the edges, the first one 1 % narrower?"""
+    """Do as many of seven equal patches stay as in overdamped motion that begins with one patch 1 % narrower?"""
     equal, around = Ripples((7,), (2e-5,), (0.0,), 0.1), (-5.4e-6, -5.8e-6)  # they part at -5.46 um
     first, after = equal.path([10e-6, *around]).targets[1:]
     edges = np.array(first.edges)

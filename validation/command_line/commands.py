@@ -24,6 +24,8 @@ def main(arguments: Sequence[str]) -> int:
     if arguments and not arguments[0].startswith("-") and arguments[0] not in names:
         near = get_close_matches(arguments[0], names, 1)
         meant = f"; did you mean {near[0]}" if near else ""
+        if Path(arguments[0]).is_file():
+            meant = f", but a file; linecontact answer {arguments[0]} .. takes a trace, linecontact run a scene"
         parser.error(f"no command {arguments[0]!r}{meant}; allowed: {', '.join(names)}")
     options = parser.parse_args(arguments)
     perform: Callable[[argparse.Namespace], int] = options.perform

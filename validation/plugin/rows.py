@@ -437,9 +437,7 @@ class Rows:
         failed = [row for row in self.rows if row.verdict not in PASSING]
         lines = [row.described() for row in failed]
         if gone:
-            lines.insert(
-                0, f"stored rows are gone: {', '.join(gone)}; run with --store --reason TEXT if they should be"
-            )
+            lines.insert(0, f"stored rows are gone: {', '.join(gone)}; run with --store --reason TEXT if this is meant")
         if failed:
             names = ", ".join(f"{row.name} ({row.of}, {row.by}) {row.verdict}" for row in failed[:3])
             lines.insert(0, f"{len(failed)} of {len(self.rows)} rows: {names}{', ...' if len(failed) > 3 else ''}")
