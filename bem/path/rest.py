@@ -25,7 +25,7 @@ def at_rest(system: System, start: Start, accuracy: Accuracy, local_tolerance: f
     local_tolerance : float
         Of evaluations in a frozen field, where edges must descend.
     """
-    settled, cause, patches = settle(system, start, AtControl(start.value), accuracy), Cause(), start.patches
+    settled, cause, patches = settle(system.sloped, start, AtControl(start.value), accuracy), Cause(), start.patches
     if not isinstance(settled, Refused) and settled[0].factor is not None:
         balance = settled[0]
         closed = interpenetration(system, balance.state, accuracy.allowed)

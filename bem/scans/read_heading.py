@@ -19,9 +19,9 @@ DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma", "": "blanks"}  # of c
 LINES_LISTED = 12  # format: lines above the numbers that are spelt out
 LONGEST = 1000  # format: characters of a heading
 CELL = re.compile(r"([^\[\]()/]*)(?:\[([^\[\]]+)\]|\(([^()]+)\)|/\s*([^\s\[\]()/]+))\s*")  # name, unit in one of 3 ways
-MOST_COLUMNS = 3  # of a text that is no map
+MOST_COLUMNS = 3  # format: of a text that is no map
 LENGTH = re.compile(r"[#%\s]*(width|spacing|pixel size|x step|step)\s*[:=]\s*([0-9.,]*[0-9])\s*([^\s0-9]+)\s*", re.I)
-UNIT = re.compile(r"[#%\s]*(?:value|height|z) units?\s*[:=]\s*(\S+)\s*", re.I)
+HEIGHT_UNIT = re.compile(r"[#%\s]*(?:value|height|z) units?\s*[:=]\s*(\S+)\s*", re.I)
 REMEDY = "words that mark heights become numbers, as 1 and 0 in a column that valid_column names"
 
 
@@ -75,7 +75,7 @@ def _stated(above: Sequence[NumberedLine], heights: int) -> list[str]:
     """
     said = {}
     for line in above:
-        length, unit = LENGTH.fullmatch(line.text), UNIT.fullmatch(line.text)
+        length, unit = LENGTH.fullmatch(line.text), HEIGHT_UNIT.fullmatch(line.text)
         if length is not None and unit_of(length[3]) in METRES:
             name, number, word = length[1].lower(), float(length[2].replace(",", ".")), unit_of(length[3])
             if name != "width":
