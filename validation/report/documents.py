@@ -99,8 +99,10 @@ def sections(text: str) -> list[Section]:
     return [Section(level, heading, "\n".join(lines).strip() + "\n") for level, heading, lines in parts]
 
 
-def topic_text(topic: str) -> str:
-    """Return the document of a topic, or the sections whose headings hold these words and the lines that do.
+def topic_text(topic: str, examples: Sequence[str] = ()) -> str:
+    """Return the document of a topic, or the sections whose headings hold these words and what else does.
+
+    `examples` are lines with the names and titles of the examples.
 
     Raises
     ------
@@ -112,7 +114,7 @@ def topic_text(topic: str) -> str:
     words = topic.lower().split()
     topics = [words.pop(0)] if len(words) > 1 and words[0] in TOPICS else list(TOPICS)  # as in: keys loading
     parts: list[str] = []
-    hits: list[tuple[str, str]] = []  # place and paragraph
+    hits = [("linecontact example", line) for line in examples if _holds(line, words)]  # place and paragraph
     for name in topics:
         for section in sections(document(name)):
             if _holds(section.heading, words):
@@ -148,15 +150,10 @@ def _paragraphs(text: str) -> Iterator[str]:
             block.append(line)
 
 
-def _holds(line: str, words: Sequence[str]) -> bool:
-    """Return whether a line holds all words, or words that begin with them, in any order and case."""
-    return all(_begins(line, word) is not None for word in words)
-
-
-def _begins(line: str, word: str) -> int | None:
-    """Return where a word begins with the given letters in a line; None if none does."""
-    match = re.search(rf"(?<![a-z0-9]){re.escape(word)}", line.lower())
-    return None if match is None else match.start()
+def _holds(text: str, words: Sequence[str]) -> bool:
+    """Return whether a text holds all words, or words that begin with them, in any order and case, hyphens or not."""
+    plain = text.lower().replace("-", "")
+    return all(re.search(rf"(?<![a-z0-9]){re.escape(word.replace('-', ''))}", plain) for word in words)
 
 
 def contents() -> str:
