@@ -1,8 +1,8 @@
 """Documents of the packages as text and as one HTML page: methods, keys, thresholds, as they were built.
 
 The documents are Markdown beside the code: README.md, KEYS.md, THRESHOLDS.md; that of Python is made of the docstrings
-of what `bem` exports.  The page needs no network.  Of Markdown it knows what they use: headings, paragraphs, lists,
-tables, code, emphasis, links, formulas.
+of what `bem` exports and of what a result holds.  The page needs no network.  Of Markdown it knows what they use:
+headings, paragraphs, lists, tables, code, emphasis, links, formulas.
 """
 
 import inspect
@@ -16,6 +16,8 @@ from typing import Any
 from markupsafe import Markup, escape
 
 import bem
+from bem.scene.result import Event, LargestTension
+from bem.scene.state import State
 from validation.report.formulas import formula
 from validation.report.pages import filled
 
@@ -60,10 +62,10 @@ def document(topic: str) -> str:
 
 
 def _docstrings() -> str:
-    """Return the docstrings of what `bem` exports, and of the public parts of its classes, as Markdown."""
+    """Return the docstrings of what `bem` exports and a result holds, with public parts of classes, as Markdown."""
     text = ["# Python", "What `import bem` gives; a result and its states have the columns of `to_table` in SI units."]
-    for name in bem.__all__:
-        owner = getattr(bem, name)
+    for owner in (*(getattr(bem, name) for name in bem.__all__), State, Event, LargestTension):
+        name = owner.__name__
         parts = [(name, owner)]
         if inspect.isclass(owner):
             members = {key: value for base in reversed(owner.__mro__[:-1]) for key, value in vars(base).items()}
