@@ -167,7 +167,7 @@ def _answer(options: argparse.Namespace) -> int:
         )
         for key in ("outliers", "cutoff_short"):
             if key in choice.tables["profile"].keys() - given.keys():
-                print(f"note: profile.{key}: {_reasons(choice)[key]}", file=sys.stderr)
+                print(f"note: profile.{key}: {_reasons(choice)[key].removeprefix('m, ')}", file=sys.stderr)
         run = {"scene": folder / SCENE_FILE, "out": folder, "resume": False, "overwrite": True, "plot": False}
         run |= {"quiet": options.quiet, "json": False, "table": True, "jobs": options.jobs}
         if asks_for_rows(choice.tables):
