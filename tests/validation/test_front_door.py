@@ -135,11 +135,10 @@ def test_an_unknown_example_is_told_with_those_there_are(capsys):
     assert "paper-profile" in said
 
 
-@pytest.mark.parametrize("words", [["anwser"], ["studdy", "scene.toml"]])
-def test_a_command_with_a_slip_is_told_what_was_meant(words, capsys):
+def test_a_command_with_a_slip_is_told_what_was_meant(capsys):
     with pytest.raises(SystemExit, match="2"):
-        main(words)
-    assert f"did you mean {({'a': 'answer', 's': 'study'})[words[0][0]]}; allowed: " in capsys.readouterr().err
+        main(["anwser"])
+    assert "did you mean answer; allowed: " in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("words", [["no.toml"], ["scene", "no.toml"]])
