@@ -41,7 +41,7 @@ from bem.scene.scene_error import SceneError
 TABLE = ANSWERS[0]
 MEDIANS = {"width_median": "width: median", "open_gap_p50": "open gap: median"}  # of one column in three
 SCATTER = "Median and scatter of {} rows: half of the distance of their 16 and 84 % quantiles."
-TABLE_DIGITS = 3  # format: of a median and its scatter
+TABLE_DIGITS, SCATTER_DIGITS = 3, 2  # format: of a median and its scatter
 
 
 def run_rows(tables: Mapping[str, Any], options: argparse.Namespace) -> int:
@@ -177,5 +177,6 @@ def pull_off_words(outcome: RowResults) -> str:
 
 def _median_words(values: Sequence[float], unit: str, rows: int, count: int) -> str:
     """Return median and scatter in words, of one row or of zeros the median alone; of how many rows, if not of all."""
-    words = " ± ".join(readable(value, unit, TABLE_DIGITS) for value in values[: 2 if rows > 1 and any(values) else 1])
+    shown = zip(values[: 2 if rows > 1 and any(values) else 1], (TABLE_DIGITS, SCATTER_DIGITS), strict=False)
+    words = " ± ".join(readable(value, unit, figures) for value, figures in shown)
     return words + (f" ({rows} of {count} rows)" if rows < count else "")

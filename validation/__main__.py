@@ -47,22 +47,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="linecontact", description=__doc__)
     parser.add_argument("--version", action="version", version=f"linecontact {installed_version()}")
     add_commands(parser.add_subparsers(required=True, metavar="COMMAND"))
-    return perform(parser.parse_args(arguments))
+    return perform(parser.parse_args(without_kind(sys.argv[1:] if arguments is None else arguments)))
+
+
+def without_kind(words: Sequence[str]) -> list[str]:
+    """Return the words of a command line without the kind of a study, which may be left out: study scene SCENE."""
+    return [words[0], *words[2:]] if list(words[:2]) == ["study", "scene"] and len(words) > 2 else list(words)
 
 
 def perform(options: argparse.Namespace) -> int:
     """Run the command that was parsed, and return its exit code."""
     return perform_command(options, REFUSED)
-
-
-class _SceneFile(argparse.Action):
-    """Action that keeps the file of a scene, behind the word scene or alone."""
-
-    def __call__(self, parser: argparse.ArgumentParser, namespace: Any, values: Any, option: str | None = None) -> None:
-        words = values[1:] if values[0] == "scene" and len(values) > 1 else values
-        if len(words) != 1:
-            raise argparse.ArgumentError(self, f"{' '.join(values)!r}; allowed: scene and one scene file (TOML)")
-        setattr(namespace, self.dest, Path(words[0]))
 
 
 def read_report(folder: Path) -> dict[str, Any]:
@@ -167,7 +162,7 @@ def add_commands(commands: argparse._SubParsersAction[argparse.ArgumentParser], 
         "seconds of fewer and more digits.  In the folder of a run, the page of the run takes the +- over.  It takes "
         "some ten times as long as the scene.",
     )
-    study.add_argument("scene", nargs="+", action=_SceneFile, metavar="SCENE", help="scene file (TOML)")
+    study.add_argument("scene", type=Path, metavar="SCENE", help="scene file (TOML)")
     study.add_argument(
         "--budget", type=positive, default=BUDGET, metavar="S", help="CPU seconds (default: %(default)s)"
     )

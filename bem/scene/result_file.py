@@ -76,7 +76,8 @@ def read_result(folder: Path | str) -> Result:
     try:
         raw = read_bytes(path)
     except FileNotFoundError as error:
-        raise FileNotFoundError(f"{path}: no result of a run there") from error
+        rows = "; of a map that was solved row by row, read_rows reads the folder" if any(folder.glob("row-*")) else ""
+        raise FileNotFoundError(f"{path}: no result of a run there{rows}") from error
     result, sha256 = _without_arrays(raw, str(path))
     if sha256 is None and result.status != "interrupted" and any(state.stored is not None for state in result.states):
         raise CorruptResultError(

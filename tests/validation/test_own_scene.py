@@ -209,7 +209,7 @@ def test_roughness_that_no_setting_has_is_told(tmp_path):
     every, good = settings(scene, tmp_path), outcome(0.5, 2.0)
     solved = {one.title: good for one in every}
     (of_adhesion,) = left_out(parse_scene(scene, tmp_path), tmp_path, every, solved)
-    assert "does not hold the work of adhesion, by which the pull-off goes" in of_adhesion
+    assert "nor the work of adhesion, by which the pull-off goes" in of_adhesion
     solved["cut: none, 127 harmonics"] = replace(good, status="stopped", answers=[])
     _, sentence = left_out(parse_scene(scene, tmp_path), tmp_path, every, solved)
     assert f"waves shorter than {256 / 19:.3g} µm" in sentence

@@ -101,3 +101,13 @@ def test_complete_contact_has_no_gap_and_is_no_number_of_contacts():
         "–",
         "complete",
     )
+
+
+def test_loads_in_complete_contact_behind_a_jump_are_states_of_their_own():
+    targets = [1e3, 3e4, 3e5, 1e5]
+    result = bem.solve({**ROUGH, "loading": {"control": "mean_pressure", "targets": targets}, "output": {}})
+    path = path_of(result)
+    complete = [point.state.mean_pressure for point in path if point.state.status == "complete_contact"]
+    assert [point.state.mean_pressure for point in path if point.state.target] == pytest.approx(targets)
+    assert len(complete) > 2 and complete[-2:] == pytest.approx(targets[-2:])
+    assert path[[point.state.status for point in path].index("complete_contact")].jump == "after"

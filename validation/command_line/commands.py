@@ -27,7 +27,7 @@ def main(arguments: Sequence[str]) -> int:
         if Path(arguments[0]).is_file():
             meant = f", but a file; linecontact answer {arguments[0]} .. takes a trace, linecontact run a scene"
         parser.error(f"no command {arguments[0]!r}{meant}; allowed: {', '.join(names)}")
-    options = parser.parse_args(arguments)
+    options = parser.parse_args(harness.without_kind(arguments))
     perform: Callable[[argparse.Namespace], int] = options.perform
     return perform(options)
 
@@ -73,7 +73,7 @@ def _docs(options: argparse.Namespace) -> int:
     """Print the topics or a topic, or write all of them as a page and print its path."""
     try:
         if options.html is None:
-            print(topic_text(" ".join(options.topic)) if options.topic else contents())
+            print(topic_text(" ".join(options.topic), examples.listed()) if options.topic else contents())
             return DONE
     except UnknownTopicError as error:
         print(f"error: {error}", file=sys.stderr)

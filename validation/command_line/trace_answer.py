@@ -165,8 +165,9 @@ def _answer(options: argparse.Namespace) -> int:
             f"accuracy.tolerance = {TOLERANCE:g}",
             file=sys.stderr,
         )
-        if "outliers" in choice.tables["profile"].keys() - given.keys():
-            print(f"note: profile.outliers: {_reasons(choice)['outliers']}", file=sys.stderr)
+        for key in ("outliers", "cutoff_short"):
+            if key in choice.tables["profile"].keys() - given.keys():
+                print(f"note: profile.{key}: {_reasons(choice)[key]}", file=sys.stderr)
         run = {"scene": folder / SCENE_FILE, "out": folder, "resume": False, "overwrite": True, "plot": False}
         run |= {"quiet": options.quiet, "json": False, "table": True, "jobs": options.jobs}
         if asks_for_rows(choice.tables):

@@ -1,8 +1,8 @@
 """Documents of the packages as text and as one HTML page: methods, keys, thresholds, as they were built.
 
 The documents are Markdown beside the code: README.md, KEYS.md, THRESHOLDS.md; that of Python is made of the docstrings
-of what `bem` exports.  The page needs no network.  Of Markdown it knows what they use: headings, paragraphs, lists,
-tables, code, emphasis, links, formulas.
+of what `bem` exports and of what a result holds.  The page needs no network.  Of Markdown it knows what they use:
+headings, paragraphs, lists, tables, code, emphasis, links, formulas.
 """
 
 import inspect
@@ -16,6 +16,8 @@ from typing import Any
 from markupsafe import Markup, escape
 
 import bem
+from bem.scene.result import Event, LargestTension
+from bem.scene.state import State
 from validation.report.formulas import formula
 from validation.report.pages import filled
 
@@ -60,10 +62,10 @@ def document(topic: str) -> str:
 
 
 def _docstrings() -> str:
-    """Return the docstrings of what `bem` exports, and of the public parts of its classes, as Markdown."""
+    """Return the docstrings of what `bem` exports and a result holds, with public parts of classes, as Markdown."""
     text = ["# Python", "What `import bem` gives; a result and its states have the columns of `to_table` in SI units."]
-    for name in bem.__all__:
-        owner = getattr(bem, name)
+    for owner in (*(getattr(bem, name) for name in bem.__all__), State, Event, LargestTension):
+        name = owner.__name__
         parts = [(name, owner)]
         if inspect.isclass(owner):
             members = {key: value for base in reversed(owner.__mro__[:-1]) for key, value in vars(base).items()}
@@ -99,8 +101,10 @@ def sections(text: str) -> list[Section]:
     return [Section(level, heading, "\n".join(lines).strip() + "\n") for level, heading, lines in parts]
 
 
-def topic_text(topic: str) -> str:
-    """Return the document of a topic, or the sections whose headings hold these words and the lines that do.
+def topic_text(topic: str, examples: Sequence[str] = ()) -> str:
+    """Return the document of a topic, or the sections whose headings hold these words and what else does.
+
+    `examples` are lines with the names and titles of the examples.
 
     Raises
     ------
@@ -112,7 +116,7 @@ def topic_text(topic: str) -> str:
     words = topic.lower().split()
     topics = [words.pop(0)] if len(words) > 1 and words[0] in TOPICS else list(TOPICS)  # as in: keys loading
     parts: list[str] = []
-    hits: list[tuple[str, str]] = []  # place and paragraph
+    hits = [("linecontact example", line) for line in examples if _holds(line, words)]  # place and paragraph
     for name in topics:
         for section in sections(document(name)):
             if _holds(section.heading, words):
@@ -148,15 +152,10 @@ def _paragraphs(text: str) -> Iterator[str]:
             block.append(line)
 
 
-def _holds(line: str, words: Sequence[str]) -> bool:
-    """Return whether a line holds all words, or words that begin with them, in any order and case."""
-    return all(_begins(line, word) is not None for word in words)
-
-
-def _begins(line: str, word: str) -> int | None:
-    """Return where a word begins with the given letters in a line; None if none does."""
-    match = re.search(rf"(?<![a-z0-9]){re.escape(word)}", line.lower())
-    return None if match is None else match.start()
+def _holds(text: str, words: Sequence[str]) -> bool:
+    """Return whether a text holds all words, or words that begin with them, in any order and case, hyphens or not."""
+    plain = text.lower().replace("-", "")
+    return all(re.search(rf"(?<![a-z0-9]){re.escape(word.replace('-', ''))}", plain) for word in words)
 
 
 def contents() -> str:

@@ -85,6 +85,7 @@ def path_of(result: Result) -> list[PathState]:
     """Return all states of the path that were found, with the ends of jumps between them."""
     period, happened = result.scene["profile"]["period"], 0
     path: list[PathState] = []
+    landed = False  # the last state of the path is the end of a jump, which the next stored state may be
     for state in result.states:
         if not state.found:
             continue
@@ -93,16 +94,17 @@ def path_of(result: Result) -> list[PathState]:
             if event.before is not None and event.after is not None:
                 before, after = (_end(end, event, state, period) for end in (event.before, event.after))
                 path += [PathState(before, ahead, "before"), PathState(after, (event,), "after")]
-                ahead = ()
+                ahead, landed = (), True
             elif path and path[-1].jump == "after" and path[-1].events[0].penetration == event.penetration:
                 path[-1] = replace(path[-1], events=(*path[-1].events, event))  # of the same avalanche
             else:
                 ahead += (event,)
         happened = state.events
-        if path and path[-1].jump == "after" and not ahead and _equal(path[-1].state, state):
+        if landed and not ahead and _equal(path[-1].state, state):
             path[-1] = replace(path[-1], state=state)
         else:
             path.append(PathState(state, ahead))
+        landed = False
     return path
 
 
@@ -110,6 +112,8 @@ def _equal(end: State, state: State) -> bool:
     """Return whether a stored state is the end of a jump."""
     same = (end.status, end.n_patches) == (state.status, state.n_patches)
     near = abs(end.contact_fraction - state.contact_fraction) <= SAME
+    if state.status == "complete_contact" and not math.isnan(state.mean_pressure):  # alike but for the pressure
+        near = math.isclose(end.mean_pressure, state.mean_pressure, rel_tol=SAME)
     return same and near and math.isclose(end.penetration, state.penetration, rel_tol=SAME)
 
 

@@ -221,9 +221,11 @@ def left_out(scene: Scene, base: Path, settings: Sequence[Setting], solved: Mapp
     answered = {setting.source for setting in settings if setting.title in solved and solved[setting.title].answers}
     kinds = dict.fromkeys(setting.source for setting in settings if setting.tables and setting.source not in answered)
     sentences = [f"± does not hold the choice of {', '.join(kinds)}: no such setting was solved."] if kinds else []
+    held = "Young's modulus and Poisson's ratio"
     if scene.adhesion is not None:
         flaw = "" if scene.loading.flaw is None else " and the flaw"
-        sentences.append(f"± does not hold the work of adhesion{flaw}, by which the pull-off goes: solve with others.")
+        held = f"{held}, nor the work of adhesion{flaw}, by which the pull-off goes"
+    sentences.append(f"± does not hold {held}: solve with others.")
     if scene.scan is None:
         return sentences
     scan, shortest = scene.scan, math.inf
