@@ -48,8 +48,8 @@ ELASTIC = ("converged", "negative_stress_intensity", "interpenetration")  # at g
 
 
 def compare_codes(rows: Rows, name: str, ours: ArrayLike, theirs: ArrayLike, uncertainty: tuple[Any, Any], scale: float,
-                  *, quantity: Quantity, ceiling: float = CEILING, **options: Any) -> float:
-    """Add a row of two codes, allowed twice the combined U and at most a ceiling, and return its share of U.
+                  *, quantity: Quantity, ceiling: float = CEILING, times: float = TWICE, **options: Any) -> float:
+    """Add a row of two codes, allowed some times the combined U and at most a ceiling, and return its share of U.
 
     The row fails, as not established, where U alone is beyond the ceiling, a share of the scale.
     """
@@ -59,9 +59,9 @@ def compare_codes(rows: Rows, name: str, ours: ArrayLike, theirs: ArrayLike, unc
         message = f"not established: U {combined:.2g} is beyond {share * scale:.2g}, {share:g} of the scale"
         rows.not_converged(name, message, of=given["of"], by=given["by"], quantity=quantity)
     else:
-        because = f"twice U of both sides (U of finite elements holds 95 %), at most {share:g} of the scale"
+        because = f"{times:g} U of both sides (U of finite elements holds 95 %), at most {share:g} of the scale"
         rows.compare(name, ours, theirs, uncertainty=uncertainty, because=because,
-                     required=min(TWICE * combined, share * scale), **given)
+                     required=min(times * combined, share * scale), **given)
     return float(np.max(np.abs(np.subtract(ours, theirs)))) / combined
 
 
@@ -88,8 +88,8 @@ class Comparison:
     state: bem.ContactState | None = None  # the boundary elements at their edges
     failure: str = ""
 
-    def add_to(self, rows: Rows, label: str = "") -> None:
-        """Add a row for every difference, or a failed row."""
+    def add_to(self, rows: Rows, label: str = "", times: float = TWICE) -> None:
+        """Add a row for every difference, allowed some times the combined U, or a failed row."""
         prefix = f"{label}: " if label else ""
         if not self.differences or self.fem is None:
             rows.not_converged(f"{prefix}equilibrium", self.failure, of=Code.BEM, by=Code.FEM, quantity=Quantity.EDGES)
@@ -98,14 +98,13 @@ class Comparison:
         source = f"P{resolution.order}/P{resolution.order - 1}, {self.fem.unknowns} unknowns"
         for each in self.differences:
             compare_codes(rows, prefix + each.name, each.bem, each.fem, (each.bem_uncertainty, each.fem_uncertainty),
-                          each.scale, quantity=each.quantity, unit=each.unit, source=source,
+                          each.scale, quantity=each.quantity, times=times, unit=each.unit, source=source,
                           kind="construction" if each.name in DERIVED else "accuracy")
 
-    def share(self) -> float:
-        """Return the largest difference over its combined uncertainty; nan without a state."""
-        shares = [np.max(np.abs(d.bem - d.fem)) / np.hypot(d.bem_uncertainty, d.fem_uncertainty)
-                  for d in self.differences]
-        return float(max(shares, default=np.nan))
+    def shares(self) -> list[float]:
+        """Return each difference that does not follow from others over its combined uncertainty."""
+        return [float(np.max(np.abs(d.bem - d.fem)) / np.hypot(d.bem_uncertainty, d.fem_uncertainty))
+                for d in self.differences if d.name not in DERIVED]
 
 
 def compare_equilibria(scene: Scene, elements: str, patches: int | None) -> Comparison:

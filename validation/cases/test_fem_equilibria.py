@@ -15,13 +15,15 @@ import numpy as np
 import pytest
 
 import bem
-from validation.cases.bem_beside_fem import compare_equilibria, compare_prescribed, figure
+from validation.cases.bem_beside_fem import TWICE, compare_equilibria, compare_prescribed, figure
 from validation.corpus.random_scenes import draw
+from validation.plugin.rows import Code, Quantity
 from validation.routes.scenes import posed
 
 PERIOD = 0.01
 LOAD = {"loading": {"control": "mean_pressure", "targets": [1e4]}, "accuracy": {"max_increment": 5.0}}
 SEED, DRAWN = 47, 200
+COVERAGE, OF_MANY = 0.95, 6.0  # of U; times U for one of many numbers: the largest of 534 of the calibration is 5.7
 
 
 def layer(thickness, ratio):
@@ -99,14 +101,23 @@ def in_matrix(k):
      pytest.param(None, "P4/P3", id="all", marks=[pytest.mark.full, pytest.mark.timeout(3600)])],
 )
 def test_random_scenes(rows, scenes, elements):
-    """Do both codes find the same equilibria of random scenes, past events, whatever layer, adhesion and control?"""
-    shares = []
+    """Do both codes find the same equilibria of random scenes, past events, whatever layer, adhesion and control?
+
+    Of all scenes, U of both sides should hold 95 % of the differences; each is within the largest of the calibration.
+    """
+    shares, drawn = [], list[float]()
     for k in scenes or [k for k in range(DRAWN) if in_matrix(k)]:
         scene = random_scene(k)
         both = compare_equilibria(scene, elements, None)
-        both.add_to(rows, f"scene {k}")
+        both.add_to(rows, f"scene {k}", TWICE if scenes else OF_MANY)
+        own = both.shares()
+        drawn += own
         shares.append([k, scene.loading.control, scene.layer.thickness / scene.surface().period,
-                       scene.solid.poisson_ratio, "yes" if scene.adhesion else "no", both.share()])
+                       scene.solid.poisson_ratio, "yes" if scene.adhesion else "no", max(own, default=np.nan)])
         assert both.fem is None or both.fem.stable is not False, f"scene {k}: no minimum by finite elements"
+    if not scenes:
+        spread = 2 * np.sqrt(COVERAGE * (1 - COVERAGE) / len(drawn))
+        rows.compare("share of differences within U", float(np.mean(np.array(drawn) <= 1)), COVERAGE, of=Code.FEM,
+                     by=Code.BEM, quantity=Quantity.COUNT, uncertainty=(spread, 0.0), source=f"{len(drawn)} numbers")
     rows.table(f"Scenes of seed {SEED}: |BEM - FEM| over the combined U, at most",
                ["scene", "control", "d/period", "nu", "adhesion", "largest share"], shares)
