@@ -87,10 +87,14 @@ def both_codes(posed):
     return Both(kind, result, path, targets, events, jumps)
 
 
-def compare(rows, name, ours, theirs, uncertainty, quantity, unit):
-    """Add a row, and return its difference over the combined U; energies of jumps are differences of meshes."""
+def compare(rows, name, ours, theirs, uncertainty, quantity, unit, scale=None):
+    """Add a row, and return its difference over the combined U; energies of jumps are differences of meshes.
+
+    A difference has the scale of what it is made of: a total energy that of its parts, an energy released in a jump
+    that of all jumps.
+    """
     ceiling = 0.1 if "released" in name or "hysteresis" in name else CEILING
-    return compare_codes(rows, name, ours, theirs, uncertainty, abs(theirs), quantity=quantity, unit=unit,
+    return compare_codes(rows, name, ours, theirs, uncertainty, scale or abs(theirs), quantity=quantity, unit=unit,
                          ceiling=ceiling, source="P2/P1, path of its own")
 
 
@@ -110,14 +114,17 @@ def compare_targets(rows, both, label):
             share = PERIOD if name == "total_energy" else 1.0
             theirs, u_fem = getattr(fem, name) / share, uncertain(fem, name) / share
             own = getattr(state.error_estimate, name)
+            elastic = fem.elastic_energy / PERIOD
+            parts = abs(elastic) + abs(theirs - elastic) if name == "total_energy" else None
             shares.append(compare(rows, f"{label}, target {k + 1}: {name.replace('_', ' ')}", getattr(state, name),
-                                  theirs, (own, u_fem), quantity, unit))
+                                  theirs, (own, u_fem), quantity, unit, parts))
     return aside, shares
 
 
 def compare_jumps(rows, both, label):
     """Add rows for jumps of an adhesive path and its hysteresis; return the first jump not shared, and shares of U."""
     shares, shared = [], 0
+    areas = [jump.values["energy_released"] / PERIOD for jump in both.jumps if "energy_released" in jump.values]
     for k, (events, jump, at) in enumerate(zip(both.events, both.path.jumps, both.jumps, strict=False)):
         kinds = sorted(event.kind for event in events)
         if kinds != sorted(change.kind for change in jump.changes):
@@ -134,9 +141,9 @@ def compare_jumps(rows, both, label):
             released = sum(each.energy_released for each in events)
             own = sum(each.error_estimate.energy_released or 0.0 for each in events)
             shares.append(compare(rows, f"{name}: energy released", released, at.values["energy_released"] / PERIOD,
-                                  (own, at.uncertainty["energy_released"] / PERIOD), Quantity.ENERGY, "J/m^2"))
+                                  (own, at.uncertainty["energy_released"] / PERIOD), Quantity.ENERGY, "J/m^2",
+                                  sum(areas)))
     if shared == len(both.events) == len(both.jumps) and both.path.targets[-1].status == "separated":
-        areas = [jump.values["energy_released"] / PERIOD for jump in both.jumps]
         spread = [jump.uncertainty["energy_released"] / PERIOD for jump in both.jumps]
         every = [event for events in both.events for event in events]
         released = sum(event.energy_released for event in every)
