@@ -32,6 +32,7 @@ from validation.plugin.rows import Code, Quantity
 from validation.routes.fem_scenes import fem_arguments, follow_fem, uncertain
 
 PERIOD, HEIGHT, TOLERANCE, ELEMENTS = 0.01, 50e-6, 1e-9, Resolution(2, 10, 10)
+AT_TARGETS = Resolution(2, 15, 10)  # ten cells leave U of an energy above a hundredth
 TARGETS = np.array([0.3, 0.7, 0.2, -1.0])  # of h_max, 1.6 times as much on the thin layer; the last one is apart
 LOADS = [3e3, 1e4, 2e4]  # Pa, of twenty waves
 QUANTITIES = {"contact_fraction": (Quantity.AREA, ""), "penetration": (Quantity.LENGTH, "m"),
@@ -77,7 +78,7 @@ def both_codes(posed):
     problem, path, unit = follow_fem(posed)
     arguments = fem_arguments(posed)
     kind = arguments["control"]
-    targets = [solve(**arguments | {"value": float(value)}, start=target.edges * PERIOD, resolution=ELEMENTS)
+    targets = [solve(**arguments | {"value": float(value)}, start=target.edges * PERIOD, resolution=AT_TARGETS)
                if target.status == "converged" else None
                for value, target in zip(posed.loading.targets, path.targets, strict=True)]
     result = bem.solve(posed)
