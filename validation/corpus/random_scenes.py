@@ -67,8 +67,8 @@ class Drawn:
             np.savetxt(folder / SCAN, self.scan, delimiter=",", fmt="%.17g")
 
 
-def draw(seed: int, index: int) -> Drawn:
-    """Draw scene `index` of a seed, both >= 0.
+def draw(seed: int, index: int, most: int = HARMONICS) -> Drawn:
+    """Draw scene `index` of a seed, both >= 0; `most` is the highest order of a profile.
 
     Examples
     --------
@@ -81,7 +81,7 @@ def draw(seed: int, index: int) -> Drawn:
         "youngs_modulus": 10 ** _within(rng, 2.0, 13.0),
         "poisson_ratio": _within(rng, -0.9, 0.5, (0.0, 0.499999, 0.5)),
     }
-    profile, scan, surface = _profile(rng, period, period * 10 ** rng.uniform(-5.0, -0.5))
+    profile, scan, surface = _profile(rng, period, period * 10 ** rng.uniform(-5.0, -0.5), most)
     tables: Table = {"solid": solid, "profile": profile}
     if rng.random() < 0.45:
         tables["layer"] = {"thickness": period * 10 ** _within(rng, -2.0, 1.0)}
@@ -117,17 +117,17 @@ def _within(rng: np.random.Generator, low: float, high: float, ends: tuple[float
     return float(rng.uniform(low, high))
 
 
-def _profile(rng: np.random.Generator, period: float, rms: float) -> tuple[Table, Numbers | None, Profile]:
+def _profile(rng: np.random.Generator, period: float, rms: float, most: int) -> tuple[Table, Numbers | None, Profile]:
     """Draw [profile]; return the table, its samples if it has any, and the profile."""
     kind = rng.choice(["self_affine", "harmonics", "samples"], p=[0.4, 0.35, 0.25])
     if kind == "self_affine":
-        hurst, count = _within(rng, 0.05, 0.95, (0.001, 0.999)), int(rng.integers(1, HARMONICS + 1))
+        hurst, count = _within(rng, 0.05, 0.95, (0.001, 0.999)), int(rng.integers(1, most + 1))
         table: Table = {"kind": "self_affine", "period": period, "hurst": hurst, "rms_height": rms, "harmonics": count}
         if rng.random() < 0.9:
             table["seed"] = int(rng.integers(2**31))
         return table, None, Profile.self_affine(period, hurst, rms, count, table.get("seed", 0))
     if kind == "harmonics":
-        orders = np.sort(rng.choice(np.arange(1, HARMONICS + 1), int(rng.integers(1, 6)), replace=False))
+        orders = np.sort(rng.choice(np.arange(1, most + 1), int(rng.integers(1, 6)), replace=False))
         amplitudes = rng.normal(size=orders.size) / orders
         amplitudes *= rms / np.sqrt(np.sum(amplitudes**2) / 2)
         phases = rng.uniform(-10.0, 10.0, orders.size)
@@ -138,21 +138,21 @@ def _profile(rng: np.random.Generator, period: float, rms: float) -> tuple[Table
         surface = Profile.from_harmonics(period, orders, amplitudes, phases)
         lists = {"orders": orders, "amplitudes": amplitudes, "phases": phases}
         return {"kind": "harmonics", "period": period} | {k: v.tolist() for k, v in lists.items()}, None, surface
-    return _sampled(rng, period, rms)
+    return _sampled(rng, period, rms, most)
 
 
-def _sampled(rng: np.random.Generator, period: float, rms: float) -> tuple[Table, Numbers | None, Profile]:
+def _sampled(rng: np.random.Generator, period: float, rms: float, most: int) -> tuple[Table, Numbers | None, Profile]:
     """Draw [profile] of a noisy scan that may be inclined and start anywhere."""
-    number = int(rng.integers(5, 8 * HARMONICS))
+    number = int(rng.integers(5, 8 * most))
     x = (np.arange(number) + float(rng.choice([0, 0, 1, -3, 0.5]))) * (period / number)
-    wave = Profile.self_affine(period, rng.uniform(0.3, 0.9), rms, HARMONICS, int(rng.integers(2**31)))
+    wave = Profile.self_affine(period, rng.uniform(0.3, 0.9), rms, most, int(rng.integers(2**31)))
     tilt = float(rng.choice([0.0, 0.0, 2 * rms / period]))
     height = wave.height(x) + rng.normal(0.0, 0.05 * rms, number) + tilt * x
-    count = int(rng.integers(1, min(HARMONICS, (number - 1) // 2) + 1))
+    count = int(rng.integers(1, min(most, (number - 1) // 2) + 1))
     detrend = str(rng.choice(["mean", "line"]))
     table: Table = dict.fromkeys(("unit_x", "unit_h"), "m")
     table |= {"kind": "samples", "file": SCAN, "detrend": detrend, "harmonics": count}
-    if (number - 1) // 2 <= HARMONICS and rng.random() < 0.3:
+    if (number - 1) // 2 <= most and rng.random() < 0.3:
         del table["harmonics"]
         count = (number - 1) // 2
     if rng.random() < 0.3:
