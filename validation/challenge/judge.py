@@ -52,8 +52,13 @@ def names() -> list[str]:
     return sorted(folders, key=lambda name: order.get(problem(name)[0]["difficulty"], len(order)))
 
 
-def judge(rows: Rows, name: str, given: dict[str, Any], digits: float, of: Code = Code.USER) -> None:
-    """Add a row for every quantity that a problem asks for; our own solver against itself is a construction."""
+def judge(
+    rows: Rows, name: str, given: dict[str, Any], digits: float, of: Code = Code.USER, asked: float = 0.0
+) -> None:
+    """Add a row for every quantity that a problem asks for; a count, or our own solver by itself, is a construction.
+
+    U of an answer is `asked`, the tolerance of the solver, times the scale.
+    """
     for quantity, key in problem(name)[1].items():
         column = next((of for start, of in COLUMNS.items() if quantity.startswith(start)), Quantity.POINTS)
         title, values = quantity.replace("_", " "), given.get(quantity)
@@ -75,11 +80,11 @@ def judge(rows: Rows, name: str, given: dict[str, Any], digits: float, of: Code 
             by=by,
             quantity=column,
             unit=key["unit"],
-            uncertainty=(0.0, spread.max()),
+            uncertainty=(asked * np.max(key["scale"]), spread.max()),
             required=10.0**-digits * key["scale"] + spread.max(),
             because=f"{digits:g} digits of the scale",
             source=key["made"],
-            kind="construction" if of == by else "accuracy",
+            kind="construction" if of == by or column == Quantity.COUNT else "accuracy",
         )
 
 
