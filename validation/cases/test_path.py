@@ -148,4 +148,4 @@ def test_windows(rows, monkeypatch):
         known = np.array([reference(scene, state)[name] for state in parts.targets])
         rows.compare(f"{name.replace('_', ' ')} at targets: dense algebra", value, known, unit=unit, of=Code.BEM,
                      by=Code.DENSE, quantity=quantity, uncertainty=(estimates(parts.targets, name), 1e-12 * known))
-    rows.count("evaluations", sum(state.evaluations for state in parts.targets), of=Code.BEM)
+    rows.count("evaluations", sum(state.evaluations for state in parts.targets), of=Code.BEM, within=0.05)

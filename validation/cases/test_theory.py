@@ -129,6 +129,41 @@ def test_double_gaussian(rows):
 
 
 @pytest.mark.quick
+def test_state_with_adhesion(rows):
+    """Do the parts of a state with adhesion fit together: areas, pressures, energies, work and detachment stress?"""
+    state = adhesive(persson.DiscreteSpectrum(Q0 * LINES, AMPLITUDES), 0.01)
+    steps, modulus, some = (Q0 * LINES * AMPLITUDES) ** 2 / 2, MODULUS, 9.5 * Q0
+    node, weight = np.polynomial.legendre.leggauss(400)
+    (x, share), s, area = hermgauss(100), state.slope_variances, state.areas
+    true = np.sqrt(1 + 2 * np.outer(s[-1] - s, x**2)) @ share / np.sqrt(np.pi)
+    q = Q0 * LINES[np.minimum(np.searchsorted(np.cumsum(steps), (s[1:] + s[:-1]) / 2), 39)]
+    stored = np.cumsum((np.diff(s) * (area[1:] + area[:-1]) / (8 * q))[::-1])[::-1]  # of the roughness above each node
+    integrals = []
+    for at in (None, some):
+        low, high = -state.detachment_stresses.max(), modulus * (0.01 + 6 * np.sqrt(s[-1]) / 2)
+        sigma, width = low + (high - low) * (node + 1) / 2, (high - low) / 2
+        integrals.append(float(np.sum(weight * width * state.pressure_distribution(sigma, at))))
+    own = rows.between(Code.THEORY, Code.IDENTITY, "as the equations print it", "construction")
+    for name, unit, quantity, value, reference, required in (
+        ("area as the integral of the pressure distribution", "", Quantity.AREA, integrals,
+         [state.contact_fraction, state.contact_fraction_at(some)], 1e-3),
+        ("displacement spectrum over that of the profile", "", Quantity.SPECTRUM,
+         state.displacement_power(Q0) / (AMPLITUDES**2 / (4 * Q0)), np.interp(np.cumsum(steps), s, area), 1e-5),
+        ("pressure over displacement spectrum", "Pa^2/m^2", Quantity.SPECTRUM,
+         state.pressure_power(Q0) / state.displacement_power(Q0), (modulus * Q0 * LINES / 2) ** 2, 1e-10),
+        ("adhesion energy", "J/m^2", Quantity.ENERGY, -state.adhesion_energy / 0.03, area[-1] * true[0], 1e-10),
+        ("elastic energy", "J/m^2", Quantity.ENERGY, state.elastic_energy, modulus * stored[0], 1e-3),
+        ("effective work times area", "J/m^2", Quantity.ENERGY, (state.effective_work * area)[:-1],
+         0.03 * area[-1] * true[:-1] - modulus * stored, 1e-3),
+        ("detachment stress", "Pa", Quantity.PRESSURE, state.detachment_stress,
+         modulus / np.pi * np.sqrt(2 * 0.03 / modulus * 40 * Q0), 1e-10),
+    ):
+        own.compare(name, value, reference, unit=unit, quantity=quantity, required=required * np.max(np.abs(reference)),
+                    because="trapezoid rule between nodes" if required > 1e-6 else "rounding")
+    rows.count("nodes", s.size, within=0.001, of=Code.THEORY)
+
+
+@pytest.mark.quick
 def test_power_laws(rows):
     """Are the spectra of displacement and pressure power laws where adhesion is negligible?"""
     spectrum = persson.ContinuousSpectrum.self_affine(Q0, 1e5 * Q0, 0.7, 50e-6)
