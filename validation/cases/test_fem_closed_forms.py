@@ -178,4 +178,5 @@ def test_written_fields(rows, tmp_path, order):
             mises / np.sqrt(1.5 * np.sum((parts + pressure[:, None, None] * np.eye(3)) ** 2, axis=(1, 2)))), 1.0, 0.01),
     ):
         own.compare(name, value, reference, unit=unit, quantity=Quantity.POINTS,
-                    required=required * np.max(np.abs(reference)), because="rounding, or a rule of second order in a triangle")
+                    required=required * np.max(np.abs(reference)),
+                    because="rounding, or a rule of second order in a triangle")
