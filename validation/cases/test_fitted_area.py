@@ -41,62 +41,46 @@ def test_one_line(rows):
                   required=1e-5 * np.abs(turns), because="the least load on a grid", source="Johnson 1995")
 
 
-def printed(q, steps, load, work=None, period=None):
-    """Return A of the printed laws at a load, for lines or bands of wavenumbers q that carry the slope variance."""
+def printed(orders, waves, load, work=None):
+    """Return A of the printed laws at a load, for a period of 2 pi."""
+    steps = (orders * waves) ** 2 / 2
     slope, w = np.sqrt(np.sum(steps)), steps / np.sum(steps)
-    band = np.exp(np.log(q) @ w - np.log(q) @ (w / q**2) / np.sum(w / q**2))
-    lacks, least = 0.894 * w @ np.cosh(np.log(q[:, None] / q)) ** -3.463 @ w, 0.093 * np.log(band) / band
-    alone, curvature = 1 - w @ w, np.inf
-    if period is not None:
-        orders, waves = q / period, np.sqrt(2 * steps) / q
-        phase = np.random.default_rng(0).uniform(-np.pi, np.pi, (64, q.size))
-        x = np.linspace(0, 2 * np.pi, 1001)
-        x = x[np.argmax([np.cos(np.outer(x, orders) + p) @ waves for p in phase], axis=1)]
-        for _ in range(6):  # Newton's rule to the summit
-            at = orders * x[:, None] + phase
-            x = x - np.sin(at) @ (orders * waves) / (np.cos(at) @ (orders**2 * waves))
-        summits = np.cos(orders * x[:, None] + phase) @ (orders**2 * waves)
-        curvature = np.mean(summits**-0.5) ** -2 * period / slope
+    band = np.exp(np.log(orders) @ (w - w / orders**2 / np.sum(w / orders**2)))
+    lacks, least = 0.894 * w @ np.cosh(np.log(orders[:, None] / orders)) ** -3.463 @ w, 0.093 * np.log(band) / band
+    phase, alone = np.random.default_rng(0).uniform(-np.pi, np.pi, (64, orders.size)), 1 - w @ w
+    x = np.linspace(0, 2 * np.pi, 1001)
+    x = x[np.argmax([np.cos(np.outer(x, orders) + p) @ waves for p in phase], axis=1)]
+    for _ in range(6):  # Newton's rule to the highest summit of each realisation
+        at = orders * x[:, None] + phase
+        x = x - np.sin(at) @ (orders * waves) / (np.cos(at) @ (orders**2 * waves))
+    curvature = np.mean((np.cos(orders * x[:, None] + phase) @ (orders**2 * waves)) ** -0.5) ** -2
 
     def area(p):
         def missing(a):
             gradient = np.sqrt(1 - (1 - (1 - lacks) * a / (a + least)) * (1 - a))
             return erf(1.117 * np.sqrt(2) * p / (slope * gradient)) - a
 
-        rough = float(brentq(missing, 1e-9, 1 - 1e-15, xtol=1e-16))
-        if period is None:
-            return rough
-        single = 2 / np.pi * np.arcsin(np.sqrt(2 * p / slope / curvature))
-        several = rough * alone ** (0.196 * (1 - rough**4))
-        return (1 - (1 - single**4) * (1 - several**4)) ** 0.25
+        rough = brentq(missing, 1e-9, 1 - 1e-15, xtol=1e-16)
+        single = 2 / np.pi * np.arcsin(np.sqrt(2 * p / curvature))
+        return (1 - (1 - single**4) * (1 - (rough * alone ** (0.196 * (1 - rough**4))) ** 4)) ** 0.25
 
     def carried(p):
-        a = area(p)
-        resolved, u = np.cumsum(steps), erfinv(a)
-        below = erf(u * np.sqrt(resolved[-1] / np.append(resolved[:-1], resolved[-1])))
-        lost = -np.diff(np.log(np.append(1.0, below)))
-        rough = 1.907 * alone * 2 * a / np.pi * (q @ lost)
-        edges = rough + (0 if period is None else period / np.pi)
-        tension = np.sqrt(work * edges * np.tan(np.pi * a / 2))
-        return p - 1 / (1 / tension + 0.764 * rough / edges / p)
+        a, resolved = area(p), np.cumsum(steps)
+        lost = -np.diff(np.log(erf(erfinv(a) * np.sqrt(resolved[-1] / resolved))), prepend=0.0)
+        rough = 1.907 * alone * 2 * a / np.pi * (orders @ lost)
+        tension = np.sqrt(work * (rough + 1 / np.pi) * np.tan(np.pi * a / 2))
+        return p - 1 / (1 / tension + 0.764 * rough / (rough + 1 / np.pi) / p)
 
     return area(load) if work is None else area(brentq(lambda p: carried(p) - load, load, 10 * load, xtol=1e-16))
 
 
 @pytest.mark.quick
 def test_many_lines(rows):
-    """Does the program solve the laws that are printed, for lines with and without a period, dry and with adhesion?"""
-    orders, load = np.arange(1, 13), 0.01
-    periodic = persson.DiscreteSpectrum.self_affine(1.0, 0.7, 0.05, 12)
-    steps = (orders * periodic.amplitudes) ** 2 / 2
-    odd = orders * np.sqrt(1 + orders / 100)
-    free = persson.DiscreteSpectrum(odd, periodic.amplitudes)
-    work = 0.02 * periodic.full_contact_energy
-    for name, spectrum, q, of, period in (("a period", periodic, orders.astype(float), steps, 1.0),
-                                          ("no period", free, odd, (odd * periodic.amplitudes) ** 2 / 2, None)):
-        law = [persson.contact_area(spectrum, load, work_of_adhesion=w, **MATERIAL).contact_fraction
-               for w in (None, work)]
-        rows.compare(f"area of lines with {name}, dry and with adhesion", law,
-                     [printed(q, of, load, w, period) for w in (None, work)], of=Code.THEORY, by=Code.IDENTITY,
-                     quantity=Quantity.AREA, kind="construction", required=1e-7,
-                     because="the load is searched in steps", source="the printed laws")
+    """Does the program solve the laws that are printed, without adhesion and with it?"""
+    lines, load = persson.DiscreteSpectrum.self_affine(1.0, 0.7, 0.05, 12), 0.01
+    works = (None, 0.02 * lines.full_contact_energy)
+    law = [persson.contact_area(lines, load, work_of_adhesion=work, **MATERIAL).contact_fraction for work in works]
+    rows.compare("area of many lines, dry and with adhesion", law,
+                 [printed(np.arange(1.0, 13), lines.amplitudes, load, work) for work in works], of=Code.THEORY,
+                 by=Code.IDENTITY, quantity=Quantity.AREA, kind="construction", required=1e-7,
+                 because="the load is searched in steps", source="the printed laws")
