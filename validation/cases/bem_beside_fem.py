@@ -52,8 +52,7 @@ def compare_codes(rows: Rows, name: str, ours: ArrayLike, theirs: ArrayLike, unc
                   unknown: list[Any] | None = None, **options: Any) -> float:
     """Add a row of two codes, allowed some times the combined U and at most a ceiling, and return its share of U.
 
-    Where U alone is beyond the ceiling, a share of the scale, nothing is established: the row fails, or there is none
-    and `unknown` gets name, both numbers and U.
+    Where U alone is beyond the ceiling, a share of the scale, the row fails, or `unknown` gets its numbers instead.
     """
     combined, share = float(np.max(np.hypot(*uncertainty))), CEILINGS.get(quantity, ceiling)
     given = {"of": Code.BEM, "by": Code.FEM, "quantity": quantity} | options

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -13,13 +13,11 @@ from markupsafe import Markup
 
 from bem.scene.atomic_file import write_atomically
 from validation.harness.figure_data import Figure
-from validation.plugin.rows import Code
 from validation.report.figures import svg_of
 from validation.report.pages import PAGE, ReportError, filled
 
 REPORT = "report.json"
 PASSED = ("passed", "skipped")
-ORDER = [str(code) for code in Code]  # of the two codes of a line of the matrix
 PRECISIONS = {"2 digits": 1e-2, "4 digits": 1e-4, "8 digits": 1e-8}  # relative error of the contact fraction
 
 
@@ -49,7 +47,8 @@ def page(content: Mapping[str, Any]) -> str:
     return filled(
         "verification.jinja",
         {"class": lambda text: text.replace(" ", "-"), "digit": digit},
-        report=dict(content) | {"cases": cases, "statements": sorted(content["statements"], key=not_run)},
+        report=dict(content) | {"cases": cases},
+        statements=sorted(content["statements"], key=lambda line: line["verdict"] == "not run"),
         groups=groups,
         anchors={row["case"]: "not-run" for row in rows} | {case["case"]: case["anchor"] for case in cases},
         failures=[row for row in rows if row["failed"]],
@@ -57,16 +56,11 @@ def page(content: Mapping[str, Any]) -> str:
         fronts=[(case, table) for case in cases for table in case["tables"] if table.get("front")],
         prices=prices(content["costs"]),
         precisions=PRECISIONS,
-        run_of_paper=sum(not not_run(line) for line in content["statements"]),
+        run_of_paper=sum(line["verdict"] != "not run" for line in content["statements"]),
         quantities=[quantity for quantity in content["quantities"] if quantity in compared],
         passed=PASSED,
         draw=drawing,
     )
-
-
-def not_run(line: Mapping[str, Any]) -> bool:
-    """Return whether a statement of the paper was not run."""
-    return bool(line["verdict"] == "not run")
 
 
 def _case(case: Mapping[str, Any], anchor: str, rows: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
@@ -87,24 +81,20 @@ def _case(case: Mapping[str, Any], anchor: str, rows: Iterable[Mapping[str, Any]
 
 
 def matrix(rows: Iterable[Mapping[str, Any]]) -> dict[str, dict[str, dict[str, Any]]]:
-    """Return comparisons by pair of codes and quantity: their number, and the share of the allowed error they use.
-
-    Which of the two is the reference makes no difference.
-    """
+    """Return comparisons by pair of codes and quantity: their number, and the share of the allowed error they use."""
     cells: dict[str, dict[str, list[Mapping[str, Any]]]] = {}
     for row in rows:
         if row["kind"] == "accuracy" and row["routes"]:
-            pair = " – ".join(sorted(row["routes"], key=ORDER.index))
-            cells.setdefault(pair, {}).setdefault(row["quantity"], []).append(row)
+            pair, other = (" – ".join(codes) for codes in (row["routes"], row["routes"][::-1]))
+            cells.setdefault(other if other in cells else pair, {}).setdefault(row["quantity"], []).append(row)
     return {pair: {quantity: _cell(of) for quantity, of in line.items()} for pair, line in sorted(cells.items())}
 
 
-def prices(costs: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
+def prices(costs: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """Return by problem and route the cheapest measured line that is as precise as each of `PRECISIONS`, or None."""
     routes: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
-    lines_of = list(costs)
-    problems = list(dict.fromkeys(line["problem"] for line in lines_of))
-    for line in sorted(lines_of, key=lambda line: problems.index(line["problem"])):
+    problems = [line["problem"] for line in costs]
+    for line in sorted(costs, key=lambda line: problems.index(line["problem"])):
         routes.setdefault((line["problem"], line["route"]), []).append(line)
     return [
         {
