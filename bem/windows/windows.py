@@ -72,17 +72,16 @@ def wider(patches: Patches, index: int, more: int) -> Window | None:
 
 
 def _cores(patches: Patches) -> list[tuple[int, int]]:
-    """Return the first patch and the number of patches of each core."""
-    starts = _core_starts(patches)
-    return [(start, (end - start) % patches.count) for start, end in zip(starts, [*starts[1:], starts[0]], strict=True)]
+    """Return the first patch and the number of patches of each core, of at least two.
 
-
-def _core_starts(patches: Patches) -> list[int]:
-    """Return the first patches of the cores: behind the widest of the gaps about every `CORE_PATCHES` patches."""
+    A core begins behind the widest of the gaps about every `CORE_PATCHES` patches.
+    """
     count, gap = patches.count, patches.gap_before
-    wanted = np.linspace(0, count, max(1, round(count / CORE_PATCHES)), endpoint=False)
+    wanted = np.linspace(0, count, max(2, round(count / CORE_PATCHES)), endpoint=False)
     near = np.arange(-CHOICE, CHOICE + 1)
-    return sorted({int(max((round(k) + near) % count, key=lambda i: gap[i])) for k in wanted.tolist()})
+    starts = sorted({int(max((round(k) + near) % count, key=lambda i: gap[i])) for k in wanted.tolist()})
+    sizes = np.diff(starts, append=starts[0] + count)
+    return list(zip(starts, sizes.tolist(), strict=True))
 
 
 def _window(patches: Patches, start: int, size: int, buffer: int) -> Window | None:

@@ -95,13 +95,13 @@ def test_windows_are_seamed_in_gaps_that_both_have():
     assert in_core(np.array([0.7, 0.8, 6.0]), 0.75, 1.3).tolist() == [False, True, False]
 
 
-def test_every_patch_is_in_one_core():
-    left = np.cumsum(np.random.default_rng(3).uniform(0.5, 2.0, 100))
+@pytest.mark.parametrize(("count", "more"), [(28, 0), (35, 0), (100, 0), (100, 3), (100, 7)])
+def test_every_patch_is_in_one_core(count, more):
+    left = np.cumsum(np.random.default_rng(3).uniform(0.5, 2.0, count))
     left *= 6.2 / left[-1]
     patches = Patches(left, left + 0.4 * np.diff(left, append=left[0] + 2 * np.pi))
-    for more in (0, 3, 7):
-        windows = [wider(patches, k, more) for k in range(len(windows_of(patches)))]
-        assert sorted(np.concatenate([w.members[w.core] for w in windows])) == list(range(100))
+    windows = [wider(patches, k, more) for k in range(len(windows_of(patches)))]
+    assert sorted(np.concatenate([w.members[w.core] for w in windows])) == list(range(count))
 
 
 def test_a_window_that_would_leave_no_patches_outside_is_not_made_wider():
