@@ -30,11 +30,8 @@ from bem.path.rest import at_rest
 from bem.windows.spread import Spread, Spreading
 
 WINDOW_STEP = 0.05  # rms heights: windows are joined after each
-MANY_PATCHES, FEWER = (
-    100,
-    0.8,
-)  # speed: patches from which windows are followed; part of them below which they no longer are
-SHORTEST_WINDOW_STEP = WINDOW_STEP / 8  # in which windows may follow one another's events
+MANY_PATCHES, FEWER = 100, 0.8  # speed: patches from which windows are followed; part below which they are not
+SHORTEST_WINDOW_STEP = WINDOW_STEP / 8  # below it the whole contact is followed
 STEP_GROWTH = 2.0  # speed: times the last step: the next, at most
 
 AnyPoint = Point | Spread
@@ -199,7 +196,7 @@ class WindowedPath:
         while True:
             step = max(step, SHORTEST_WINDOW_STEP)
             value = goal if abs(goal - point.value) <= step else point.value + direction * step
-            behind = self.spreading.stepped(point, value, shortest=step == SHORTEST_WINDOW_STEP)
+            behind = self.spreading.stepped(point, value)
             if behind is not None:
                 self.effort.accepted += 1
                 if direction < 0:
