@@ -53,13 +53,10 @@ class Spread(PathPoint):
         Evaluation without the compliance of the edges.
     rate : (2 L,) array
         Derivatives of the outward motions of the edges by the penetration.
-    step : float
-        Change of the penetration that led to the point, or may be tried first.
     """
 
     state: Evaluation
     rate: FloatArray
-    step: float
     status: ClassVar[PathStatus] = "converged"
 
     @property
@@ -103,10 +100,10 @@ class Spreading:
     path: Path
     crew: Crew
 
-    def at(self, value: float, patches: Patches, rate: FloatArray, step: float) -> Spread | None:
+    def at(self, value: float, patches: Patches, rate: FloatArray) -> Spread | None:
         """Return the point at edges with their rates; None where it cannot be evaluated."""
         state = self._evaluated(patches, value)
-        return None if state is None else Spread(value, state, rate, step)
+        return None if state is None else Spread(value, state, rate)
 
     def stepped(self, point: Spread, value: float) -> Spread | None:
         """Return the point at another penetration; None where a window fails, or windows do not fit.
@@ -118,6 +115,7 @@ class Spreading:
         ahead = charges_moved_in(point.state) if predicted is None else charges_of(predicted)
         off, rounds = dict(enumerate(windows_of(point.patches))), list[tuple[Evaluation, FloatArray]]()
         followed: dict[int, tuple[Window, Landing]] = {}
+        most_missed = np.inf
         for _ in range(ROUNDS):
             again = self._followed(off, point, value, ahead)
             joined = None if again is None else joined_at_seams(list((followed := followed | again).values()))
@@ -125,12 +123,14 @@ class Spreading:
             if joined is None or state is None:
                 return None
             missed = self._missed(state)
-            if rounds and np.max(np.abs(missed)) >= np.max(np.abs(rounds[-1][1])):
+            largest = float(np.max(np.abs(missed)))
+            if largest >= most_missed:
                 return None
+            most_missed = largest
             rounds.append((state, missed))
             late = np.abs(missed) > ALIKE
             if not late.any():
-                spread = Spread(value, state, joined.rate, abs(change))
+                spread = Spread(value, state, joined.rate)
                 releases = [(r, max(self._error(r, *evaluated) for evaluated in rounds)) for r in joined.releases]
                 return replace(spread, events=events_of(point, spread, releases))
             places, ahead = edge_positions(state.patches)[late], charges_of(state)
@@ -145,12 +145,12 @@ class Spreading:
         The field in a window is linear from the charges at the point to the charges ahead.  A window whose path fails
         is followed with wider buffers.
         """
-        charges, error = charges_of(point.state), abs(value - point.value)
+        charges = charges_of(point.state)
 
         def departures(some: Sequence[Window]) -> list[Departure]:
             fields = far_fields([window.arc for window in some], charges, ahead)
             return [
-                Departure(far, window.of(point.patches), point.value, value, error)
+                Departure(far, window.of(point.patches), point.value, value)
                 for window, far in zip(some, fields, strict=True)
             ]
 

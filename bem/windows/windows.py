@@ -33,14 +33,11 @@ class Window:
         Indices of the patches, ascending.
     seam : float
         Position in a gap at which the core begins.
-    core : (n,) bool array
-        True for members in the core.
     """
 
     arc: Arc
     members: IntArray
     seam: float
-    core: np.ndarray[tuple[int], np.dtype[np.bool_]]
 
     def of(self, patches: Patches) -> Patches:
         """Return the patches of the window."""
@@ -93,14 +90,11 @@ def _window(patches: Patches, start: int, size: int, buffer: int) -> Window | No
     if size + before + behind >= count:
         return None
     row = np.arange(start - before, start + size + behind) % count
-    order = np.argsort(row)
-    core = np.zeros(row.size, dtype=bool)
-    core[before : before + size] = True
     first, last = int(row[0]), int(row[-1])
     margins = float(gap[first - 1] / 2), float(gap[last] / 2)
     beta = float(patches.left[first]) - margins[0]
     delta = beta + (float(patches.right[last]) + margins[1] - beta) % TWO_PI
-    return Window(Arc(beta, delta, margins), row[order], float(patches.left[start] - gap[start - 1] / 2), core[order])
+    return Window(Arc(beta, delta, margins), np.sort(row), float(patches.left[start] - gap[start - 1] / 2))
 
 
 def seams(windows: Sequence[Window], window_patches: Sequence[Patches]) -> list[float] | None:
