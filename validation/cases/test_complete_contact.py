@@ -84,22 +84,30 @@ def test_pressure_that_closes_a_thin_layer(rows, poisson_ratio):
 
 
 @pytest.mark.quick
-def test_last_gap_of_one_wave(rows):
-    """Are gap and separation of one wave right down to 1e-12 from complete contact, at given load and separation?"""
-    highest = np.pi * E / (1 - 0.5**2) * DEPTH / PERIOD
+@pytest.mark.parametrize("waves", [1, 3])
+def test_last_gaps_of_one_wave(rows, waves):
+    """Are gaps, separation, energy and stiffness of one wave right down to 1e-12 from complete contact?"""
+    highest = np.pi * E / (1 - 0.5**2) * DEPTH / PERIOD * waves
     loads = [highest * (1 - missing) for missing in MISSING]
     missing = np.array([(highest - load) / highest for load in loads])  # of the loads as doubles
     k = np.arange(2, 30)
     separations = DEPTH * np.sum(missing[:, None] ** k / (k * (k - 1.0)), axis=1)  # 1 - S + S ln S without cancellation
     gaps = 2 / np.pi * np.arcsin(np.sqrt(missing))
-    by_load = solve_waves([1], [DEPTH], [0.0], "mean_pressure", loads)
-    by_separation = solve_waves([1], [DEPTH], [0.0], "separation", separations)
+    by_load = solve_waves([waves], [DEPTH], [0.0], "mean_pressure", loads)
+    by_separation = solve_waves([waves], [DEPTH], [0.0], "separation", separations)
     westergaard = rows.between(Code.BEM, Code.EXACT, "Westergaard 1939; 1 - S missing")
+    share = 1 - missing
+    energy = highest * DEPTH * (share**2 / 4 - share**2 / 2 * np.log1p(-missing))
     for name, error, quantity in (
         ("at given load: relative error of the gap times 1 - S",
          ((1 - values(by_load, "contact_fraction")) / gaps - 1) * missing, Quantity.AREA),
         ("at given load: relative error of the separation times 1 - S",
          (values(by_load, "separation") / separations - 1) * missing, Quantity.LENGTH),
+        ("at given load: relative error of the energy", values(by_load, "elastic_energy") / energy - 1,
+         Quantity.ENERGY),
+        ("at given load: relative error of the stiffness times 1 - S",
+         (-values(by_load, "contact_stiffness") * DEPTH * np.log1p(-missing) / highest - 1) * missing,
+         Quantity.STIFFNESS),
         ("at given separation: error of the contact fraction",
          values(by_separation, "contact_fraction") - (1 - gaps), Quantity.AREA),
     ):

@@ -18,6 +18,7 @@ import pytest
 import bem
 import fem_reference
 from fem_reference import Resolution
+from fem_reference.export import field_mesh
 from fem_reference.result import spread
 from fem_reference.solve import companions
 from validation.plugin.rows import Code, Quantity
@@ -134,3 +135,46 @@ def test_modulus_of_the_closure(rows):
     rows.compare("d2U outwards and to one side", np.ravel(by_bem), closed, of=Code.BEM, by=Code.EXACT,
                  quantity=Quantity.STIFFNESS, unit="J/m^3", uncertainty=1e-10 * closed, required=1e-9 * closed,
                  because="nine digits of a derivative", source="Johnson's state, moved edges")
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("order", [2, 4])
+def test_written_fields(rows, order):
+    """Are the fields that are written in equilibrium with the load, and do they hold the energy and the face?
+
+    Mean stresses over the layer are those of its bottom, -p upright and none in shear, and those of a clamped layer,
+    whose mean stretch along the period is zero, -p nu / (1 - nu) in the other directions.
+    """
+    nu, edges = 0.3, [[-0.1 * PERIOD, 0.12 * PERIOD]]
+    result = fem_reference.solve(**raw(Sinusoid(AMPLITUDE, PERIOD, E, nu, 0.0), HALVED), control="mean_pressure",
+                                 value=1e3, edges=edges, resolution=Resolution(order, 10, 12))
+    mesh = field_mesh(result)
+    nodes, at = mesh.cells[0].data, mesh.points[:, :2]
+    a, b = at[nodes[:, 1]] - at[nodes[:, 0]], at[nodes[:, 2]] - at[nodes[:, 0]]
+    area = (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2
+    stress, energy, mises = (mesh.cell_data[name][0] for name in ("stress", "strain_energy_density", "von_mises"))
+    mean = area @ stress.reshape(-1, 9) / area.sum()
+    face = np.flatnonzero((at[:, 1] == 0) & (at[:, 0] < at[:, 0].max()))
+    middle = nodes[:, 3:]
+    sides = [at[nodes[:, i]] + at[nodes[:, j]] for i, j in ((0, 1), (1, 2), (2, 0))]
+    u, p, load = mesh.point_data["displacement"], mesh.point_data["pressure"], result.mean_pressure
+    aside = load * nu / (1 - nu)
+    rows.compare("mean stresses", mean, [-aside, 0, 0, 0, -load, 0, 0, 0, -aside], unit="Pa", of=Code.FEM,
+                 by=Code.EXACT, quantity=Quantity.PRESSURE, uncertainty=1e-9 * load, required=1e-8 * load,
+                 because="equilibrium of the whole holds to rounding on any mesh", source="equilibrium, Hooke")
+    own = rows.between(Code.FEM, Code.IDENTITY, "the result that is written", "construction")
+    parts = stress.reshape(-1, 3, 3)
+    pressure = -np.trace(parts, axis1=1, axis2=2) / 3
+    for name, unit, value, reference, required in (
+        ("area of the layer", "m^2", area.sum(), PERIOD * HALVED, 1e-12),
+        ("strain energy", "J/m", area @ energy, result.strain_energy, 1e-10),
+        ("displacement of the face", "m", u[face, 1], result.displacement(at[face, 0]), 1e-10),
+        ("middles of sides", "m", [at[middle[:, k]] for k in range(3)], np.array(sides) / 2, 1e-12),
+        ("mean pressure at middles of sides and of the stresses", "Pa", area @ p[middle].mean(axis=1), area @ pressure,
+         1e-8 if order == 2 else 1e-3),
+        ("median von Mises stress over that of mean stresses", "", np.median(
+            mises / np.sqrt(1.5 * np.sum((parts + pressure[:, None, None] * np.eye(3)) ** 2, axis=(1, 2)))), 1.0, 0.01),
+    ):
+        own.compare(name, value, reference, unit=unit, quantity=Quantity.POINTS,
+                    required=required * np.max(np.abs(reference)),
+                    because="rounding, or a rule of second order in a triangle")

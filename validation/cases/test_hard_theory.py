@@ -79,6 +79,7 @@ def test_hard_theory(rows, name):
     dry = persson.solve_nonadhesive(spectrum, pressure, **SOLID)
     if material["work_of_adhesion"] is None:
         return None
+    rows.count("nodes", contact.areas.size, within=0.001, of=Code.THEORY)
     other = persson.solve(spectrum, pressure, route="volterra", with_separation=False, **material).contact_fraction
     rows.compare("contact fraction by two routes", contact.contact_fraction, other, of=Code.THEORY, by=Code.IDENTITY,
                  quantity=Quantity.AREA, kind="construction", required=4e-5 * other,

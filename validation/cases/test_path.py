@@ -21,7 +21,8 @@ import pytest
 
 import bem
 from validation.plugin.rows import Code, Quantity
-from validation.routes.scenes import edge_scale, solved
+from validation.routes.dense_algebra import reference
+from validation.routes.scenes import edge_scale, estimates, solved, values
 
 STEP, LARGEST = 0.2, 0.05  # motion of an edge in a step over l force / w, and largest motion over l
 STEPS, NEWTON = 5000, 4  # most steps of the motion, and steps of Newton's rule behind it
@@ -116,3 +117,35 @@ def test_first_of_equal_patches_detaches(rows):
                  [7, len(equal.relaxed(edges, around[1]))], of=Code.BEM, by=Code.IDENTITY, quantity=Quantity.COUNT,
                  kind="construction", required=0.5, because="a count",
                  source="overdamped motion of the edges")
+
+
+@pytest.mark.quick
+def test_windows(rows, monkeypatch):
+    """Is a contact followed in windows of a few patches that of one piece, in events, states and by dense algebra?"""
+    orders, targets = np.arange(30, 60), [1.1e-6, 0.9e-6]
+    heights = orders**-1.2
+    profile = {"kind": "harmonics", "period": 0.01, "orders": orders.tolist(),
+               "amplitudes": (heights * 1e-6 / np.sqrt(np.sum(heights**2) / 2)).tolist(),
+               "phases": np.random.default_rng(7).uniform(-np.pi, np.pi, orders.size).tolist()}
+    scene = bem.parse_scene({"solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5}, "profile": profile,
+                             "adhesion": {"work_of_adhesion": 3e-4}, "accuracy": {"tolerance": 1e-3},
+                             "loading": {"control": "separation", "targets": targets}})
+    whole = bem.solve(scene)
+    monkeypatch.setattr("bem.windows.windowed_path.MANY_PATCHES", 20)
+    monkeypatch.setattr("bem.windows.windows.CORE_PATCHES", 8)
+    parts = bem.solve(scene)
+    first, second = (sorted(result.events, key=lambda event: (event.kind, event.position)) for result in (parts, whole))
+    pieces = rows.between(Code.BEM, Code.IDENTITY, "the same contact in one piece", "construction")
+    for name, unit, quantity in (("mean_pressure", "Pa", Quantity.PRESSURE), ("penetration", "m", Quantity.LENGTH)):
+        value, other = (values(events, name) for events in (first, second))
+        pieces.compare(f"{name.replace('_', ' ')} at events", value, other, unit=unit, quantity=quantity,
+                       required=estimates(first, name) + estimates(second, name), because="errors that events state")
+    for name, unit, quantity in (("contact_fraction", "", Quantity.AREA), ("mean_pressure", "Pa", Quantity.PRESSURE),
+                                 ("contact_stiffness", "Pa/m", Quantity.STIFFNESS)):
+        value = values(parts.targets, name)
+        pieces.compare(f"{name.replace('_', ' ')} at targets", value, values(whole.targets, name), unit=unit,
+                       quantity=quantity, required=1e-8 * max(value), because="settled states")
+        known = np.array([reference(scene, state)[name] for state in parts.targets])
+        rows.compare(f"{name.replace('_', ' ')} at targets: dense algebra", value, known, unit=unit, of=Code.BEM,
+                     by=Code.DENSE, quantity=quantity, uncertainty=(estimates(parts.targets, name), 1e-12 * known))
+    rows.count("evaluations", sum(state.evaluations for state in parts.targets), of=Code.BEM, within=0.05)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import bem
+from bem.scans.noise_floor import Spectrum
 from validation.plugin.rows import Code, Quantity
 from validation.references.closed_forms import Sinusoid
 from validation.routes.scenes import TEN_DIGITS, estimates, values
@@ -44,7 +45,19 @@ def scans():
     yield ("missing ends", lines(np.arange(COUNT + 4) * 10.0 / COUNT, np.concatenate([lost, wave(PLACE), lost])),
            units | {"missing_value": -9999, "missing": "interpolate"})
     yield "heights alone", lines(1e-6 * wave(PLACE)), {"unit_x": "mm", "unit_h": "m"} | spacing
-    yield "row of a map", lines(*np.array([0.5 * upright, wave(PLACE), upright - 3.0]).T), units | {"row": 1} | spacing
+    rows = np.array([0.5 * upright, wave(PLACE), 1.5 * upright])
+    yield "row of a map", lines(*rows.T), units | {"row": 1} | spacing
+    yield "mean of a map", np.ascontiguousarray(rows[[0, 2]]).T, units | {"row": "mean"} | spacing
+    yield "trace of doubles", wave(PLACE), units | spacing
+    yield "decimal commas", lines(x, wave(PLACE), mark=" ; ").replace(".", ","), units
+    yield "mark at the end", lines(x, wave(PLACE), mark=",").replace("\n", ",\n"), units
+    wide, mean = np.arange(COUNT + 6) * 10.0 / COUNT, np.full(3, 0.1)
+    yield ("column of valid heights", lines(wide, np.concatenate([mean, wave(PLACE), mean]),
+                                            np.repeat([0, 7, 0], [3, COUNT, 3])),
+           units | {"valid_column": 3, "missing": "interpolate"})
+    yield ("dropouts at the ends", lines(wide, np.concatenate([-2e4 * mean, wave(PLACE), -2e4 * mean])),
+           units | {"missing": "interpolate"})
+    yield "half of it passes", lines(x, 2 * wave(PLACE)), units | {"cutoff_short": 0.01}
 
 
 SCANS = {name: (text, keys) for name, text, keys in scans()}
@@ -54,11 +67,12 @@ SCANS = {name: (text, keys) for name, text, keys in scans()}
 @pytest.mark.parametrize("name", SCANS)
 def test_wave(rows, tmp_path, name):
     """Does a scan of a wave, whatever its form, give the contact of the wave?"""
-    text, keys = SCANS[name]
-    (tmp_path / "scan.txt").write_text(text, "utf-8")
+    content, keys = SCANS[name]
+    file = tmp_path / ("scan.txt" if isinstance(content, str) else "scan.npy")
+    file.write_text(content, "utf-8") if isinstance(content, str) else np.save(file, content)
     psi = FRACTIONS * np.pi / 2
     scene = {"solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5},
-             "profile": {"kind": "samples", "file": "scan.txt"} | keys,
+             "profile": {"kind": "samples", "file": file.name} | keys,
              "loading": {"control": "penetration", "targets": WAVE.penetration(psi).tolist()}}
     states = bem.solve(bem.parse_scene(scene, tmp_path)).targets
     both = rows.between(Code.BEM, Code.EXACT, "Westergaard 1939")
@@ -67,6 +81,66 @@ def test_wave(rows, tmp_path, name):
     both.compare("mean pressure", values(states, "mean_pressure"), WAVE.mean_pressure(psi), unit="Pa",
                  quantity=Quantity.PRESSURE, uncertainty=estimates(states, "mean_pressure"),
                  required=1e-10 * WAVE.full_contact_pressure, because=TEN_DIGITS)
+
+
+def prepared(heights, **keys):
+    """Return the prepared scan, and facts by step, of heights in m at distances of 1 um."""
+    profile = {"kind": "samples", "h": np.asarray(heights), "spacing": 1e-6} | keys
+    scene = bem.parse_scene({"solid": {"youngs_modulus": 1e6, "poisson_ratio": 0.5}, "profile": profile,
+                             "loading": {"control": "penetration", "targets": [1e-7]}})
+    return scene, {step["step"]: step for step in scene.preparation()}
+
+
+@pytest.mark.quick
+def test_preparation(rows):
+    """Do detrending, filters and cut leave of waves what closed forms tell, and is a broken flank mended straight?"""
+    n, orders, a, tilt, kept = 512, np.array([4, 16, 64]), np.array([1e-6, 3e-7, 5e-8]), 0.02, 30
+    x = 1e-6 * (np.arange(n) - (n - 1) / 2)  # waves are even about the middle: a straight line is orthogonal to them
+    scene, steps = prepared(np.cos(2e6 * np.pi / n * np.outer(x, orders)) @ a + tilt * x + 3e-6, detrend="line",
+                            cutoff_short=2e-5, cutoff_long=1e-4, harmonics=kept)
+    f = orders / (n * 1e-6)
+    b = a * 2.0 ** -((2e-5 * f) ** 2) * (1 - 2.0 ** -((1e-4 * f) ** 2))
+    slopes = np.pi * np.sqrt(2) * f * b
+    level = float(np.sqrt(np.sum(a**2) / 2))
+    between = float(np.sqrt(2 * n / (n - 1) * np.sum((a * np.sin(np.pi * orders / n)) ** 2))) * 1e6
+    whole = float(np.sqrt(level**2 + tilt**2 * 1e-12 * (n**2 - 1) / 12))
+    both = rows.between(Code.BEM, Code.EXACT, "sums of orthogonal waves; ISO 16610-21")
+    for name, unit, value, reference in (
+        ("tilt, and the line taken away at the ends over its span", "",
+         [steps["detrend"]["tilt"], *np.diff(steps["detrend"]["removed"]) / (x[-1] - x[0])], [tilt, tilt]),
+        ("rms heights before and after detrending, filter and cut", "m",
+         [*steps["detrend"]["rms_height"], steps["detrend"]["rms_without_tilt"], *steps["cut"]["rms_height"]],
+         [whole, level, level, *np.sqrt(np.cumsum(b**2)[[2, 1]] / 2)]),
+        ("rms slopes after detrending, filter and cut", "",
+         [steps["detrend"]["rms_slope"][1], *steps["cut"]["rms_slope"]],
+         [between, *np.sqrt(np.cumsum(slopes**2)[[2, 1]])]),
+        ("share of the slope kept", "", steps["cut"]["slope_share_kept"],
+         np.sqrt(np.sum(slopes[:2] ** 2) / np.sum(slopes**2))),
+        ("amplitudes solved", "m", np.abs(scene.surface().amplitudes)[orders[:2] - 1], b[:2]),
+    ):
+        both.compare(name, value, reference, quantity=Quantity.SPECTRUM, unit=unit, required=1e-9 * np.max(reference),
+                     uncertainty=1e-12 * np.max(reference), because="rounding of sums of 512 terms")
+    flanks = 1e-7 * np.abs((np.arange(n) - 10) % 128 - 64.0)  # steps of 0.1 um, turns every 64 samples
+    broken = flanks.copy()
+    broken[[100, 101, 102]], broken[[30, 240]], broken[[300, 301]] = 0.009999, 3e-5, np.nan
+    scene, steps = prepared(broken, missing="interpolate", outliers="replace", detrend="none")
+    mended = flanks.copy()
+    mended[[30, 240]] += 1e-7  # the running median takes the higher neighbour
+    both.compare("heights with dropouts, spikes and gaps mended", scene.scan.h, mended, quantity=Quantity.POINTS,
+                 unit="m", uncertainty=1e-20, required=1e-18, because="rounding", source="straight flanks")
+    both.compare("dropouts, spikes, gaps, longest gap and threshold over the step",
+                 [steps[name]["count"] for name in ("dropouts", "outliers", "missing")]
+                 + [steps["missing"]["longest_gap"], steps["outliers"]["threshold"] * 1e7], [3, 2, 5, 3, 15],
+                 quantity=Quantity.COUNT, uncertainty=1e-12, required=1e-6, because="counts", source="as broken")
+
+
+@pytest.mark.quick
+def test_slope_of_noise(rows):
+    """Is the slope that is found in the spectrum of white noise zero on average, with the scatter that is stated?"""
+    tails = np.array([Spectrum(h, 1e-6).tail for h in np.random.default_rng(2).normal(size=(4000, 90))])
+    shares, many = tails[:, 0] / tails[:, 1], np.sqrt(len(tails))
+    rows.compare("mean and rms of slopes over the stated error", [shares.mean(), np.sqrt(np.mean(shares**2))], [0, 1],
+                 of=Code.BEM, by=Code.EXACT, quantity=Quantity.SPECTRUM, uncertainty=2 / many, source="drawn")
 
 
 @pytest.mark.quick
