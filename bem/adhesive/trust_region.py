@@ -64,7 +64,7 @@ def _on_surface(gradient: FloatArray, hessian: FloatArray, radius: float, low: f
             continue
         step, bend = solution
         square = float(step @ step)
-        excess = np.sqrt(square) / radius - 1
+        excess = float(np.sqrt(square)) / radius - 1
         if abs(excess) <= ON_SURFACE:
             return step / (1 + excess)
         low, high = (shift, high) if excess > 0 else (low, shift)
