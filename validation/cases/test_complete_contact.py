@@ -128,6 +128,8 @@ def test_last_gaps_of_one_wave(rows, waves):
     ):
         westergaard.compare(name, error, 0.0, quantity=quantity, uncertainty=2e-16, required=4e-15,
                             because="twenty roundings: loads and contact fractions round to 2e-16 of one")
+    work = sum(state.evaluations for state in (*by_load, *by_separation))
+    rows.count("evaluations", work, within=0.05, of=Code.BEM)
 
 
 @pytest.mark.quick
