@@ -90,15 +90,15 @@ class Loads:
         if s in (0.0, 1.0):
             return span.first if s == 0 else span.last
         (patches, value), penetration = span.at(s), span.first.numbers.penetration
-        point, last = None, np.inf
-        while point is None or near < point.off < last:
-            last = np.inf if point is None else point.off
+        last = np.inf
+        while True:  # twice at least: derivatives are those at the control at which a point is evaluated
             balance = evaluated(self.system.sloped, Start(patches, penetration, value), self.on_way)
             point = None if isinstance(balance, Refused) else stand_near(self.system, balance, value, span.normal, 1.0)
             if point is None:
                 return None
-            patches, value, penetration = point.patches, point.value, point.numbers.penetration
-        return point
+            if last < np.inf and not near < point.off < last:
+                return point
+            last, patches, value, penetration = point.off, point.patches, point.value, point.numbers.penetration
 
     def turns(self, span: Span, reach: float) -> Iterator[tuple[float, Stand]]:
         """Yield the turn of the load on a span up to a parameter, if a load asked for may lie beyond its ends.
@@ -115,8 +115,7 @@ class Loads:
     def least_on(self, span: Span, reach: float, below: float, level: float) -> Stand | None:
         """Return the point up to a parameter at which the load is least on a span, if it may be below a load there."""
         ends, rates = self._ends(span)
-        bottom = extremes(ends, rates)[1]
-        if not rates[0] < 0 < rates[1] or min(ends) - 2 * (min(ends) - bottom) >= below:
+        if not rates[0] < 0 < rates[1] or 2 * extremes(ends, rates)[1] - min(ends) >= below:
             return None
         turn = self._turn(span, rates, level, LAST)
         return None if turn is None or turn[0] >= reach else turn[1]

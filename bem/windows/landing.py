@@ -23,16 +23,12 @@ from bem.path.tension import LeastLoad
 
 @dataclass(frozen=True, eq=False)
 class Departure:
-    """A window before a step: its field and patches, the penetrations where it begins and ends, and its least error.
-
-    `error` is the error of the penetration of an event at the very beginning.
-    """
+    """A window before a step: its field and patches, and the penetrations where it begins and ends."""
 
     far: FarField
     patches: Patches
     start: float
     value: float
-    error: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +89,7 @@ def _at_start(
     before: Balance, after: Balance, changes: tuple[tuple[str, float], ...], departure: Departure
 ) -> list[Release]:
     """Return the events of a window that was not at rest: they belong to somewhere in the step before."""
-    width, released = departure.error, before.potential - after.potential
+    width, released = abs(departure.value - departure.start), before.potential - after.potential
     doubt = abs(released) + width * abs(before.state.load - after.state.load)
     load = abs(before.stiffness) * width
     error = EventNumbers(width, width, load, load * width)

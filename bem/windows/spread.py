@@ -2,14 +2,15 @@
 
 In a step every window follows its own path, in a far field that is linear in the penetration: the field of the charges
 at the start of the step, and of the charges at predicted edges at its end.  The windows' states are joined at seams and
-evaluated as one state.  If an event in one window reaches into the next, the joined state is no equilibrium: all
-windows come to rest again at an unchanged penetration, until the joined state is one (Schwarz's alternating method).
-Penetration control, half-space.  Dimensionless.
+evaluated as one state.  If an event in one window reaches into others, the joined state is no equilibrium there: these
+windows are followed again over the step, in the field of the joined charges at its end, until the joined state is one
+(waveform relaxation by Schwarz's alternating method).  Penetration control, half-space.  Dimensionless.
 
 Events.  A window knows its events in its far field.  The imbalance of K at the joined edges, as a penetration, tells
-how far off the field was at the end of the step: it is the error of the place of the events.  By reciprocity a jump
-changes the load of the whole contact by as much as the generalised load of the window; between jumps the load of the
-whole is interpolated, by its rates at both ends of the step.
+how far off the field was at the end of the step: it is the error of the place of the events.  Of windows followed again
+the largest imbalance counts, because the field of a jump reaches them at once, but is spread over the step.  By
+reciprocity a jump changes the load of the whole contact by as much as the generalised load of the window; between jumps
+the load of the whole is interpolated, by its rates at both ends of the step.
 """
 
 from __future__ import annotations
@@ -37,9 +38,8 @@ from bem.windows.landing import Departure, Landing, Release, landed
 from bem.windows.windows import Window, in_core, seams, wider, windows_of
 
 WIDER = 3, 7  # limit: patches of buffer more, for a window whose path fails
-ALIKE = 0.1  # residual of joined windows, beyond which a window felt events of another too late: a shorter step
-JOINED = 0.5  # limit: of the shortest step: residual beyond which windows do not fit
-ROUNDS = 5  # limit: of windows that follow one another's events in it
+ALIKE = 0.1  # residual of joined windows, beyond which a window felt events of another too late: it is followed again
+ROUNDS = 5  # limit: of windows that follow one another's events in a step
 BESIDE = 2 * NEIGHBOURS  # edges next to an event, by which the far field of its window is judged
 
 
@@ -53,13 +53,10 @@ class Spread(PathPoint):
         Evaluation without the compliance of the edges.
     rate : (2 L,) array
         Derivatives of the outward motions of the edges by the penetration.
-    step : float
-        Change of the penetration that led to the point, or may be tried first.
     """
 
     state: Evaluation
     rate: FloatArray
-    step: float
     status: ClassVar[PathStatus] = "converged"
 
     @property
@@ -103,60 +100,72 @@ class Spreading:
     path: Path
     crew: Crew
 
-    def at(self, value: float, patches: Patches, rate: FloatArray, step: float) -> Spread | None:
+    def at(self, value: float, patches: Patches, rate: FloatArray) -> Spread | None:
         """Return the point at edges with their rates; None where it cannot be evaluated."""
         state = self._evaluated(patches, value)
-        return None if state is None else Spread(value, state, rate, step)
+        return None if state is None else Spread(value, state, rate)
 
-    def stepped(self, point: Spread, value: float, shortest: bool) -> Spread | None:
+    def stepped(self, point: Spread, value: float) -> Spread | None:
         """Return the point at another penetration; None where a window fails, or windows do not fit.
 
-        In the shortest step, windows may follow one another's events.
+        Windows that are off in the joined state are followed again, in the field of its charges.
         """
-        releases: list[tuple[Release, float]] = []
-        start, spread = point.value, point
-        for _ in range(ROUNDS if shortest else 1):
-            joined = self._joined(spread, value, abs(value - start))
+        change, most = value - point.value, LONGEST_MOTION * point.patches.edge_scale
+        predicted = self._evaluated(point.patches.moved(np.clip(change * point.rate, -most, most)), value)
+        ahead = charges_moved_in(point.state) if predicted is None else charges_of(predicted)
+        off, rounds = dict(enumerate(windows_of(point.patches))), list[tuple[Evaluation, FloatArray]]()
+        followed: dict[int, tuple[Window, Landing]] = {}
+        most_missed = np.inf
+        for _ in range(ROUNDS):
+            again = self._followed(off, point, value, ahead)
+            joined = None if again is None else joined_at_seams(list((followed := followed | again).values()))
             state = None if joined is None else self._evaluated(joined.patches, value)
             if joined is None or state is None:
                 return None
-            spread, missed = Spread(value, state, joined.rate, abs(value - start)), self._missed(state)
-            releases += [(release, self._error(release, state, missed)) for release in joined.releases]
-            if np.max(np.abs(missed)) <= (JOINED if shortest else ALIKE):
+            missed = self._missed(state)
+            largest = float(np.max(np.abs(missed)))
+            if largest >= most_missed:
+                return None
+            most_missed = largest
+            rounds.append((state, missed))
+            late = np.abs(missed) > ALIKE
+            if not late.any():
+                spread = Spread(value, state, joined.rate)
+                releases = [(r, max(self._error(r, *evaluated) for evaluated in rounds)) for r in joined.releases]
                 return replace(spread, events=events_of(point, spread, releases))
+            places, ahead = edge_positions(state.patches)[late], charges_of(state)
+            off = {k: window for k, (window, _) in followed.items() if window.arc.holds(places).any()}
         return None
 
-    def _joined(self, point: Spread, value: float, error: float) -> Joined | None:
-        """Return all windows joined after a step, each followed in the far field of the state before."""
-        change = value - point.value
-        charges, most = charges_of(point.state), LONGEST_MOTION * point.patches.edge_scale
-        charges_ahead = charges_moved_in(point.state)
-        if change:
-            motion = np.clip(change * point.rate, -most, most)
-            predicted = self._evaluated(point.patches.moved(motion), value)
-            charges_ahead = charges_ahead if predicted is None else charges_of(predicted)
+    def _followed(
+        self, windows: dict[int, Window], point: Spread, value: float, ahead: Charges
+    ) -> dict[int, tuple[Window, Landing]] | None:
+        """Return windows at another penetration by their indices; None where the path of a window fails.
 
-        def departures(windows: Sequence[Window]) -> list[Departure]:
-            fields = far_fields([window.arc for window in windows], charges, charges_ahead)
+        The field in a window is linear from the charges at the point to the charges ahead.  A window whose path fails
+        is followed with wider buffers.
+        """
+        charges = charges_of(point.state)
+
+        def departures(some: Sequence[Window]) -> list[Departure]:
+            fields = far_fields([window.arc for window in some], charges, ahead)
             return [
-                Departure(far, window.of(point.patches), point.value, value, error)
-                for window, far in zip(windows, fields, strict=True)
+                Departure(far, window.of(point.patches), point.value, value)
+                for window, far in zip(some, fields, strict=True)
             ]
 
-        windows, landings = windows_of(point.patches), []
-        for k, landing in enumerate(self._landings(departures(windows))):
-            for more in WIDER if landing is None else ():
+        followed: dict[int, tuple[Window, Landing]] = {}
+        for k, landing in zip(windows, self._landings(departures(list(windows.values()))), strict=True):
+            window = windows[k]
+            for more in WIDER:
                 again = wider(point.patches, k, more)
-                if again is None:
+                if landing is not None or again is None:
                     break
-                (landing,) = self._landings(departures([again]))
-                if landing is not None:
-                    windows[k] = again
-                    break
+                window, (landing,) = again, self._landings(departures([again]))
             if landing is None:
                 return None
-            landings.append(landing)
-        return joined_at_seams(windows, landings)
+            followed[k] = window, landing
+        return followed
 
     def _landings(self, departures: Sequence[Departure]) -> Iterator[Landing | None]:
         """Yield the ends of the paths of windows."""
@@ -188,9 +197,10 @@ class Spreading:
         return float(np.max(np.abs(shift)))
 
 
-def joined_at_seams(windows: Sequence[Window], landings: Sequence[Landing]) -> Joined | None:
+def joined_at_seams(followed: Sequence[tuple[Window, Landing]]) -> Joined | None:
     """Return the cores of windows as one contact; None where they do not fit."""
-    places = seams(windows, [landing.patches for landing in landings])
+    landings = [landing for _, landing in followed]
+    places = seams([window for window, _ in followed], [landing.patches for landing in landings])
     if places is None:
         return None
     parts: list[FloatArray] = []

@@ -30,12 +30,8 @@ from bem.path.rest import at_rest
 from bem.windows.spread import Spread, Spreading
 
 WINDOW_STEP = 0.05  # rms heights: windows are joined after each
-MANY_PATCHES, FEWER = (
-    100,
-    0.8,
-)  # speed: patches from which windows are followed; part of them below which they no longer are
-SHORTEST_WINDOW_STEP = WINDOW_STEP / 8  # in which windows may follow one another's events
-STEP_GROWTH = 2.0  # speed: times the last step: the next, at most
+MANY_PATCHES, FEWER = 100, 0.8  # speed: patches from which windows are followed; part below which they are not
+SHORTEST_WINDOW_STEP = WINDOW_STEP / 8  # below it the whole contact is followed
 
 AnyPoint = Point | Spread
 
@@ -187,19 +183,21 @@ class WindowedPath:
 
     def _spread(self, point: AnyPoint, goal: float) -> Spread | None:
         """Return a point as windows follow it; None where the whole contact is followed."""
-        if not self._spread_begins(point, goal) or isinstance(point, Spread):
-            return point if isinstance(point, Spread) and self._spread_begins(point, goal) else None
-        if not isinstance(point, Equilibrium) or point.balance.factor is None:
+        if not self._spread_begins(point, goal):
             return None
-        return self.spreading.at(point.value, point.patches, tangent(self.whole.system, point.balance), WINDOW_STEP)
+        if not isinstance(point, Equilibrium):
+            return point if isinstance(point, Spread) else None
+        if point.balance.factor is None:
+            return None
+        return self.spreading.at(point.value, point.patches, tangent(self.whole.system, point.balance))
 
     def _stepped(self, point: Spread, goal: float) -> Iterator[AnyPoint]:
         """Yield the points of one step: the joined windows at its end, or the whole contact on the way there."""
-        direction, step = self.direction(point, goal), min(WINDOW_STEP, STEP_GROWTH * point.step)
-        while True:
-            step = max(step, SHORTEST_WINDOW_STEP)
+        direction, step = self.direction(point, goal), WINDOW_STEP
+        value = point.value
+        while step >= SHORTEST_WINDOW_STEP:
             value = goal if abs(goal - point.value) <= step else point.value + direction * step
-            behind = self.spreading.stepped(point, value, shortest=step == SHORTEST_WINDOW_STEP)
+            behind = self.spreading.stepped(point, value)
             if behind is not None:
                 self.effort.accepted += 1
                 if direction < 0:
@@ -209,8 +207,6 @@ class WindowedPath:
                 yield behind
                 return
             self.effort.rejected += 1
-            if step == SHORTEST_WINDOW_STEP:
-                break
             step = min(step, abs(goal - point.value)) / 2
         start = self._gathered(point)
         yield start

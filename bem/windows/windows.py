@@ -33,14 +33,11 @@ class Window:
         Indices of the patches, ascending.
     seam : float
         Position in a gap at which the core begins.
-    core : (n,) bool array
-        True for members in the core.
     """
 
     arc: Arc
     members: IntArray
     seam: float
-    core: np.ndarray[tuple[int], np.dtype[np.bool_]]
 
     def of(self, patches: Patches) -> Patches:
         """Return the patches of the window."""
@@ -72,17 +69,16 @@ def wider(patches: Patches, index: int, more: int) -> Window | None:
 
 
 def _cores(patches: Patches) -> list[tuple[int, int]]:
-    """Return the first patch and the number of patches of each core."""
-    starts = _core_starts(patches)
-    return [(start, (end - start) % patches.count) for start, end in zip(starts, [*starts[1:], starts[0]], strict=True)]
+    """Return the first patch and the number of patches of each core, of at least two.
 
-
-def _core_starts(patches: Patches) -> list[int]:
-    """Return the first patches of the cores: behind the widest of the gaps about every `CORE_PATCHES` patches."""
+    A core begins behind the widest of the gaps about every `CORE_PATCHES` patches.
+    """
     count, gap = patches.count, patches.gap_before
-    wanted = np.linspace(0, count, max(1, round(count / CORE_PATCHES)), endpoint=False)
+    wanted = np.linspace(0, count, max(2, round(count / CORE_PATCHES)), endpoint=False)
     near = np.arange(-CHOICE, CHOICE + 1)
-    return sorted({int(max((round(k) + near) % count, key=lambda i: gap[i])) for k in wanted.tolist()})
+    starts = sorted({int(max((round(k) + near) % count, key=lambda i: gap[i])) for k in wanted.tolist()})
+    sizes = np.diff(starts, append=starts[0] + count)
+    return list(zip(starts, sizes.tolist(), strict=True))
 
 
 def _window(patches: Patches, start: int, size: int, buffer: int) -> Window | None:
@@ -94,14 +90,11 @@ def _window(patches: Patches, start: int, size: int, buffer: int) -> Window | No
     if size + before + behind >= count:
         return None
     row = np.arange(start - before, start + size + behind) % count
-    order = np.argsort(row)
-    core = np.zeros(row.size, dtype=bool)
-    core[before : before + size] = True
     first, last = int(row[0]), int(row[-1])
     margins = float(gap[first - 1] / 2), float(gap[last] / 2)
     beta = float(patches.left[first]) - margins[0]
     delta = beta + (float(patches.right[last]) + margins[1] - beta) % TWO_PI
-    return Window(Arc(beta, delta, margins), row[order], float(patches.left[start] - gap[start - 1] / 2), core[order])
+    return Window(Arc(beta, delta, margins), np.sort(row), float(patches.left[start] - gap[start - 1] / 2))
 
 
 def seams(windows: Sequence[Window], window_patches: Sequence[Patches]) -> list[float] | None:

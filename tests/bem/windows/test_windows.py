@@ -5,7 +5,11 @@ import pytest
 from rough_surfaces import banded_scene
 
 from bem.elastic.far_field import Arc
-from bem.geometry.patches import Patches
+from bem.geometry.patches import Patches, ordered
+from bem.loading.complete_contact import complete_contact
+from bem.loading.crew import Crew
+from bem.path_for import path_for
+from bem.problem import pose
 from bem.scene.result import Result
 from bem.solver import solve
 from bem.windows.windowed_path import MANY_PATCHES
@@ -73,16 +77,34 @@ def test_pressures_are_met_between_joined_windows(in_windows):
     assert first.contact_fraction < states[1].contact_fraction < second.contact_fraction
 
 
+class NoWindowLands(Crew):
+    """Windows whose paths all fail."""
+
+    def each(self, function, shared, parts):
+        return ((None, 0) for _ in parts)
+
+
+def test_where_windows_fail_the_whole_contact_is_followed(in_windows):
+    scene, state = banded_scene(TARGETS), in_windows.targets[0]
+    problem = pose(scene)
+    path = path_for(scene, problem, complete_contact(problem.profile, problem.law), NoWindowLands())
+    left, right = np.array(state.edges).T / problem.scales.length
+    value = problem.control_value(state.separation, "separation")
+    start = path.restart(ordered(left, right), state.penetration / problem.scales.height, value)
+    (*_, last), (*_, other) = (way.advance(start, value - 0.005) for way in (path, path.whole))
+    assert path.effort.rejected and last.value == other.value == value - 0.005
+    np.testing.assert_allclose(last.patches.left, other.patches.left, rtol=1e-9)
+
+
 def patches_of(*ends):
     left, right = np.array(ends, dtype=float).T
     return Patches(left, right)
 
 
 def test_windows_are_seamed_in_gaps_that_both_have():
-    every = np.ones(4, dtype=bool)
     windows = [
-        Window(Arc(-0.2, 1.0, (0.01, 0.01)), np.arange(4), -0.1, every),
-        Window(Arc(0.255, 0.22 + 2 * np.pi, (0.01, 0.01)), np.arange(4), 0.55, every),
+        Window(Arc(-0.2, 1.0, (0.01, 0.01)), np.arange(4), -0.1),
+        Window(Arc(0.255, 0.22 + 2 * np.pi, (0.01, 0.01)), np.arange(4), 0.55),
     ]
     one = patches_of((0.1, 0.2), (0.3, 0.4), (0.6, 0.7), (0.8, 0.9))
     other = patches_of((0.1, 0.2), (0.3, 0.74), (0.8, 0.9), (1.1, 1.2), (6.0, 6.1))  # the gap at 0.5 is closed
@@ -95,13 +117,18 @@ def test_windows_are_seamed_in_gaps_that_both_have():
     assert in_core(np.array([0.7, 0.8, 6.0]), 0.75, 1.3).tolist() == [False, True, False]
 
 
-def test_every_patch_is_in_one_core():
-    left = np.cumsum(np.random.default_rng(3).uniform(0.5, 2.0, 100))
+@pytest.mark.parametrize(("count", "more"), [(28, 0), (35, 0), (100, 0), (100, 3), (100, 7)])
+def test_every_patch_is_in_one_core(count, more):
+    left = np.cumsum(np.random.default_rng(3).uniform(0.5, 2.0, count))
     left *= 6.2 / left[-1]
     patches = Patches(left, left + 0.4 * np.diff(left, append=left[0] + 2 * np.pi))
-    for more in (0, 3, 7):
-        windows = [wider(patches, k, more) for k in range(len(windows_of(patches)))]
-        assert sorted(np.concatenate([w.members[w.core] for w in windows])) == list(range(100))
+    windows = [wider(patches, k, more) for k in range(len(windows_of(patches)))]
+    starts = seams(windows, [window.of(patches) for window in windows])
+    cores = [
+        patches.center[in_core(patches.center, a, b)] for a, b in zip(starts, [*starts[1:], starts[0]], strict=True)
+    ]
+    assert sorted(np.concatenate(cores)) == sorted(patches.center)
+    assert all(np.isin(core, window.of(patches).center).all() for core, window in zip(cores, windows, strict=True))
 
 
 def test_a_window_that_would_leave_no_patches_outside_is_not_made_wider():
