@@ -89,15 +89,15 @@ class Loads:
         """Return the point of the curve at a parameter of a span, within so many units of where it is evaluated."""
         if s in (0.0, 1.0):
             return span.first if s == 0 else span.last
-        (patches, value), penetration = span.at(s), span.first.numbers.penetration
-        point, last = None, np.inf
+        start, point, last = span.at(s), None, np.inf
         while point is None or near < point.off < last:
             last = np.inf if point is None else point.off
-            balance = evaluated(self.system.sloped, Start(patches, penetration, value), self.on_way)
-            point = None if isinstance(balance, Refused) else stand_near(self.system, balance, value, span.normal, 1.0)
-            if point is None:
+            balance = evaluated(self.system.sloped, start, self.on_way)
+            if not isinstance(balance, Refused):
+                point = stand_near(self.system, balance, start.value, span.normal, 1.0)
+            if point is None or isinstance(balance, Refused):
                 return None
-            patches, value, penetration = point.patches, point.value, point.numbers.penetration
+            start = Start(point.patches, point.numbers.penetration, point.value)
         return point
 
     def turns(self, span: Span, reach: float) -> Iterator[tuple[float, Stand]]:
