@@ -167,7 +167,7 @@ class SlopeLaw(UniformLaw):
     def energy(self, patches: Patches) -> float:
         """Return U_ad = -int w dx over the patches."""
         ends = self.length(np.concatenate([patches.left, patches.right]))
-        return -self.work * float(np.sum(ends[patches.count :] - ends[: patches.count]))
+        return -self.work * float((ends[patches.count :] - ends[: patches.count]).sum())
 
 
 def dimensionless_law(adhesion: Adhesion, profile: Profile, scales: Scales) -> UniformLaw:

@@ -62,7 +62,7 @@ class _Step:
     @property
     def size(self) -> float:
         """Length of the step, which the trust radius bounds."""
-        return float(np.linalg.norm(self.parts))
+        return float(np.sqrt(self.parts @ self.parts))
 
 
 @dataclass(eq=False)
@@ -224,7 +224,7 @@ def _at_least(resolution: Resolution, floor: Resolution | None) -> Resolution:
 
 
 def _equal(first: Resolution, second: Resolution) -> bool:
-    return bool(np.all(first.nodes == second.nodes) and np.all(first.modes == second.modes))
+    return (first.nodes.tobytes(), first.modes.tobytes()) == (second.nodes.tobytes(), second.modes.tobytes())
 
 
 def step_scale(system: System, forces: Balance) -> FloatArray:

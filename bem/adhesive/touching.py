@@ -91,7 +91,7 @@ class CrestsAhead:
             start = float(patches.right[gap]) + (width - reach if edge < count else 0.0)
             turn = math.floor(start / TWO_PI) * TWO_PI
             for part in (turn, turn + TWO_PI):
-                first, last = np.searchsorted(crests, (start - part, start - part + reach)).tolist()
+                first, last = crests.searchsorted((start - part, start - part + reach)).tolist()
                 ahead |= {crest: (crests[crest] + part, gap) for crest in range(first, last)}
         where = [ahead[crest] for crest in sorted(ahead)]
         return edges, np.array([x for x, _ in where]), np.array([gap for _, gap in where], dtype=np.int64)

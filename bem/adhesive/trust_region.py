@@ -13,6 +13,8 @@ from scipy.linalg import lapack
 from bem.adhesive.lowest_modes import lowest_modes
 from bem.geometry.arrays import FloatArray
 
+ON_SURFACE = 1e-4  # speed: of the radius, from which a step is scaled to it; the model then misses the square of it
+
 
 def trust_region_step(gradient: FloatArray, hessian: FloatArray, radius: float) -> FloatArray:
     """Return the minimiser of the quadratic model in a ball, (n,).
@@ -30,7 +32,7 @@ def trust_region_step(gradient: FloatArray, hessian: FloatArray, radius: float) 
     newton = _shifted(gradient, hessian, 0.0)
     if newton is not None:
         step, bend = newton
-        size = float(np.linalg.norm(step))
+        size = float(np.sqrt(step @ step))
         if size <= radius:
             return step
         return _on_surface(gradient, hessian, radius, 0.0, (size / radius - 1) * size**2 / bend)
@@ -53,7 +55,7 @@ def _on_surface(gradient: FloatArray, hessian: FloatArray, radius: float, low: f
     Where every step is shorter (the hard case) the bounds close in on the least shift, and so is the step.
     """
     resolved = 1e-15 * float(np.abs(hessian).sum(axis=1).max())
-    high = low + float(np.linalg.norm(gradient)) / radius
+    high = low + float(np.sqrt(gradient @ gradient)) / radius
     shift, step = max(start, low + 1e-3 * (high - low)), np.zeros(gradient.size)
     while high - low > max(1e-10 * high, resolved):
         solution = _shifted(gradient, hessian, shift)
@@ -62,9 +64,9 @@ def _on_surface(gradient: FloatArray, hessian: FloatArray, radius: float, low: f
             continue
         step, bend = solution
         square = float(step @ step)
-        excess = np.sqrt(square) / radius - 1
-        if abs(excess) <= 1e-10:
-            return step
+        excess = float(np.sqrt(square)) / radius - 1
+        if abs(excess) <= ON_SURFACE:
+            return step / (1 + excess)
         low, high = (shift, high) if excess > 0 else (low, shift)
         newton = shift + excess * square / bend
         shift = newton if low < newton < high else (low + high) / 2

@@ -39,9 +39,11 @@ def closing_gaps(system: System, forces: Balance) -> IntArray:
     """
     gaps = forces.state.patches.gap_after
     wavelength = 2 * np.pi / system.elastic.profile.max_order
-    doomed = gaps < min(ABOUT_TO_GO * wavelength, max(0.05 * float(gaps.max()), LAST_GAP * 2 * np.pi))
-    closed = gaps < SHUT_GAP * 2 * np.pi
-    closing = np.flatnonzero((doomed & pulled_shut(forces)) | closed if doomed.any() else closed)
+    narrow = min(ABOUT_TO_GO * wavelength, max(0.05 * float(gaps.max()), LAST_GAP * 2 * np.pi))
+    closing = np.flatnonzero(gaps < max(narrow, SHUT_GAP * 2 * np.pi))
+    if closing.size == 0:
+        return closing
+    closing = closing[pulled_shut(forces)[closing] | (gaps[closing] < SHUT_GAP * 2 * np.pi)]
     closing = closing[gaps[closing] <= (1 + TIED) * gaps[closing].min(initial=np.inf)]
     stays = closing.size == gaps.size and system.control.load_weight == 0
     return np.asarray(closing[:0] if stays else closing)
@@ -61,13 +63,12 @@ def without_gaps(patches: Patches, closing: IntArray) -> Remaining:
 
 def vanishing_patches(system: System, forces: Balance) -> IntArray:
     """Return the indices of the patches about to vanish, ascending."""
-    patches = forces.state.patches
-    count = patches.count
-    inward = forces.gradient > 0
-    narrow = patches.half_width < ABOUT_TO_GO / system.elastic.profile.max_order  # the widest at pull-off
+    patches, inward = forces.state.patches, forces.gradient > 0
+    count, widest = patches.count, ABOUT_TO_GO / system.elastic.profile.max_order  # at pull-off
+    narrow = np.flatnonzero(patches.half_width < widest)
+    if not np.any(inward[narrow] & inward[count + narrow]):
+        return narrow[:0]
     shrinking = np.flatnonzero(inward[:count] & inward[count:])
-    if not narrow[shrinking].any():
-        return np.asarray(shrinking[:0])
     relative = patches.half_width[shrinking] / pull_off_half_width(system, patches.center[shrinking])
     return np.asarray(shrinking[(relative <= (1 + TIED) * relative.min()) & (relative.min() < ABOUT_TO_GO)])
 

@@ -23,12 +23,13 @@ Dimensionless.  Limits: equal profile and elasticity all along, no fields of fro
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
 from bem.elastic.collocation import Evaluation
 from bem.geometry.arrays import FloatArray
+from bem.kernels import edges
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,38 +63,33 @@ class EdgeFields:
         return self._tip(self.state.stress_intensity_rate, self.state.edge_slope_rate)
 
     @cached_property
+    def _matrices(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
+        """k_ie and c_ie with zeros on their diagonals, these diagonals, and sum_e +-k_ie^2; c is 0 without slopes."""
+        state = self.state
+        return edges.edge_fields(
+            state.patches.half_width,
+            state.resolution.modes,
+            state.stress_intensity,
+            self.jacobian,
+            self.s,
+            state.slope_compliance,
+        )
+
+    @property
     def k(self) -> tuple[FloatArray, FloatArray]:
         """k_ie with zeros on its diagonal, (2 L, 2 L), and the diagonal, (2 L,)."""
-        k = self.jacobian / self.state.stress_intensity
-        own = np.diagonal(k) - self.s / self.state.stress_intensity
-        k.flat[:: own.size + 1] = 0.0
-        return k, own
+        return self._matrices[0], self._matrices[2]
 
-    @cached_property
+    @property
     def c(self) -> tuple[FloatArray, FloatArray]:
         """c_ie with zeros on its diagonal, (2 L, 2 L), and the diagonal, (2 L,)."""
-        (k, own), radius, size = self.k, self.radius, self.radius.size
-        modes = np.concatenate([self.state.resolution.modes] * 2).astype(np.float64)
-        edge, tail, scale = np.arange(size), 1 / np.sqrt(np.pi * radius), np.sqrt(np.pi / radius) / (2 * radius)
-        other = np.concatenate([edge[size // 2 :], edge[: size // 2]])
-        cubes = np.where(modes % 2 == 0, -(modes**2) * (2 * modes - 3), (modes - 1) ** 2 * (2 * modes + 1)) / 4
-        c = self.state.slope_compliance * ((np.pi**1.5 / 2) / np.sqrt(radius))
-        c[other, edge] -= tail * (cubes - 0.125)
-        c *= scale[:, None]
-        c -= k / (8 * radius)[:, None]
-        c[edge, edge] -= scale * tail * ((modes * (modes - 1) / 2) ** 2 - 1 / 64) + own / (8 * radius)
-        own_c = np.diagonal(c).copy()
-        c[edge, edge] = 0.0
-        return c, own_c
+        return self._matrices[1], self._matrices[3]
 
     @cached_property
     def t(self) -> FloatArray:
         """Coefficient t_e of the pressure at the edges, (2 L,)."""
         charges = self.state.charges()
-        square = np.arange(charges.shape[1], dtype=np.float64) ** 2
-        weight = 3 / 32 - square / 4 + square * (square - 1) / 6
-        sign = np.where(np.arange(square.size) % 2 == 0, 1.0, -1.0)
-        value = (charges @ np.stack([weight * sign, weight], axis=1)).T.ravel()
+        value = (_of_t(charges.shape[1]) @ charges.T).ravel()
         return np.asarray(np.sqrt(np.pi / self.radius) / (2 * self.radius**2) * value)
 
     def times_jacobian_rate(self, x: FloatArray) -> FloatArray:
@@ -113,12 +109,19 @@ class EdgeFields:
 
     def _own_change(self, a: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return dK along a motion a, and the terms of dk_ee/de and ds_e on the diagonal, (2 L,) each."""
-        (k, own), (c, own_slope), intensity = self.k, self.c, self.state.stress_intensity
-        side = np.repeat([-1.0, 1.0], self.state.patches.count)
-        along = self.jacobian @ a
-        turned = np.einsum("ij,ij,j->i", k, k, side) * side * a
+        (_, own), (c, own_slope), intensity = self.k, self.c, self.state.stress_intensity
+        along, turned = self.jacobian @ a, self._matrices[4] * a
+        turned[: turned.size // 2] *= -1.0  # of left edges
         bent = own * along + c @ (a * intensity) + a * (intensity * own_slope - 1.5 * self.t)
         return along, turned, bent
 
     def _tip(self, intensity: FloatArray, slope: FloatArray) -> FloatArray:
         return np.asarray(-intensity / (8 * self.radius) - np.sqrt(np.pi / self.radius) * slope / 2)
+
+
+@lru_cache(maxsize=64)
+def _of_t(count: int) -> FloatArray:
+    """Return what each Q_n adds to t at a left and at a right edge, (2, count)."""
+    square = np.arange(count, dtype=np.float64) ** 2
+    weight = 3 / 32 - square / 4 + square * (square - 1) / 6
+    return np.stack([np.where(np.arange(count) % 2 == 0, weight, -weight), weight])

@@ -89,16 +89,15 @@ class Loads:
         """Return the point of the curve at a parameter of a span, within so many units of where it is evaluated."""
         if s in (0.0, 1.0):
             return span.first if s == 0 else span.last
-        start, point, last = span.at(s), None, np.inf
-        while point is None or near < point.off < last:
-            last = np.inf if point is None else point.off
-            balance = evaluated(self.system.sloped, start, self.on_way)
-            if not isinstance(balance, Refused):
-                point = stand_near(self.system, balance, start.value, span.normal, 1.0)
-            if point is None or isinstance(balance, Refused):
+        start, last = span.at(s), np.inf
+        while True:  # twice at least: derivatives are those at the control at which a point is evaluated
+            balance, value = evaluated(self.system.sloped, start, self.on_way), start.value
+            point = None if isinstance(balance, Refused) else stand_near(self.system, balance, value, span.normal, 1.0)
+            if point is None:
                 return None
-            start = Start(point.patches, point.numbers.penetration, point.value)
-        return point
+            if last < np.inf and not near < point.off < last:
+                return point
+            last, start = point.off, Start(point.patches, point.numbers.penetration, point.value)
 
     def turns(self, span: Span, reach: float) -> Iterator[tuple[float, Stand]]:
         """Yield the turn of the load on a span up to a parameter, if a load asked for may lie beyond its ends.
@@ -115,8 +114,7 @@ class Loads:
     def least_on(self, span: Span, reach: float, below: float, level: float) -> Stand | None:
         """Return the point up to a parameter at which the load is least on a span, if it may be below a load there."""
         ends, rates = self._ends(span)
-        bottom = extremes(ends, rates)[1]
-        if not rates[0] < 0 < rates[1] or min(ends) - 2 * (min(ends) - bottom) >= below:
+        if not rates[0] < 0 < rates[1] or 2 * extremes(ends, rates)[1] - min(ends) >= below:
             return None
         turn = self._turn(span, rates, level, LAST)
         return None if turn is None or turn[0] >= reach else turn[1]

@@ -7,6 +7,8 @@ span is the part of the chord that the derivatives at both ends do not account f
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
+from math import comb
 
 import numpy as np
 from numpy.polynomial import polynomial
@@ -66,7 +68,7 @@ class Span:
             if span is None or misfit < span.misfit:
                 a, b, c = whole - z0 - w0 / 2, z1 - z0 - w0, w1 - w0
                 higher = (10 * a - 4 * b + c / 2, -15 * a + 7 * b - c, 6 * a - 3 * b + c / 2)
-                coefficients = np.stack([np.zeros_like(whole), z0, w0 / 2, *higher])
+                coefficients = np.array([0 * whole, z0, w0 / 2, *higher])
                 span = cls(first, last, normal, coefficients, rise, misfit)
         return span
 
@@ -99,7 +101,7 @@ class Span:
 
     def turns(self) -> FloatArray:
         """Return the parameters at which the control turns, ascending."""
-        return _roots(np.asarray(polynomial.polyder(self.coefficients[:, -1])))
+        return _roots(np.arange(1, len(self.coefficients)) * self.coefficients[1:, -1])
 
     def reaches(self, value: float) -> FloatArray:
         """Return the parameters at which the control has a value, ascending."""
@@ -109,10 +111,22 @@ class Span:
 
 
 def _roots(coefficients: FloatArray) -> FloatArray:
-    """Return the real roots from 0 to 1, ascending: none where the constant outweighs all other terms."""
-    coefficients = np.trim_zeros(coefficients, "b")
-    if coefficients.size < 2 or abs(coefficients[0]) > np.abs(coefficients[1:]).sum():
+    """Return the real roots from 0 to 1, ascending: none where all coefficients of Bernstein have one sign.
+
+    Examples
+    --------
+    >>> _roots(np.array([0.06, -0.5, 1.0])).round(9).tolist(), _roots(np.array([0.3, -1.0, 1.0])).tolist()
+    ([0.2, 0.3], [])
+    """
+    control_points = _to_bernstein(coefficients.size) @ coefficients
+    if control_points.min() > 0 or control_points.max() < 0:
         return np.zeros(0)
     roots = polynomial.polyroots(coefficients)
     real = np.sort(roots.real[np.abs(roots.imag) < 1e-9 * (1 + np.abs(roots.real))])
     return np.asarray(real[(real >= 0) & (real <= 1)])
+
+
+@lru_cache(maxsize=2)
+def _to_bernstein(count: int) -> FloatArray:
+    """Return the matrix from coefficients of powers to those of Bernstein's polynomials on [0, 1], (count, count)."""
+    return np.array([[comb(i, k) / comb(count - 1, k) for k in range(count)] for i in range(count)])
