@@ -105,7 +105,7 @@ def test_strong_adhesion_jumps_into_complete_contact():
 def test_a_point_that_no_secant_finds_is_named():
     start, end = follow(wave(), "penetration", [0.3]).points[-2:]
     branch, middle = Branch(wave(), "penetration", TRACKING, 0.5), (start.value + end.value) / 2
-    with pytest.raises(PathError, match="the touch at penetration .* is not located: .* after 8 secants"):
+    with pytest.raises(PathError, match=r"the touch at penetration .* is not located: .* after 8 secants"):
         _zero(branch, start, end, lambda point: middle - point.value, 0.0, "touch")
 
 
