@@ -49,13 +49,14 @@ def solve_waves(orders, amplitudes, phases, control, targets, thickness=None, po
 
 @pytest.mark.quick
 def test_compressible_layer(rows):
-    """Has a compressible layer pressed flat the energy and the displacement of its plate of the closed form?"""
+    """Has a compressible layer pressed flat the energy, plate's displacement and fields of the closed form?"""
     nu, thickness, pressure = 0.3, 1e-3, 2e5
     orders, amplitudes, phases = [1, 2, 5], [20e-6, 10e-6, 3e-6], [0.0, 1.0, 2.0]
     profile = NOT_SELF_AFFINE | {"kind": "harmonics", "orders": orders, "amplitudes": amplitudes, "phases": phases}
-    (state,) = solved("rough_100", adhesion=None, solid={"poisson_ratio": nu}, profile=profile,
-                      layer={"thickness": thickness},
-                      loading={"control": "mean_pressure", "targets": [pressure]}).targets
+    output = {"shapes": True, "spectra": True, "pressure_distribution": True}
+    result = solved("rough_100", adhesion=None, solid={"poisson_ratio": nu}, profile=profile, output=output,
+                    layer={"thickness": thickness}, loading={"control": "mean_pressure", "targets": [pressure]})
+    (state,), fields = result.targets, result.fields
     compliance = layer_compliance(2 * np.pi * np.array(orders) / PERIOD, thickness, E, nu)
     highest = Waves(PERIOD, np.array(orders), np.array(amplitudes), np.array(phases)).highest
     carbone = rows.between(Code.BEM, Code.EXACT, "Carbone and Mangialardi 2008, wave by wave")
@@ -67,6 +68,20 @@ def test_compressible_layer(rows):
     carbone.compare("displacement of the plate", state.total_displacement, highest + uniform * pressure, unit="m",
                     quantity=Quantity.LENGTH, uncertainty=1e-12 * highest, required=1e-10 * highest,
                     because=TEN_DIGITS, source="h_max + c(0) p")
+    waves = complete(orders, amplitudes, phases, thickness, nu)
+    power, levels = waves.amplitudes**2 / 4, fields["sigma_bounds_0"]
+    sorted_pressures = np.sort(pressure + waves.height(PERIOD * np.arange(200_000) / 200_000))
+    for name, value, reference, unit in (
+        ("pressure at points", fields["pressure_0"], pressure + waves.height(fields["x_0"]), "Pa"),
+        ("displacement at points", fields["displacement_0"],
+         Waves(PERIOD, np.array(orders), np.array(amplitudes), np.array(phases)).height(fields["x_0"]), "m"),
+        ("power of the pressure at its orders", fields["C_sigma_0"][np.array(orders) - 1],
+         power * PERIOD / (2 * np.pi), "Pa^2 m"),
+        ("share of the period below each pressure", np.cumsum(fields["P_0"] * np.diff(levels)),
+         np.searchsorted(sorted_pressures, levels[1:]) / sorted_pressures.size, ""),
+    ):
+        carbone.compare(name, value, reference, quantity=Quantity.POINTS, unit=unit,
+                        uncertainty=(1e-4 if unit == "" else 1e-12) * np.max(np.abs(reference)))
 
 
 @pytest.mark.quick
@@ -113,6 +128,8 @@ def test_last_gaps_of_one_wave(rows, waves):
     ):
         westergaard.compare(name, error, 0.0, quantity=quantity, uncertainty=2e-16, required=4e-15,
                             because="twenty roundings: loads and contact fractions round to 2e-16 of one")
+    work = sum(state.evaluations for state in (*by_load, *by_separation))
+    rows.count("evaluations", work, within=0.05, of=Code.BEM)
 
 
 @pytest.mark.quick

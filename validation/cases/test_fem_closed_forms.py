@@ -115,6 +115,7 @@ def test_modulus_of_the_closure(rows):
                                   value=float(WAVE.penetration(fraction * np.pi / 2)),
                                   work_of_adhesion=WAVE.work_of_adhesion) for fraction in fractions]
     critical = float(np.sqrt(2 * WAVE.modulus * WAVE.work_of_adhesion))
+    rows.count("unknowns", sum(state.unknowns for state in states), within=0.0, of=Code.FEM)
     rows.compare("stress intensity at the edges found", np.concatenate([s.stress_intensity.ravel() for s in states]),
                  critical, of=Code.FEM, by=Code.EXACT, quantity=Quantity.INTENSITY, unit="Pa m^1/2",
                  uncertainty=max(uncertain(state, "stress_intensity") for state in states), required=1e-8 * critical,
@@ -150,6 +151,9 @@ def test_written_fields(rows, order):
                                  value=1e3, edges=edges, resolution=Resolution(order, 10, 12))
     mesh = field_mesh(result)
     nodes, at = mesh.cells[0].data, mesh.points[:, :2]
+    rows.count("unknowns", result.unknowns, within=0.0, of=Code.FEM)
+    for name in ("strain_energy", "penetration", "stress_intensity", "middle_pressure"):
+        rows.count(f"stated U of {name}", uncertain(result, name), within=0.05, of=Code.FEM)
     a, b = at[nodes[:, 1]] - at[nodes[:, 0]], at[nodes[:, 2]] - at[nodes[:, 0]]
     area = (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2
     stress, energy, mises = (mesh.cell_data[name][0] for name in ("stress", "strain_energy_density", "von_mises"))

@@ -98,7 +98,7 @@ def test_loop_on_a_layer(rows, control):
                   adhesion={"work_of_adhesion": 0.1}, loading={"control": control, "targets": list(targets)},
                   accuracy={"max_increment": 0.4 if control == "mean_pressure" else None,
                             "tolerance": None})
-    _, legs = ways(scene)
+    result, legs = ways(scene)
     loop = sum(legs[1:], legs[0])
     assert loop.events > 0
     rows.compare("energy released over the work less the growth of the potential",
@@ -106,6 +106,7 @@ def test_loop_on_a_layer(rows, control):
                  quantity=Quantity.ENERGY, kind="construction", required=1e-6,
                  because="14 nodes on branches where the load turns sharply", source="first law")
     rows.count("events", loop.events, within=0.0, of=Code.BEM)
+    rows.count("evaluations", sum(state.evaluations for state in result.states), within=0.05, of=Code.BEM)
 
 
 @pytest.mark.quick
@@ -122,6 +123,7 @@ def test_loop_and_separation_of_a_rough_profile(rows):
                  required=1e-9 * max(abs(loop.work) for loop in loops), because="nine digits of 14 nodes",
                  source="growth of U and energy released")
     rows.count("events", len(result.events), within=0.0, of=Code.BEM)
+    rows.count("evaluations", sum(state.evaluations for state in result.states), within=0.05, of=Code.BEM)
     height = posed("hysteresis").surface().max_height
     shown = {way: touching(state for state in result.states if state.branch == way) for way in ("loading", "unloading")}
     rows.curves("The area between the branches of a loop is the energy that its events release", "separation / um",

@@ -104,6 +104,7 @@ def test_patch_that_stands(rows):
                    quantity=Quantity.COUNT, required=0.5, because="a count")
     motion.compare("contact fraction after", last.contact_fraction, float(np.sum(np.diff(rest))) / 0.01,
                    quantity=Quantity.AREA, required=1e-10, because="Newton ends the motion at rounding")
+    rows.count("evaluations", sum(state.evaluations for state in result.states), within=0.05, of=Code.BEM)
 
 
 @pytest.mark.quick

@@ -143,10 +143,15 @@ def test_state_with_adhesion(rows):
         low, high = -state.detachment_stresses.max(), modulus * (0.01 + 6 * np.sqrt(s[-1]) / 2)
         sigma, width = low + (high - low) * (node + 1) / 2, (high - low) / 2
         integrals.append(float(np.sum(weight * width * state.pressure_distribution(sigma, at))))
+    volumes = state.stress_distribution()
+    points = np.linspace(volumes.faces[0, 0], volumes.faces[0, -1], 200_001)
+    moment = float(np.sum(points * state.pressure_distribution(modulus * points)) * modulus * (points[1] - points[0]))
     own = rows.between(Code.THEORY, Code.IDENTITY, "as the equations print it", "construction")
     for name, unit, quantity, value, reference, required in (
         ("area as the integral of the pressure distribution", "", Quantity.AREA, integrals,
          [state.contact_fraction, state.contact_fraction_at(some)], 1e-3),
+        ("area and load of the finite volumes", "", Quantity.AREA, np.ravel([volumes.area, volumes.load / 0.01]),
+         [state.contact_fraction, moment / 0.01], 1e-5),
         ("displacement spectrum over that of the profile", "", Quantity.SPECTRUM,
          state.displacement_power(Q0) / (AMPLITUDES**2 / (4 * Q0)), np.interp(np.cumsum(steps), s, area), 1e-5),
         ("pressure over displacement spectrum", "Pa^2/m^2", Quantity.SPECTRUM,
