@@ -1,8 +1,8 @@
 """Steps along a branch: predicted to second order, corrected in the plane of the step, judged by its misfit.
 
 A step is accepted if K > 0 at its end, the Newton step that is left is short, and the chord agrees with the derivatives
-at both ends (stand.py).  Where it does not, the end is evaluated again at itself before a shorter step is tried, and
-then the start: what Newton left there turns the tangent of a soft motion.
+at both ends (stand.py).  Where it does not, the end is evaluated again more finely before a shorter step is tried, and
+then the start: what Newton left there, or the error of a faint K, turns the tangent of a soft motion.
 
 The Newton step and the misfit are of third order in the length of the step, which grows or shrinks with the cube root
 of the ratio of the Newton step to the step it should be (pacopy's and AUTO's control does the same by the count of
@@ -19,7 +19,7 @@ import numpy as np
 from bem.adhesive.equilibrium import Balance, System
 from bem.adhesive.third_derivatives import with_slopes
 from bem.geometry.arrays import FloatArray
-from bem.path.locating import Refused, Start, evaluated, evaluated_anywhere
+from bem.path.locating import Refused, Start, evaluated_anywhere, evaluated_finely
 from bem.path.points_with_edges import Equilibrium
 from bem.path.span import MISFIT, Span
 from bem.path.stand import SHORT, Stand, first_stand, stand_near
@@ -102,10 +102,10 @@ def growth(span: Span) -> float:
 
 
 def evaluated_at_itself(system: System, at: Stand, way: Way) -> Stand | Refused:
-    """Evaluate a point at its own edges, until its Newton step is short; its derivatives are then better."""
+    """Evaluate a point finely at its own edges, until its Newton step is short; its derivatives are then better."""
     while True:
         normal = at.rate / at.unit**2
-        balance = evaluated(system.sloped, Start(at.patches, at.numbers.penetration, at.value), way.tolerance)
+        balance = evaluated_finely(system.sloped, Start(at.patches, at.numbers.penetration, at.value), way.tolerance)
         stand = _point_of(system, balance, at.value, normal, float(normal @ at.rate))
         if isinstance(stand, Refused) or stand.off <= SHORT:
             return stand
