@@ -206,11 +206,12 @@ def _jump(branch: Branch, start: Point, end: Point, target: float, direction: fl
             end,
             lambda p: p.tangent[-1] * direction if turned else p.lowest,
             TURNED * branch.unit if turned else 1e-3 * start.lowest,
+            cause,
         )
     entered = [x for x, gap in gap_minima(place.evaluation) if gap < -TOUCHED]
     if entered:
         cause = "touch"
-        place = _zero(branch, start, place, lambda p: min(gap_near(p.evaluation, x) for x in entered), TOUCHED)
+        place = _zero(branch, start, place, lambda p: min(gap_near(p.evaluation, x) for x in entered), TOUCHED, cause)
     elif not (turned or not end.stable):
         return None
     beyond = BEYOND_TOUCH if cause == "touch" and branch.problem.work_of_adhesion == 0.0 else BEYOND
@@ -231,16 +232,15 @@ def _jump(branch: Branch, start: Point, end: Point, target: float, direction: fl
     return Jump(cause, place.value, changes, place, rest.point)
 
 
-def _zero(branch: Branch, start: Point, end: Point, of: Callable[[Point], float], within: float) -> Point:
+def _zero(branch: Branch, start: Point, end: Point, of: Callable[[Point], float], within: float, cause: Cause) -> Point:
     """Return the point between two at which a number that changes its sign is nearly zero (regula falsi, Illinois).
 
     Raises
     ------
     PathError
-        Where a point between the two is not found.
+        Where a point between the two is not found, or the number stays beyond `within`.
     """
-    low, high, last = (0.0, of(start)), (_length(branch, start, end), of(end)), 0
-    place = end
+    low, high, last, number = (0.0, of(start)), (_length(branch, start, end), of(end)), 0, np.inf
     for _ in range(SECANTS):
         length = low[0] + (high[0] - low[0]) * low[1] / (low[1] - high[1])
         between = branch.step(start, length)
@@ -249,15 +249,18 @@ def _zero(branch: Branch, start: Point, end: Point, of: Callable[[Point], float]
                 f"a point of the branch at {branch.kind} {start.value:.6g} to {end.value:.6g} is not found; "
                 "allowed: targets that end before it, another control, or another resolution"
             )
-        place, number = between, of(between)
+        number = of(between)
         if abs(number) < within:
-            break
+            return between
         if number > 0.0:
             low, high = (length, number), (high[0], high[1] * (0.5 if last > 0 else 1.0))
         else:
             low, high = (low[0], low[1] * (0.5 if last < 0 else 1.0)), (length, number)
         last = 1 if number > 0.0 else -1
-    return place
+    raise PathError(
+        f"the {cause} at {branch.kind} {start.value:.6g} to {end.value:.6g} is not located: {abs(number):.2g} is left "
+        f"after {SECANTS} secants; allowed: {within:.2g}, or targets that end before it, another control or resolution"
+    )
 
 
 def _length(branch: Branch, start: Point, end: Point) -> float:

@@ -24,7 +24,7 @@ finite sum of lines at vanishing load, the Hertzian contact of its highest summi
 c, n, D_0, s and a_0 are fitted on boundary-element ensembles by validation/fits/areas.py (41 spectra, 2274
 realisations, seed roots 1 and 2; domain and hold-out errors: fitted_area.py).  Source: here; that the slope over the
 contact governs the area: J. S. van Dokkum, M. Khajeh Salehani, N. Irani, L. Nicola, Tribol. Lett. 66 (2018) 115;
-H. M. Westergaard, J. Appl. Mech. 6 (1939) 49.  Stresses in units of E*.  Limits: half-space, no adhesion, means over
+H. M. Westergaard, J. Appl. Mech. 6 (1939) A49.  Stresses in units of E*.  Limits: half-space, no adhesion, means over
 phases.
 """
 

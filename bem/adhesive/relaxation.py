@@ -3,8 +3,8 @@
 An event is resolved first where it happens and then everywhere: of more than 18 patches, those concerned and four
 neighbours each side move at fixed penetration in the frozen field of all others (small trust-region steps, cheap
 evaluations); then all edges descend together at fixed target.  A crest that touches ahead of a moving edge is a new
-contact at once (touching.py), interpenetration elsewhere is one in the equilibrium, and the loop continues until none
-is left.  The energy that the avalanche releases is the difference of the potential.  Dimensionless.
+contact at once (touching.py), interpenetration elsewhere is one in the equilibrium, from which edges fall again
+(bem/path/jump.py).  The energy that the avalanche releases is the difference of the potential.  Dimensionless.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ class Cause:
 NO_CAUSE = Cause()
 
 
-def relax(
+def fall(
     system: System,
     patches: Patches,
     penetration: float,
@@ -94,7 +94,7 @@ def relax(
     accuracy: Accuracy,
     cause: Cause = NO_CAUSE,
 ) -> Relaxed:
-    """Resolve an event at fixed target, from given edges to an equilibrium in which no gap interpenetrates.
+    """Resolve an event at fixed target: descend from given edges to an equilibrium, which may interpenetrate.
 
     Parameters
     ----------
@@ -104,25 +104,6 @@ def relax(
         Of the equilibrium that is sought.
     cause : Cause, optional
     """
-    changes: tuple[tuple[str, float], ...] = ()
-    for _ in range(_most_rounds(system)):
-        fallen = fall(system, patches, penetration, target, accuracy, cause)
-        changes += fallen.changes
-        if fallen.balance is None or fallen.status != "converged":
-            return replace(fallen, changes=changes)
-        state = fallen.balance.state
-        closed = interpenetration(system, state, accuracy.allowed)
-        if closed.position.size == 0:
-            return replace(fallen, changes=changes)
-        patches, penetration = state.patches, state.penetration
-        cause = replace(cause, found=closed, state=state)
-    return Relaxed("not_converged", target, None, changes)
-
-
-def fall(
-    system: System, patches: Patches, penetration: float, target: float, accuracy: Accuracy, cause: Cause
-) -> Relaxed:
-    """Descend at fixed target to the next equilibrium, which may interpenetrate; parameters as of `relax`."""
     changes: list[tuple[str, float]] = []
     active, state = cause.unstable, cause.state
     if cause.found is not None:

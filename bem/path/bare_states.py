@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bem.adhesive.equilibrium import System
-from bem.adhesive.relaxation import first_contact, relax
+from bem.adhesive.relaxation import fall, first_contact, interpenetration
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.geometry.profile import EQUAL_HEIGHTS
@@ -101,12 +101,15 @@ class BareStates:
         system, highest = self.system, self.system.elastic.profile.max_height
         separation, gap = first_gap(system, self.complete, min(highest - goal, self.jumps.increments.smallest))
         value = goal if separation == highest - goal else highest - separation
-        relaxed = relax(system, gap, value, value, self.jumps.increments.way)
-        if relaxed.balance is None or relaxed.changes:
+        accuracy = self.jumps.increments.way
+        fallen = fall(system, gap, value, value, accuracy)
+        if fallen.balance is None or fallen.changes:
+            return Failed(value, "not_converged")
+        if interpenetration(system, fallen.balance.state, accuracy.allowed).position.size:
             return Failed(value, "not_converged")
         opening = ("opening", lowest_pressure(self.complete))
         events = path_events((opening,), self._fully_joined(value), NO_ERROR, 0.0, 0.0)
-        return replace(Equilibrium.of(value, relaxed.balance), events=events)
+        return replace(Equilibrium.of(value, fallen.balance), events=events)
 
     def _opened_at_flaw(self, point: Complete, goal: float) -> Point:
         """Return complete contact at the goal or the state into which its flaw opens, if the load is in the control.

@@ -158,7 +158,7 @@ class LimitPoints:
         """Return the fold at about a parameter, unless a symmetry breaks before it."""
         scale = span.first.balance.scale
         neutral = self._neutral(scale, span.last.rate / scale)
-        at = locate(self.system, self._start(span, place), neutral, self.tolerance)
+        at = locate(self.system, span.at(place), neutral, self.tolerance)
         if isinstance(at, Refused):
             return at
         if not span.holds(at.patches, at.numbers.value):
@@ -188,7 +188,7 @@ class LimitPoints:
         scale = span.first.balance.scale
         stiff, soft = (np.einsum("ij,ik,kj->j", held, state.hessian, held) for state in (span.first.balance, balance))
         shares = np.where((stiff > 0) & (soft < 0), stiff / np.where(soft < stiff, stiff - soft, 1.0), 1.0)
-        start, along = self._start(span, float(shares.min())), held[:, int(np.argmin(shares))] / scale
+        start, along = span.at(float(shares.min())), held[:, int(np.argmin(shares))] / scale
         for _ in range(MODES):
             neutral = self._neutral(scale, along)
             at = locate(self.system, start, neutral, self.tolerance, held)
@@ -218,11 +218,6 @@ class LimitPoints:
     def _neutral(self, scale: FloatArray, mode: FloatArray) -> NeutralMode:
         """Return the condition of a neutral mode, at first along a mode in units `scale`."""
         return NeutralMode(self.system, scale, mode / np.linalg.norm(mode))
-
-    def _start(self, span: Span, place: float) -> Start:
-        """Return the start of Newton's method at a parameter of a span."""
-        patches, value = span.at(place)
-        return Start(patches, span.first.numbers.penetration, value)
 
 
 def _forces(balance: Balance, modes: FloatArray) -> FloatArray:

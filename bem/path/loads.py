@@ -89,16 +89,15 @@ class Loads:
         """Return the point of the curve at a parameter of a span, within so many units of where it is evaluated."""
         if s in (0.0, 1.0):
             return span.first if s == 0 else span.last
-        (patches, value), penetration = span.at(s), span.first.numbers.penetration
-        last = np.inf
+        start, last = span.at(s), np.inf
         while True:  # twice at least: derivatives are those at the control at which a point is evaluated
-            balance = evaluated(self.system.sloped, Start(patches, penetration, value), self.on_way)
+            balance, value = evaluated(self.system.sloped, start, self.on_way), start.value
             point = None if isinstance(balance, Refused) else stand_near(self.system, balance, value, span.normal, 1.0)
             if point is None:
                 return None
             if last < np.inf and not near < point.off < last:
                 return point
-            last, patches, value, penetration = point.off, point.patches, point.value, point.numbers.penetration
+            last, start = point.off, Start(point.patches, point.numbers.penetration, point.value)
 
     def turns(self, span: Span, reach: float) -> Iterator[tuple[float, Stand]]:
         """Yield the turn of the load on a span up to a parameter, if a load asked for may lie beyond its ends.

@@ -29,7 +29,7 @@ from bem.loading.increments import MAXIMUM_ITERATIONS, Effort, Increments
 from bem.loading.path_events import EventNumbers, PathTension, path_events
 from bem.loading.points_without_edges import Complete, Failed, Separated
 from bem.path.bare_states import BareStates
-from bem.path.branch_ends import BranchEnds, End, GoalReached
+from bem.path.branch_ends import End, GoalReached, first_end
 from bem.path.fold import LimitPoint
 from bem.path.jump import Jumps, leading_patch
 from bem.path.loads import Loads
@@ -222,9 +222,7 @@ class Path:
                 yield self._by_control(at, way)
                 return
             span = step_from(self.system, at, ahead, way)
-            branch_end = (
-                span if isinstance(span, Refused) else BranchEnds(self.system, self.increments).first(span, way)
-            )
+            branch_end = span if isinstance(span, Refused) else first_end(self.system, self.increments, span, way)
             if isinstance(span, Refused) or isinstance(branch_end, Refused):
                 self.effort.rejected += 1
                 length = tried / SHORTER

@@ -6,31 +6,43 @@ Dimensionless.
 
 from __future__ import annotations
 
-from bem.adhesive.equilibrium import System
-from bem.adhesive.relaxation import Cause, Relaxed, interpenetration, relax
+from bem.adhesive.equilibrium import Balance, System
+from bem.adhesive.relaxation import NO_CAUSE, Cause, Relaxed, interpenetration
 from bem.loading.increments import Accuracy
+from bem.path.jump import Jumps
 from bem.path.locating import AtControl, Refused, Start, settle
 
 
-def at_rest(system: System, start: Start, accuracy: Accuracy, local_tolerance: float) -> Relaxed:
+def at_rest(jumps: Jumps, start: Start) -> Relaxed:
     """Return the stable state next to edges at their value of the control, with the changes on the way to it.
 
     Parameters
     ----------
-    system : System
+    jumps : Jumps
+        System, and accuracy on the way as that of the state; where Newton leads nowhere, edges jump from the start.
     start : Start
         Edges close to equilibrium.
-    accuracy : Accuracy
-        Of the state.
-    local_tolerance : float
-        Of evaluations in a frozen field, where edges must descend.
     """
-    settled, cause, patches = settle(system.sloped, start, AtControl(start.value), accuracy), Cause(), start.patches
-    if not isinstance(settled, Refused) and settled[0].factor is not None:
-        balance = settled[0]
-        closed = interpenetration(system, balance.state, accuracy.allowed)
+    system, accuracy, value = jumps.system, jumps.increments.way, start.value
+    settled, patches, cause = _settled(system, start, accuracy), start.patches, NO_CAUSE
+    if settled is not None:
+        closed = interpenetration(system, settled.state, accuracy.allowed)
         if closed.position.size == 0:
-            return Relaxed("converged", start.value, balance, ())
-        cause = Cause(None, closed, balance.state, local_tolerance=local_tolerance)
-        patches = balance.state.patches
-    return relax(system, patches, start.penetration, start.value, accuracy, cause)
+            return Relaxed("converged", value, settled, ())
+        cause = Cause(None, closed, settled.state, local_tolerance=jumps.increments.coarse.tolerance)
+        patches = settled.state.patches
+    landed = jumps.landed(patches, start.penetration, value, cause)
+    if landed.balance is None:
+        return landed
+    if landed.minimum is not None:
+        behind = Start(landed.minimum.patches, landed.minimum.numbers.penetration, value)
+        settled = _settled(system, behind, accuracy)
+        if settled is not None:
+            return Relaxed("converged", value, settled, landed.changes)
+    return Relaxed("not_converged", value, None, landed.changes)
+
+
+def _settled(system: System, start: Start, accuracy: Accuracy) -> Balance | None:
+    """Return the stable state to which Newton leads; None where there is none."""
+    settled = settle(system.sloped, start, AtControl(start.value), accuracy)
+    return None if isinstance(settled, Refused) or settled[0].factor is None else settled[0]

@@ -16,6 +16,7 @@ from numpy.polynomial import polynomial
 from bem.adhesive.branch import outward_motion
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
+from bem.path.locating import Start
 from bem.path.stand import Stand
 
 MISFIT = 0.06  # of the chord, and of the rise of the control: disagreement of two ends, distance from the quintic
@@ -80,10 +81,10 @@ class Span:
         """Return the motions, and the control less its value at the first point, (2 L + 1,)."""
         return np.asarray(polynomial.polyval(s, self.coefficients))
 
-    def at(self, s: float) -> tuple[Patches, float]:
-        """Return the edges and the control at a parameter."""
-        y = self._at(s)
-        return self.first.patches.moved(y[:-1]), self.first.value + float(y[-1])
+    def at(self, s: float) -> Start:
+        """Return the edges and the control at a parameter, from which Newton starts."""
+        y, first = self._at(s), self.first
+        return Start(first.patches.moved(y[:-1]), first.numbers.penetration, first.value + float(y[-1]))
 
     def parameter(self, patches: Patches) -> float:
         """Return s of the plane in which edges lie."""

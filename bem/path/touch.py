@@ -20,7 +20,7 @@ from bem.elastic.collocation import Evaluation
 from bem.elastic.gap import GapMinima, gap_field, minima_near
 from bem.geometry.arrays import FloatArray
 from bem.loading.increments import MAXIMUM_ITERATIONS
-from bem.path.locating import LOCATED, Condition, Located, Refused, Start, locate
+from bem.path.locating import LOCATED, Condition, Located, Refused, locate
 from bem.path.span import Span
 from bem.path.stand import SHORT, Row
 
@@ -107,9 +107,9 @@ def locate_touch(
             return Refused.UNCLEAR
         open_gap, closed = (gap_field(system.elastic, state)(gaps.position, gaps.gap) for state in (first, last))
         share = np.min(np.where(closed < 0, open_gap / np.where(closed < 0, open_gap - closed, 1.0), 1.0))
-        patches, value = span.at(reach * float(np.clip(share, 0.0, 1.0)))
+        start = replace(span.at(reach * float(np.clip(share, 0.0, 1.0))), penetration=first.penetration)
         closes = GapCloses(system, gaps, SHORT * first.patches.gap_after[gaps.gap])
-        at = locate(system, Start(patches, first.penetration, value), closes, tolerance)
+        at = locate(system, start, closes, tolerance)
         if isinstance(at, Refused):
             return at
         if not span.holds(at.patches, at.numbers.value) or at.balance.factor is None:

@@ -66,7 +66,7 @@ def _landing(path: Path, departure: Departure) -> Landing | None:
     """Return the window at the end of its path, after it came to rest at the start."""
     way, start = path.increments.way, departure.start
     begun = Start(departure.patches, start, start)
-    rested = at_rest(path.system, begun, way, path.increments.coarse.tolerance)
+    rested = at_rest(path.jumps, begun)
     if rested.balance is None or rested.status != "converged":
         return None
     releases: list[Release] = []

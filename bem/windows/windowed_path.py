@@ -22,6 +22,7 @@ from bem.loading.crew import Crew
 from bem.loading.increments import Effort, Increments
 from bem.loading.path_events import EventNumbers, PathTension, path_events
 from bem.loading.points_without_edges import Failed
+from bem.path.jump import Jumps
 from bem.path.loads import extremes
 from bem.path.locating import Start
 from bem.path.path import Path
@@ -217,9 +218,10 @@ class WindowedPath:
         """Return joined windows as an equilibrium of the whole contact, with events; other points unchanged."""
         if not isinstance(point, Spread):
             return point
-        increments, system, value = self.increments, self.whole.system, point.value
-        accuracy = increments.fine if fine else increments.way
-        rested = at_rest(system, Start(point.patches, value, value), accuracy, increments.coarse.tolerance)
+        value, whole = point.value, self.whole
+        increments = replace(whole.increments, way=whole.increments.fine) if fine else whole.increments
+        jumps = Jumps(whole.system, increments, whole.complete)
+        rested = at_rest(jumps, Start(point.patches, value, value))
         if rested.balance is None or rested.status != "converged":
             return Failed(value, "not_converged")
         equilibrium = Equilibrium.of(value, rested.balance, settled=fine)

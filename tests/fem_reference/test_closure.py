@@ -33,7 +33,7 @@ def adhesion(alpha, nu):
 
 
 def johnson_curve(half_width, alpha, nu):
-    """Load and penetration of the sinusoid at a half-width (Johnson 1995, doi:10.1016/0020-7683(94)00132-8)."""
+    """Load and penetration of the sinusoid at a half-width (Johnson 1995, doi:10.1016/0020-7683(94)00111-9)."""
     psi, p_star = np.pi * half_width, np.pi * AMPLITUDE / (1 - nu**2)
     s, pull = np.sin(psi) ** 2, alpha * np.sqrt(np.tan(psi))
     return p_star * (s - pull), AMPLITUDE * (s * (1 - np.log(s)) + pull * np.log(s))

@@ -22,7 +22,7 @@ def wave(work=WORK):
 
 
 def johnson(half_width):
-    """Load and penetration, in periods, at a half-width (Johnson 1995, doi:10.1016/0020-7683(94)00132-8)."""
+    """Load and penetration, in periods, at a half-width (Johnson 1995, doi:10.1016/0020-7683(94)00111-9)."""
     psi, p_star = np.pi * half_width, np.pi * AMPLITUDE * MODULUS
     s, pull = np.sin(psi) ** 2, ALPHA * np.sqrt(np.tan(psi))
     return p_star * (s - pull), AMPLITUDE * (s * (1 - np.log(s)) + pull * np.log(s))

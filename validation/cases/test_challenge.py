@@ -19,4 +19,4 @@ LONG = ("paper-profile", "rough-1000", "steep")
 )
 def test_own_answers(rows, name):
     """Does the solver give the certified answers of a problem of the challenge, to six digits?"""
-    judge(rows, name, solve(problem(name)[0], 1e-8), digits=6.0, of=Code.BEM)
+    judge(rows, name, solve(problem(name)[0], 1e-8), digits=6.0, of=Code.BEM, own=1e-8)

@@ -194,7 +194,7 @@ def by_last_gap(rows, posed, state):
     pair.compare("mean pressure of the last gap", state.mean_pressure, pressure, quantity=Quantity.PRESSURE, unit="Pa",
                  uncertainty=(estimate.mean_pressure or 0.0, ISOLATED * abs(pressure)))
     pair.compare("separation of the last gap", state.separation, separation, quantity=Quantity.LENGTH, unit="m",
-                 uncertainty=(0.0, ISOLATED * separation))
+                 uncertainty=(estimate.separation or 0.0, ISOLATED * separation))
 
 
 def by_closing_gaps(rows, posed, state):
@@ -206,8 +206,10 @@ def by_closing_gaps(rows, posed, state):
     pair.compare("mean pressure of the last gaps", state.mean_pressure, pressure, quantity=Quantity.PRESSURE,
                  unit="Pa", uncertainty=(state.error_estimate.mean_pressure or 0.0, 2.5e-14 * pressure))
     pair.compare("share without contact", 1 - state.contact_fraction, widths.sum() / surface.period,
-                 quantity=Quantity.AREA, uncertainty=(0.0, 5e-9 * widths.sum() / surface.period))
-    pair.compare("last gaps", state.n_patches, widths.size, quantity=Quantity.COUNT, uncertainty=0.0)
+                 quantity=Quantity.AREA,
+                 uncertainty=(state.error_estimate.contact_fraction or 0.0, 5e-9 * widths.sum() / surface.period))
+    pair.compare("last gaps", state.n_patches, widths.size, quantity=Quantity.COUNT, kind="construction", required=0.5,
+                 because="a count")
 
 
 def test_many_samples(rows, tmp_path):

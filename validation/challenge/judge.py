@@ -52,8 +52,11 @@ def names() -> list[str]:
     return sorted(folders, key=lambda name: order.get(problem(name)[0]["difficulty"], len(order)))
 
 
-def judge(rows: Rows, name: str, given: dict[str, Any], digits: float, of: Code = Code.USER) -> None:
-    """Add a row for every quantity that a problem asks for; our own solver against itself is a construction."""
+def judge(rows: Rows, name: str, given: dict[str, Any], digits: float, of: Code = Code.USER, own: float = 0.0) -> None:
+    """Add a row for every quantity that a problem asks for; `own` is U of an answer over the scale.
+
+    A count, or our own solver by itself, is a construction.
+    """
     for quantity, key in problem(name)[1].items():
         column = next((of for start, of in COLUMNS.items() if quantity.startswith(start)), Quantity.POINTS)
         title, values = quantity.replace("_", " "), given.get(quantity)
@@ -75,11 +78,11 @@ def judge(rows: Rows, name: str, given: dict[str, Any], digits: float, of: Code 
             by=by,
             quantity=column,
             unit=key["unit"],
-            uncertainty=(0.0, spread.max()),
+            uncertainty=(own * key["scale"], spread.max()),
             required=10.0**-digits * key["scale"] + spread.max(),
             because=f"{digits:g} digits of the scale",
             source=key["made"],
-            kind="construction" if of == by else "accuracy",
+            kind="construction" if of == by or column == Quantity.COUNT else "accuracy",
         )
 
 

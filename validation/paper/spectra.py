@@ -89,12 +89,12 @@ def measured(ensemble: Ensemble) -> dict[str, Measured]:
 
 
 def of_theory(wet: Mapping[float, AdhesiveContact], q0: float) -> dict[str, Measured]:
-    """Return the exponents of C_u in the theory at `SPECTRA_AT`, as far as its orders reach."""
+    """Return the exponents of C_u in the theory at `SPECTRA_AT`, as far as its orders reach; U: half their range."""
     power = {load: wet[load].displacement_power(q0) for load in SPECTRA_AT}
     return {
-        f"exponent of C_u in theory {load:g}": Measured(mean_exponent(windows, of))
+        f"exponent of C_u in theory {load:g}": Measured(each.mean(), np.ptp(each) / 4)
         for load, of in power.items()
-        if (windows := _middle(of.size))
+        if (windows := _middle(of.size)) and (each := exponents(of, windows)).size
     }
 
 

@@ -243,7 +243,7 @@ class Rows:
             Largest difference allowed, decided before the run and `because` of a reason; by default the combined U.
         kind
             "accuracy": the two sides share neither code nor derived quantities.  "construction": identities,
-            self-comparisons, own certificates.
+            self-comparisons, own certificates, counts, yes or no.
         """
         __tracebackhide__ = True
         if uncertainty is None and (required is None or kind == "accuracy"):
@@ -253,6 +253,8 @@ class Rows:
         if not isinstance(uncertainty, tuple) and kind == "accuracy" and by not in WITHOUT_UNCERTAINTY:
             raise TypeError(f"{name}: needs uncertainty=(of {of}, of {by}): the reference is not exact")
         sides = uncertainty if isinstance(uncertainty, tuple) else (0.0 if uncertainty is None else uncertainty, 0.0)
+        if kind == "accuracy" and quantity == Quantity.COUNT and by != Code.USER and not any(map(np.any, sides)):
+            raise TypeError(f"{name}: a count or a yes and no has no uncertainty: kind='construction'")
         return self._compared(
             name,
             value,

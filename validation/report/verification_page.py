@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -48,6 +48,7 @@ def page(content: Mapping[str, Any]) -> str:
         "verification.jinja",
         {"class": lambda text: text.replace(" ", "-"), "digit": digit},
         report=dict(content) | {"cases": cases},
+        statements=sorted(content["statements"], key=lambda line: line["verdict"] == "not run"),
         groups=groups,
         anchors={row["case"]: "not-run" for row in rows} | {case["case"]: case["anchor"] for case in cases},
         failures=[row for row in rows if row["failed"]],
@@ -84,14 +85,16 @@ def matrix(rows: Iterable[Mapping[str, Any]]) -> dict[str, dict[str, dict[str, A
     cells: dict[str, dict[str, list[Mapping[str, Any]]]] = {}
     for row in rows:
         if row["kind"] == "accuracy" and row["routes"]:
-            cells.setdefault(" – ".join(row["routes"]), {}).setdefault(row["quantity"], []).append(row)
+            pair, other = (" – ".join(codes) for codes in (row["routes"], row["routes"][::-1]))
+            cells.setdefault(other if other in cells else pair, {}).setdefault(row["quantity"], []).append(row)
     return {pair: {quantity: _cell(of) for quantity, of in line.items()} for pair, line in sorted(cells.items())}
 
 
-def prices(costs: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
+def prices(costs: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """Return by problem and route the cheapest measured line that is as precise as each of `PRECISIONS`, or None."""
     routes: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
-    for line in costs:
+    problems = [line["problem"] for line in costs]
+    for line in sorted(costs, key=lambda line: problems.index(line["problem"])):
         routes.setdefault((line["problem"], line["route"]), []).append(line)
     return [
         {

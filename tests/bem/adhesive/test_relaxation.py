@@ -6,23 +6,30 @@ from rough_surfaces import rough_profile
 
 from bem.adhesive.adhesion import UniformLaw
 from bem.adhesive.equilibrium import System, balance
-from bem.adhesive.relaxation import Cause, first_contact, interpenetration, relax
+from bem.adhesive.relaxation import Cause, fall, first_contact, interpenetration
 from bem.adhesive.vanishing import pull_off_half_width
 from bem.elastic.collocation import Elastic
 from bem.geometry.patches import Patches
 from bem.geometry.profile import Profile
+from bem.loading.complete_contact import complete_contact
 from bem.loading.control import DisplacementControl, LoadControl
-from bem.loading.increments import Accuracy
+from bem.loading.increments import Accuracy, Increments
+from bem.path.jump import Jumps
 from bem.path.locating import AtControl, Start, settle
+from bem.path.rest import at_rest
 
 ACCURACY = Accuracy(1e-8, 1e-9, 1e-10)
 TWO_CRESTS = Profile.from_harmonics(2 * np.pi, [1, 2], [0.2, 1.0])
 SYSTEM = System(Elastic(TWO_CRESTS), UniformLaw(0.1), DisplacementControl())
 
 
-def relaxed(system, patches, target, penetration=None, **changes):
-    start = target if penetration is None else penetration
-    return relax(system, patches, start, target, ACCURACY, Cause(**changes))
+def jumps_of(system):
+    complete = complete_contact(system.elastic.profile, system.law)
+    return Jumps(system, Increments(0.05, 2e-3, 0.05, way=ACCURACY), complete)
+
+
+def relaxed(system, patches, target, penetration=None):
+    return at_rest(jumps_of(system), Start(patches, target if penetration is None else penetration, target))
 
 
 def kinds(end):
@@ -123,7 +130,7 @@ def test_last_patch_separates():
 
 def test_load_that_no_branch_carries_ends_in_complete_contact():
     system = System(SYSTEM.elastic, SYSTEM.law, LoadControl())
-    end = relax(system, one_patch(0.6), 1.0, 30.0, Accuracy(1e-4, 1e-5, 1e-7))
+    end = fall(system, one_patch(0.6), 1.0, 30.0, Accuracy(1e-4, 1e-5, 1e-7))
     assert end.status == "complete_contact"
     assert kinds(end)[-1] == "complete_contact"
 
@@ -154,6 +161,6 @@ def test_local_settling_ends_in_the_same_state():
     counts = [system.effort.local_evaluations]
     plain = relaxed(system, start, 1.27, 1.3)
     counts.append(system.effort.local_evaluations)
-    local = relaxed(system, start, 1.27, 1.3, unstable=np.array([1]), state=before)
+    local = jumps_of(system).landed(start, 1.3, 1.27, Cause(np.array([1]), state=before))
     assert counts[0] == counts[1] < system.effort.local_evaluations
-    np.testing.assert_allclose(local.balance.state.patches.right, plain.balance.state.patches.right, atol=1e-7)
+    np.testing.assert_allclose(local.minimum.patches.right, plain.balance.state.patches.right, atol=1e-7)

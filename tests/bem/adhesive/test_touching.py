@@ -6,7 +6,7 @@ import pytest
 from bem.adhesive.adhesion import UniformLaw
 from bem.adhesive.descent import descend
 from bem.adhesive.equilibrium import System, balance
-from bem.adhesive.relaxation import Cause, relax
+from bem.adhesive.relaxation import Cause, fall
 from bem.adhesive.strides import Steps
 from bem.adhesive.touching import CrestsAhead
 from bem.elastic.collocation import Elastic
@@ -144,14 +144,12 @@ def test_in_the_field_of_others_the_same_crests_touch():
         TWO_PI, MANY.elastic.profile.orders, MANY.elastic.profile.amplitudes, -MANY.elastic.profile.orders * centers[0]
     )
     system = System(Elastic(moved), MANY.law, DisplacementControl())
-    alone = (
-        relax(RIPPLED, NARROW, DEPTH, DEPTH, Accuracy(1e-6, 1e-7, 1e-10)).balance.state.patches.half_width[0] / BUMPS
-    )
+    alone = fall(RIPPLED, NARROW, DEPTH, DEPTH, Accuracy(1e-6, 1e-7, 1e-10)).balance.state.patches.half_width[0] / BUMPS
     half = np.full(BUMPS, alone)
     half[10] = 0.2 / BUMPS
     start = Patches(centers - half, centers + half)
     state = balance(system, start, DEPTH / BUMPS, DEPTH / BUMPS, 1e-6).state
-    end = relax(
+    end = fall(
         system,
         start,
         DEPTH / BUMPS,

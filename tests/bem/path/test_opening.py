@@ -7,7 +7,7 @@ import pytest
 from rough_surfaces import rough_scene
 
 from bem.adhesive.equilibrium import System, balance
-from bem.adhesive.relaxation import relax
+from bem.adhesive.relaxation import fall
 from bem.geometry.patches import TWO_PI
 from bem.loading.complete_contact import complete_contact
 from bem.loading.control import DisplacementControl
@@ -170,7 +170,7 @@ def test_first_gap_is_as_wide_as_its_separation_asks():
     system, complete = posed(10, "half-space")
     separation, start = opening.first_gap(system, complete, 1e-6)
     highest = system.elastic.profile.max_height
-    relaxed = relax(
+    relaxed = fall(
         replace(system, control=DisplacementControl()), start, highest - separation, highest - separation, COARSE
     )
     assert separation == 1e-6

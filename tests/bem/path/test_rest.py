@@ -5,9 +5,11 @@ import pytest
 from johnson_branch import johnson, resting, waves
 
 from bem.geometry.patches import Patches
+from bem.loading.complete_contact import complete_contact
 from bem.loading.control import DisplacementControl
-from bem.loading.increments import Accuracy
+from bem.loading.increments import Accuracy, Increments
 from bem.loading.path_events import EventNumbers
+from bem.path.jump import Jumps
 from bem.path.locating import Start
 from bem.path.points_with_edges import Equilibrium
 from bem.path.rest import at_rest
@@ -19,7 +21,9 @@ TWO_CRESTS = waves(DisplacementControl(), orders=(2,), work=1.0)
 
 def at(value, *centers, half_width=0.3):
     patches = Patches(np.array(centers) - half_width, np.array(centers) + half_width)
-    return at_rest(TWO_CRESTS, Start(patches, value, value), FINE, 1e-3)
+    profile = TWO_CRESTS.elastic.profile
+    jumps = Jumps(TWO_CRESTS, Increments(0.05, 2e-3, 0.05, way=FINE), complete_contact(profile, TWO_CRESTS.law))
+    return at_rest(jumps, Start(patches, value, value))
 
 
 def test_a_crest_that_interpenetrates_is_a_new_contact():

@@ -69,7 +69,8 @@ def test_the_control_turns_on_a_piece_around_johnsons_fold(quantity):
         at = span.last
     span = Span.between(at_itself(system, span.first), at_itself(system, span.last))
     (place,) = span.turns()
-    patches, value = span.at(float(place))
+    start = span.at(float(place))
+    patches, value = start.patches, start.value
     assert value == pytest.approx(lowest(quantity), rel=1e-6)
     psi = patches.width[0] / 4
     assert johnson(quantity, psi) == pytest.approx(lowest(quantity), rel=1e-6)
