@@ -72,8 +72,6 @@ class Effort:
     evaluations, local_evaluations : int
         Evaluations of the forces on the edges of all patches, and of a few patches in the field of the others, which
         are not in results.  Evaluations that led nowhere are counted too.
-    unknowns : int
-        Largest number of unknowns of a state.
     accepted, rejected : int
         Steps; steps that were too long are among the rejected.
     unlocated : int
@@ -84,7 +82,6 @@ class Effort:
 
     evaluations: int = 0
     local_evaluations: int = 0
-    unknowns: int = 0
     accepted: int = 0
     rejected: int = 0
     unlocated: int = 0

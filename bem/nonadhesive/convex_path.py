@@ -184,12 +184,12 @@ class ConvexPath:
         solved = solve_contact(self.elastic, control, start, middle, value, self.increments.fine)
         self.effort.evaluations += solved.evaluations
         if solved.state is not None and solved.status == "converged":
-            return self._touching(value, solved.state)
+            return ContactPoint(value, solved.state)
         known = gaps if solved.patches is None else gaps_of(solved.patches)
         point = self._by_gaps(condition, value, known)  # there is contact, and a gap, at any value between
         if solved.state is None or isinstance(point, ContactPoint):
             return point
-        return self._touching(value, solved.state)  # that gap is too much for unknowns in gaps, and taken for contact
+        return ContactPoint(value, solved.state)  # that gap is too much for unknowns in gaps, and taken for contact
 
     def _by_gaps(self, condition: LinearControl, value: float, gaps: Gaps) -> ConvexPoint:
         """Solve for the state from the given gaps."""
@@ -199,12 +199,7 @@ class ConvexPath:
             return Complete(value)
         if solved.state is None or solved.status != "converged":
             return Failed(value, "ill_conditioned" if solved.status == "ill_conditioned" else "not_converged")
-        return self._touching(value, solved.state)
-
-    def _touching(self, value: float, state: Evaluation | GapEvaluation) -> ContactPoint:
-        """Return a point with edges, and count its unknowns."""
-        self.effort.unknowns = max(self.effort.unknowns, state.unknowns)
-        return ContactPoint(value, state)
+        return ContactPoint(value, solved.state)
 
     def _are_narrow(self, gaps: Gaps) -> bool:
         """Return True if a gap is so narrow that isolated cracks are a good start and patches are not.

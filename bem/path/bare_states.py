@@ -10,12 +10,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bem.adhesive.equilibrium import System
 from bem.adhesive.relaxation import fall, first_contact, interpenetration
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
 from bem.geometry.profile import EQUAL_HEIGHTS
-from bem.loading.complete_contact import CompleteContact, closing_place
+from bem.loading.complete_contact import closing_place
 from bem.loading.path_events import FIRST_TOUCH, NO_ERROR, EventNumbers, path_events
 from bem.loading.points_without_edges import Complete, Failed, Separated
 from bem.path.jump import Jumps
@@ -33,32 +32,21 @@ from bem.path.points_with_edges import Equilibrium, Point
 
 
 @dataclass(frozen=True, eq=False)
-class BareStates:
-    """Transitions of a path from states without edges to states with edges, and into complete contact.
+class BareStates(Jumps):
+    """Jumps of a path from states without edges to states with edges, and into complete contact.
 
     Parameters
     ----------
-    jumps : Jumps
-        Jumps of the path.
+    system, increments, complete
+        As of all jumps.
     crests : (n,) array
         Positions of the highest crests, where first touch happens.
     flaw : Flaw or None
         Flaw from which complete contact opens when the load falls; without a flaw complete contact never opens.
     """
 
-    jumps: Jumps
     crests: FloatArray
     flaw: Flaw | None
-
-    @property
-    def system(self) -> System:
-        """Equations that the path solves."""
-        return self.jumps.system
-
-    @property
-    def complete(self) -> CompleteContact:
-        """Complete contact of the profile of the path."""
-        return self.jumps.complete
 
     @property
     def closing_value(self) -> float:
@@ -88,9 +76,9 @@ class BareStates:
 
     def _touched(self, value: float) -> Point:
         """Return the state into which the highest crests jump where they touch."""
-        landed = self.jumps.landed(first_contact(self.system, self.crests), value, value)
+        landed = self.landed(first_contact(self.system, self.crests), value, value)
         changes = (*(("first_touch", float(crest)) for crest in self.crests), *landed.changes)
-        return self.jumps.behind(FIRST_TOUCH, NO_ERROR, landed, changes)
+        return self.behind(FIRST_TOUCH, NO_ERROR, landed, changes)
 
     def _opened(self, point: Complete, goal: float) -> Point:
         """Return complete contact at the goal, or the equilibrium into which it opens on the way to the goal."""
@@ -99,9 +87,9 @@ class BareStates:
         if goal >= self.closing_value:
             return Complete(goal)
         system, highest = self.system, self.system.elastic.profile.max_height
-        separation, gap = first_gap(system, self.complete, min(highest - goal, self.jumps.increments.smallest))
+        separation, gap = first_gap(system, self.complete, min(highest - goal, self.increments.smallest))
         value = goal if separation == highest - goal else highest - separation
-        accuracy = self.jumps.increments.way
+        accuracy = self.increments.way
         fallen = fall(system, gap, value, value, accuracy)
         if fallen.balance is None or fallen.changes:
             return Failed(value, "not_converged")
@@ -116,7 +104,7 @@ class BareStates:
 
         Without a flaw complete contact stays.
         """
-        flaw, system, complete, fine = self.flaw, self.system, self.complete, self.jumps.increments.fine
+        flaw, system, complete, fine = self.flaw, self.system, self.complete, self.increments.fine
         if flaw is None:
             return Complete(goal)
         highest = system.elastic.profile.max_height
@@ -125,11 +113,11 @@ class BareStates:
         if goal > value:
             return Complete(goal)
         joined = self._fully_joined(value)
-        landed = self.jumps.landed(opened_gap(system, complete, flaw, joined.load), highest, value)
+        landed = self.landed(opened_gap(system, complete, flaw, joined.load), highest, value)
         joined = replace(joined, potential=flawed_potential(system, complete, flaw, value, fine.tolerance))
         rounding = opening_rounding(system, flaw, fine.tolerance)
         error = replace(NO_ERROR, value=system.control.load_weight * rounding, load=rounding)
-        return self.jumps.behind(joined, error, landed, (("opening", flaw.center), *landed.changes))
+        return self.behind(joined, error, landed, (("opening", flaw.center), *landed.changes))
 
     def _fully_joined(self, value: float) -> EventNumbers:
         """Return the numbers of complete contact at a value of the control.

@@ -102,7 +102,7 @@ class Path:
     def bare(self) -> BareStates:
         """Transitions to and from states without edges."""
         finely = replace(self.increments, way=self.increments.fine)  # a release from complete contact may be tiny
-        return BareStates(Jumps(self.system, finely, self.complete), self.crests, self.flaw)
+        return BareStates(self.system, finely, self.complete, self.crests, self.flaw)
 
     @property
     def loads(self) -> Loads:
@@ -231,7 +231,6 @@ class Path:
                     at = at if isinstance(refined, Refused) else refined
                 continue
             self.effort.accepted += 1
-            self.effort.unknowns = max(self.effort.unknowns, span.last.balance.state.unknowns)
             if branch_end is not None:
                 yield from self._ended(span, branch_end, way, load)
                 return

@@ -41,7 +41,7 @@ class Release:
 
 @dataclass(frozen=True, eq=False)
 class Landing:
-    """A window after a step: its patches, the rate of their edges, (2 n,), and its releases."""
+    """A window, or all windows joined, after a step: patches, the rate of their edges, (2 n,), and the releases."""
 
     patches: Patches
     rate: FloatArray

@@ -77,15 +77,6 @@ class Spread(PathPoint):
 
 
 @dataclass(frozen=True, eq=False)
-class Joined:
-    """Windows after a step: edges, rates of the edges, and the releases in the core of each window."""
-
-    patches: Patches
-    rate: FloatArray
-    releases: tuple[Release, ...]
-
-
-@dataclass(frozen=True, eq=False)
 class Spreading:
     """Path of many patches from penetration to penetration.
 
@@ -197,7 +188,7 @@ class Spreading:
         return float(np.max(np.abs(shift)))
 
 
-def joined_at_seams(followed: Sequence[tuple[Window, Landing]]) -> Joined | None:
+def joined_at_seams(followed: Sequence[tuple[Window, Landing]]) -> Landing | None:
     """Return the cores of windows as one contact; None where they do not fit."""
     landings = [landing for _, landing in followed]
     places = seams([window for window, _ in followed], [landing.patches for landing in landings])
@@ -212,7 +203,7 @@ def joined_at_seams(followed: Sequence[tuple[Window, Landing]]) -> Joined | None
         releases += tuple(r for r in landing.releases if in_core(np.array(r.event.position), seam, following))
     (left, right), rate = np.concatenate(parts, axis=2)
     patches, order = ordered(left, right), np.argsort(left % TWO_PI)
-    return Joined(patches, rate[:, order].ravel(), releases) if patches.is_ordered else None
+    return Landing(patches, rate[:, order].ravel(), releases) if patches.is_ordered else None
 
 
 def events_of(first: Spread, last: Spread, releases: Sequence[tuple[Release, float]]) -> tuple[PathEvent, ...]:

@@ -43,10 +43,6 @@ class Window:
         """Return the patches of the window."""
         return Patches(patches.left[self.members], patches.right[self.members])
 
-    def edges(self, values: FloatArray) -> FloatArray:
-        """Return the values at the edges of the window, (2 n,), from the values at all edges."""
-        return np.asarray(values.reshape(2, -1)[:, self.members].ravel())
-
 
 def windows_of(patches: Patches) -> list[Window]:
     """Cut all patches into windows; every patch is in one core.
