@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize_scalar
 
+from fem_reference.continuation import Branch
 from fem_reference.descent import with_patch, without_narrow
 from fem_reference.jumps import locate
 from fem_reference.mesh import Resolution
-from fem_reference.path import follow, step_unit
+from fem_reference.path import TRACKING, PathError, _zero, follow, step_unit
 from fem_reference.problem import Problem
 
 AMPLITUDE, ALPHA, NU = 0.01, 0.3, 0.3
@@ -57,7 +58,7 @@ def test_energy_released_at_first_touch_is_that_of_johnsons_state():
     path = follow(problem, "penetration", [0.0])
     at = locate(problem, "penetration", path.jumps[0], step_unit("penetration", [0.0]), QUICK)
     half = brentq(lambda a: johnson(a)[1], fold(1), 0.3)
-    work, steps = 0.0, np.linspace(fold(1), half, 4001)
+    steps = np.linspace(fold(1), half, 4001)
     # U falls from first touch to the state by the work of the load along Johnson's curve and the energy at its fold
     loads, places = np.array([johnson(a) for a in steps]).T
     work = float(np.sum(0.5 * (loads[1:] + loads[:-1]) * np.diff(places)))
@@ -99,6 +100,13 @@ def test_strong_adhesion_jumps_into_complete_contact():
     path = follow(wave(100.0 * WORK), "total_displacement", [0.0, 0.1])
     assert [target.status for target in path.targets] == ["complete_contact"] * 2
     assert [change.kind for change in path.jumps[0].changes] == ["first_touch", "complete_contact"]
+
+
+def test_a_point_that_no_secant_finds_is_named():
+    start, end = follow(wave(), "penetration", [0.3]).points[-2:]
+    branch, middle = Branch(wave(), "penetration", TRACKING, 0.5), (start.value + end.value) / 2
+    with pytest.raises(PathError, match=r"the touch at penetration .* is not located: .* after 8 secants"):
+        _zero(branch, start, end, lambda point: middle - point.value, 0.0, "touch")
 
 
 def test_a_path_that_cannot_begin_says_why():

@@ -107,6 +107,7 @@ def test_the_order_of_convergence_has_the_scatter_of_its_fit():
         ({"uncertainty": 1e-3}, "the reference is not exact"),
         ({"required": 1e-3}, "a requirement has its reason"),
         ({"because": "of this"}, "a requirement has its reason"),
+        ({"quantity": Quantity.COUNT, "uncertainty": (0.0, 0.0)}, "kind='construction'"),
     ],
 )
 def test_a_row_without_its_rule_is_refused(options, message):

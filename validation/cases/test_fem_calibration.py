@@ -10,12 +10,10 @@ Drawn at random are Poisson's ratio, adhesion, edges, meshes, and five kinds of 
 
 U is what `fem_reference.solve` states: three meshes with half, three quarters and all of the cells, and the rule of Eca
 and Hoekstra (J. Comput. Phys. 262 (2014) 104) as published, with 2 m as the theoretical order of P2 (m = 2) and P4 (m =
-4) elements (`fem_reference/uncertainty.py`).  It was chosen on draws of another seed: there it held 96 % of 370 values
-at a median |error| / U of 0.26; four or five meshes held 99 % at the same median and cost more.  A value is left out
-where U is below ten times the uncertainty of the truth, whatever the error; states that finite elements do not close
-are counted.  At equilibrium the finite elements start a tenth of a patch or gap beside the edges of the boundary
-elements, which tells them the branch and nothing else.  Values whose truth is a closed form and those whose truth is
-the other solver are judged apart.
+4) elements, chosen on draws of another seed (`fem_reference/README.md`, with the cause of the largest errors).  A value
+is left out where U is below ten times the uncertainty of the truth; states that finite elements do not close are
+counted.  At equilibrium the finite elements start a tenth of a patch or gap beside the edges of the boundary elements,
+which tells them the branch and nothing else.  Truths by closed form and by the other solver are judged apart.
 """
 
 from collections import Counter

@@ -35,7 +35,7 @@ def depth(fraction):
 
 
 HARD = {  # what differs from LAYER, the reference ("", "wave", "complete", "bem"), status or argument refused
-    **{f"nu = {nu:g}": ({"poisson_ratio": nu, "thickness": 0.1 * PERIOD, "value": 2e-6} | EDGES, "bem", "converged")
+    **{f"nu = {nu:g}": ({"poisson_ratio": nu, "thickness": 0.1 * PERIOD, "value": 1e-6} | EDGES, "bem", "converged")
        for nu in (-0.9, 0.0, 0.499999, 0.5)},
     "thin incompressible layer": ({"thickness": 0.02 * PERIOD, "value": 2e-7} | EDGES, "bem", "converged"),
     "thin incompressible layer in complete contact": (
