@@ -63,10 +63,6 @@ class Balance:
         dU / d(outward motion) = G - w.
     jacobian : (2 L, 2 L) array
         dK / d(outward motion) at fixed penetration.
-    hessian : (2 L, 2 L) array
-        Of the potential under control.
-    fixed_penetration_hessian : (2 L, 2 L) array
-        Of U.
     load_gradient : (2 L,) array
         d(load) / d(outward motion).
     potential : float
@@ -82,12 +78,23 @@ class Balance:
     work_gradient: FloatArray
     gradient: FloatArray
     jacobian: FloatArray
-    hessian: FloatArray
-    fixed_penetration_hessian: FloatArray
     load_gradient: FloatArray
     potential: float
     adhesion_energy: float
     penetration_rate: float
+
+    @cached_property
+    def fixed_penetration_hessian(self) -> FloatArray:
+        """Hessian of U, (2 L, 2 L)."""
+        hessian = (self.state.stress_intensity / 2)[:, None] * self.jacobian
+        hessian.flat[:: self.work.size + 1] -= self.work_gradient
+        return hessian
+
+    @cached_property
+    def hessian(self) -> FloatArray:
+        """Hessian of the potential under control, (2 L, 2 L)."""
+        share = (1 - self.penetration_rate) / self.state.load_rate
+        return self.fixed_penetration_hessian - (share * self.load_gradient)[:, None] * self.load_gradient
 
     @cached_property
     def rounding(self) -> FloatArray:
@@ -114,7 +121,7 @@ class Balance:
     @property
     def all_tensile(self) -> bool:
         """True if K > 0 at every edge, as at the tip of a crack."""
-        return bool(np.all(self.state.stress_intensity > 0))
+        return bool((self.state.stress_intensity > 0).all())
 
     @cached_property
     def hessian_by_edge_scale(self) -> FloatArray:
@@ -211,19 +218,13 @@ def forces(system: System, state: Evaluation, target: float, known: Balance | No
         work, work_gradient, adhesion_energy = _adhesion(system, state.patches)
     else:
         work, work_gradient, adhesion_energy = known.work, known.work_gradient, known.adhesion_energy
-    jacobian = stress_intensity_jacobian(state)
-    hessian = (intensity / 2)[:, None] * jacobian
-    hessian.flat[:: intensity.size + 1] -= work_gradient
-    load_gradient = intensity * state.stress_intensity_rate / 2
     return Balance(
         state=state,
         work=work,
         work_gradient=work_gradient,
         gradient=intensity**2 / 4 - work,
-        jacobian=jacobian,
-        hessian=system.control.hessian_under_control(hessian, load_gradient, state),
-        fixed_penetration_hessian=hessian,
-        load_gradient=load_gradient,
+        jacobian=stress_intensity_jacobian(state),
+        load_gradient=intensity * state.stress_intensity_rate / 2,
         potential=system.control.potential(state.penetration, state.load, state.elastic_energy + adhesion_energy),
         adhesion_energy=adhesion_energy,
         penetration_rate=system.control.penetration_rate(state),

@@ -319,9 +319,9 @@ def _with_others(elastic: Elastic, x: FloatArray, columns: FloatArray, penetrati
 
 def _has_few_waves(elastic: Elastic, modes: IntArray) -> bool:
     """Return whether a layer is solved by its waves, not by a matrix; refuse more unknowns than fit."""
-    most, unknowns = int(modes.max()), int(modes.sum())
-    few = elastic.kernel is not None and elastic.kernel.columns <= FEW_WAVES * unknowns
-    largest = most if elastic.kernel is None or few else unknowns
+    most, kernel = int(modes.max()), elastic.kernel
+    few = kernel is not None and kernel.columns <= FEW_WAVES * int(modes.sum())
+    largest = most if kernel is None or few else int(modes.sum())
     if largest > MOST_UNKNOWNS or most > MOST_MODES:
         raise IllConditionedSystemError(
             f"{largest} unknowns needed, more than fit: gaps too narrow, or a layer too thin"

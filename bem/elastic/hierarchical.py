@@ -33,7 +33,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from itertools import accumulate
 from typing import ParamSpec, TypeVar
 
 import numpy as np
@@ -156,7 +155,8 @@ def _solved(skeleton: Skeleton, accuracy: float) -> Solution | None:
     patches, coupling = skeleton.patches, skeleton.coupling
     addition = None if coupling is None else coupling.matrix
     left_out = None if coupling is None else coupling.left_out
-    starts = np.array([0, *accumulate(skeleton.modes.tolist())])
+    starts = np.zeros(patches.count + 1, np.int64)
+    skeleton.modes.cumsum(out=starts[1:])
     cuts, arcs, ranges = LEAF
     if addition is None and skeleton.x.size > LARGEST_LEAF:
         cuts, arcs = clusters.splits(skeleton.x, patches.left, patches.right, starts, LARGEST_LEAF)

@@ -72,7 +72,7 @@ class LogarithmicPotential:
 
         Cached from call to call.
         """
-        return np.stack([np.cos(self.position / 2), -np.sin(self.position / 2)])
+        return np.array([np.cos(self.position / 2), -np.sin(self.position / 2)])
 
     def _series(self, boxes: int) -> FloatArray:
         """Return the Chebyshev series in every box of the potential of charges not beside it, (boxes, BOX_TERMS)."""

@@ -18,7 +18,6 @@ from typing import ClassVar
 import numpy as np
 
 from bem.elastic.collocation import Evaluation
-from bem.geometry.arrays import FloatArray
 
 
 @dataclass(frozen=True)
@@ -75,12 +74,6 @@ class DisplacementControl:
         """Return the share of an error in the heights that remains as an error of Delta, 0 (soft spring) to 1."""
         return self.rate(state)
 
-    def hessian_under_control(self, hessian: FloatArray, load_gradient: FloatArray, state: Evaluation) -> FloatArray:
-        """Return the Hessian of the potential, (2 L, 2 L)."""
-        if not self.load_weight:
-            return hessian
-        return hessian + np.outer(-self.load_weight * self.rate(state) * load_gradient, load_gradient)
-
 
 @dataclass(frozen=True)
 class LoadControl:
@@ -127,10 +120,6 @@ class LoadControl:
     def penetration_rate(self, state: Evaluation) -> float:
         """Return the share of an error in the heights that remains as an error of Delta: 0."""
         return 0.0
-
-    def hessian_under_control(self, hessian: FloatArray, load_gradient: FloatArray, state: Evaluation) -> FloatArray:
-        """Return the Hessian of the potential, (2 L, 2 L)."""
-        return hessian + np.outer(-self.rate(state) * load_gradient, load_gradient)
 
 
 Control = DisplacementControl | LoadControl

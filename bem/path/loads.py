@@ -90,12 +90,12 @@ class Loads:
         if s in (0.0, 1.0):
             return span.first if s == 0 else span.last
         start, last = span.at(s), np.inf
-        while True:  # twice at least: derivatives are those at the control at which a point is evaluated
+        while True:
             balance, value = evaluated(self.system.sloped, start, self.on_way), start.value
             point = None if isinstance(balance, Refused) else stand_near(self.system, balance, value, span.normal, 1.0)
             if point is None:
                 return None
-            if last < np.inf and not near < point.off < last:
+            if not near < point.off < last:
                 return point
             last, start = point.off, Start(point.patches, point.numbers.penetration, point.value)
 

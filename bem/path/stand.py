@@ -152,20 +152,23 @@ class Stand:
 def stand_near(system: System, balance: Balance, value: float, normal: FloatArray, length: float) -> Stand | None:
     """Return the point of the curve next to forces, in the plane through their edges whose normal is given.
 
-    One Newton step leads to the point; its change of the control is carried out at once, because the state is linear in
-    Delta, but derivatives are those before it.  The parameter is normal . xi / length.  None where the step is longer
-    than a unit, or edges overlap behind it.
+    One Newton step leads to the point; its change of the control is exact at once, because the state is linear in
+    Delta.  The parameter is normal . xi / length.  None where the step is longer than a unit, or edges overlap behind
+    it.
     """
-    unit, control = unit_of(system, balance), system.control
-    factors, pivots, singular = lapack.dgetrf(bordered(system, balance, unit, Row(0.0, normal, 0.0)), overwrite_a=1)
-    if singular:
-        return None
+    unit, row = unit_of(system, balance), Row(0.0, normal, 0.0)
     sides = np.zeros((unit.size + 1, 2))
-    sides[:-1, 0], sides[-1, 1] = missing(balance), length
-    solution = lapack.dgetrs(factors, pivots, sides)[0]
-    value += float(solution[-1, 0])
-    moved = balance.state if control.load_weight else balance.state.shifted(value - balance.state.penetration)
-    balance = forces(system, control.reach(moved, value), value, balance)
+    sides[-1, 1] = length
+    for _ in range(2):
+        factors, pivots, singular = lapack.dgetrf(bordered(system, balance, unit, row), overwrite_a=1)
+        if singular:
+            return None
+        sides[:-1, 0] = missing(balance)
+        solution = lapack.dgetrs(factors, pivots, sides)[0]
+        value += float(solution[-1, 0])
+        control = system.control
+        moved = balance.state if control.load_weight else balance.state.shifted(value - balance.state.penetration)
+        balance = forces(system, control.reach(moved, value), value, balance)
     rate, control_rate = solution[:-1, 1] * unit, float(solution[-1, 1])
     bent = np.append(-_bent(system, balance, rate, control_rate) / balance.work, 0.0)
     second = lapack.dgetrs(factors, pivots, bent)[0]

@@ -7,18 +7,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from bem.adhesive.branch import numbers_of, tangent
 from bem.adhesive.equilibrium import Balance, System, balance
 from bem.elastic.far_field import FarField
 from bem.elastic.hierarchical import if_solvable
 from bem.geometry.arrays import FloatArray
 from bem.geometry.patches import Patches
-from bem.loading.path_events import EventNumbers, PathEvent, path_events
+from bem.loading.path_events import NO_ERROR, EventNumbers, PathEvent, PathTension, path_events
 from bem.path.locating import Start
 from bem.path.path import Path
 from bem.path.points_with_edges import Equilibrium
 from bem.path.rest import at_rest
 from bem.path.tension import LeastLoad
+
+# no load of a window is less: a turn of its generalised load is no turn of the load, and not located
+UNBOUNDED = PathTension("turn", EventNumbers(np.nan, np.nan, -np.inf, np.nan), NO_ERROR)
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,10 +61,9 @@ def landed(path: Path, departure: Departure) -> tuple[Landing | None, int]:
     elastic = replace(path.system.elastic, far=departure.far)
     own = System(elastic, path.system.law, path.system.control)
     increments = replace(path.increments, fine=path.increments.way)
-    landing = if_solvable(
-        _landing, replace(path, system=own, increments=increments, asked_loads=(), least_load=LeastLoad()), departure
-    )
-    return landing, own.effort.evaluations + own.effort.local_evaluations
+    least_load = LeastLoad(UNBOUNDED)
+    path = replace(path, system=own, increments=increments, asked_loads=(), least_load=least_load)
+    return if_solvable(_landing, path, departure), own.effort.evaluations + own.effort.local_evaluations
 
 
 def _landing(path: Path, departure: Departure) -> Landing | None:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from persson import ContinuousSpectrum, solve, solve_nonadhesive
+from persson.adhesive import _anderson
 from persson.diffusion import march
 from persson.mathematics.area_factor import gaussian_slope_1d
 
@@ -157,3 +158,17 @@ def test_half_the_detached_width_raises_detachment_stress_and_area(adhesive, nam
 def test_the_loads_of_a_run_share_one_answer(adhesive, spectra, solid, modulus):
     with_ladder = solve(spectra["hurst 0.5"], 0.02 * modulus, work_of_adhesion=0.03, **solid)
     assert with_ladder.contact_fraction == pytest.approx(adhesive("hurst 0.5", 0.02).contact_fraction, rel=1e-8)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_no_iterate_of_a_fixed_point_leaves_the_range_of_an_area(seed):
+    random = np.random.default_rng(seed)
+    fixed, slope = random.uniform(0.02, 0.98, 4), random.normal(size=(4, 4)) / 5
+
+    def mapping(area, rows):
+        assert np.all(area > 0) and np.all(area <= 1 + 1e-10)
+        return np.clip(fixed + (area - fixed) @ slope + 0.1 * np.sin(9 * (area - fixed)), 1e-3, 1.0)
+
+    image, iterations, converged = _anderson(mapping, np.ones((1, 4)), 1e-10, 200)
+    assert converged.all() and iterations > 3
+    np.testing.assert_allclose(image, mapping(image, None), atol=2e-10)

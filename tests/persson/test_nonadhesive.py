@@ -26,34 +26,6 @@ def test_area_at_small_load_has_the_slope_of_the_theory(spectra, solid, modulus,
     assert state.contact_fraction / 1e-8 == pytest.approx(slope, rel=1e-12)
 
 
-@pytest.mark.parametrize("load", LOADS)
-def test_energy_of_lines_is_the_integral_of_the_area_over_each(solid, modulus, load):
-    lines = DiscreteSpectrum.self_affine(628.0, 0.7, 50e-6, 12)
-    edges = np.concatenate([[0.0], lines.slope_variance])
-    parts = [
-        quad(lambda s: erf(np.sqrt(2 / s) * load), low, high, epsabs=0, epsrel=1e-13)[0] / (4 * q)
-        for low, high, q in zip(edges[:-1], edges[1:], lines.wavenumbers, strict=True)
-    ]
-    state = solve_nonadhesive(lines, load * modulus, **solid)
-    assert state.elastic_energy / modulus == pytest.approx(sum(parts), rel=1e-12)
-
-
-@pytest.mark.parametrize("load", LOADS)
-def test_separation_of_lines_is_the_integral_over_each(solid, modulus, load):
-    lines = DiscreteSpectrum.self_affine(628.0, 0.7, 50e-6, 12)
-    edges = np.concatenate([[0.0], lines.slope_variance])
-
-    def integrand(root):  # S = root^2, which takes the square root at zero away
-        return 2 * np.sqrt(2 / np.pi) * exp1(2 * load**2 / root**2) if root > 0 else 0.0
-
-    parts = [
-        quad(integrand, np.sqrt(low), np.sqrt(high), epsabs=0, epsrel=1e-13, limit=400)[0] / (4 * q)
-        for low, high, q in zip(edges[:-1], edges[1:], lines.wavenumbers, strict=True)
-    ]
-    state = solve_nonadhesive(lines, load * modulus, **solid)
-    assert state.separation == pytest.approx(sum(parts), rel=1e-12)
-
-
 def test_many_narrow_lines_tend_to_the_power_spectrum(spectra, solid, modulus):
     continuous = spectra["continuous"]
     edges = np.geomspace(continuous.wavenumbers[0], continuous.wavenumbers[-1], 20001)

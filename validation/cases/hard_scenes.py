@@ -106,7 +106,8 @@ def crests_and_gaps() -> Iterator[Hard]:
     yield Hard("merging patches", "two patches merge by a jump from a finite gap",
                scene(rough(20), "separation", [40e-6, 20e-6], 0.01), events=("coalescence",))
     yield Hard("merging patches, dry", "a gap closes continuously and opens again",
-               scene(waves([1, 2], [50e-6, -20e-6]), "mean_pressure", [2e3, 2356.19387, 2.4e3, 2356.19387]))
+               scene(waves([1, 2], [50e-6, -20e-6]), "mean_pressure", [2e3, 2356.19387, 2.4e3, 2356.19387]),
+               level="quick")
     yield Hard("vanishing patch, dry", "a patch shrinks continuously to a point",
                scene(waves([1, 2], [50e-6, 40e-6]), "penetration", [8e-5, 7.013966352601551e-05, 6.9e-5]),
                level="quick")
@@ -120,7 +121,7 @@ def crests_and_gaps() -> Iterator[Hard]:
     yield Hard("rough contact fraction to 0.9999", "the load ends tensile on the last gap of a rough profile",
                sticky(8, "separation", [6e-5, 1e-11]), checks=("last gap", "tension"))
     yield Hard("rough from 1e-5 to 0.998, dry", "from one crest that hardly touches to the last gap",
-               scene(rough(20), "mean_pressure", [3e-4, 1e2, 1.2085e5]))
+               scene(rough(20), "mean_pressure", [3e-4, 1e2, 1.2085e5]), level="quick")
 
 
 def ends_of_the_path() -> Iterator[Hard]:
@@ -133,9 +134,9 @@ def ends_of_the_path() -> Iterator[Hard]:
                sticky(40, "separation", [3e-5, 0.0, 3e-5]), BACK, THERE_AND_BACK)
     yield Hard("complete contact by load", "a jump into complete contact; a flaw opens on the way back",
                sticky(20, "mean_pressure", [1e3, 3e5, 0.0], max_increment=4.0, flaw=1e-4), BACK,
-               THERE_AND_BACK)
+               THERE_AND_BACK, level="quick")
     yield Hard("complete contact, dry", "needs no flaw and no history",
-               scene(rough(40), "mean_pressure", [2e4, 1e6, 2e4]), BACK)
+               scene(rough(40), "mean_pressure", [2e4, 1e6, 2e4]), BACK, level="quick")
     yield Hard("tension that no branch carries", "beyond pull-off: unreachable",
                sticky(20, "mean_pressure", [1e3, -1e5], max_increment=2.0), BEYOND, ("pull_off",),
                level="quick")
@@ -144,7 +145,7 @@ def ends_of_the_path() -> Iterator[Hard]:
                scene(seven, "penetration", [2e-5, 4e-5, 4.9e-5], 7 * WAVE_WORK),
                events=("first_touch", "bifurcation"))
     yield Hard("seven equal contacts, dry", "they stay equal", scene(seven, "mean_pressure", [1e3, 5e4, 1e5]),
-               checks=("equal",))
+               checks=("equal",), level="quick")
     yield Hard("last gap, dry", "a billionth of the period wide; its tension is a small difference",
                scene(rough(40), "separation", [1e-9, 1e-15, 1e-22, 1e-28]), checks=("closing gaps",), level="quick")
     yield Hard("last gaps that close together", "neither of two equal gaps may be taken for contact first",

@@ -87,8 +87,9 @@ def ways(scene):
     return result, legs
 
 
-@pytest.mark.quick
-@pytest.mark.parametrize("control", ["separation", "mean_pressure", "total_displacement"])
+@pytest.mark.parametrize("control", [pytest.param("separation", marks=pytest.mark.standard),
+                                     pytest.param("mean_pressure", marks=pytest.mark.quick),
+                                     pytest.param("total_displacement", marks=pytest.mark.quick)])
 def test_loop_on_a_layer(rows, control):
     """Is what the work of a loop leaves the energy that its events release, whatever is controlled?"""
     highest = posed("thin_layer").surface().max_height

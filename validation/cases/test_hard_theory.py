@@ -48,6 +48,7 @@ STANDARD = (
     "three decades",
     "work of adhesion 1",
     "rms height 1e-05",
+    "rms height 1e-07",
     "H = 0.99",
     "H = 0.3",
 )

@@ -11,7 +11,9 @@ from validation.cases.random_judge import judge
 from validation.corpus.random_scenes import draw
 
 SEED = 20
-LEVELS = {"quick": range(6), "standard": range(6, 30), "full": range(30, 90)}
+QUICK = (*range(6), 10, 12, 13, 16)
+LEVELS = {"quick": QUICK, "standard": sorted({*range(30)} - {*QUICK}), "full": range(30, 90)}
+SECONDS = ("symmetry that breaks while edges hardly move", "touch beside a fold, misled by the gaps of the bracket")
 
 
 @pytest.mark.parametrize(
@@ -37,8 +39,10 @@ MENDED = {  # scenes that showed a defect, by seed and number
 }
 
 
-@pytest.mark.standard
-@pytest.mark.parametrize("name", MENDED)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=pytest.mark.standard if name in SECONDS else pytest.mark.quick) for name in MENDED],
+)
 def test_mended_scene(rows, name, tmp_path):
     """Is a random scene that once showed a defect answered alike at two increments and by dense algebra?"""
     judge(rows, draw(*MENDED[name]), tmp_path)

@@ -137,7 +137,7 @@ def test_preparation(rows):
 @pytest.mark.quick
 def test_slope_of_noise(rows):
     """Is the slope that is found in the spectrum of white noise zero on average, with the scatter that is stated?"""
-    tails = np.array([Spectrum(h, 1e-6).tail for h in np.random.default_rng(2).normal(size=(4000, 90))])
+    tails = np.array([Spectrum(h, 1e-6).tail for h in np.random.default_rng(2).normal(size=(2000, 90))])
     shares, many = tails[:, 0] / tails[:, 1], np.sqrt(len(tails))
     rows.compare("mean and rms of slopes over the stated error", [shares.mean(), np.sqrt(np.mean(shares**2))], [0, 1],
                  of=Code.BEM, by=Code.EXACT, quantity=Quantity.SPECTRUM, uncertainty=2 / many, source="drawn")

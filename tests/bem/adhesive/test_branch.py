@@ -21,7 +21,9 @@ WIDE_AND_TINY = Patches(np.array([0.0, 3.0]), np.array([1.0, 3.001]))
 def with_stiffness(share):
     """Two patches whose edges resist a motion by their edge scale with this share of the work of adhesion on it."""
     here = balance(SYSTEM, WIDE_AND_TINY, 0.5, 0.5, 1e-8)
-    return replace(here, hessian=np.diag(np.asarray(share) * here.work / here.state.patches.edge_scale))
+    stiffness = np.asarray(share) * here.work / here.state.patches.edge_scale
+    jacobian = np.diag(2 * (stiffness + here.work_gradient) / here.state.stress_intensity)
+    return replace(here, jacobian=jacobian, load_gradient=np.zeros(4))
 
 
 @pytest.mark.parametrize("soft", [0, 1], ids=["wide", "tiny"])
