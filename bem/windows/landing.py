@@ -23,7 +23,7 @@ from bem.path.rest import at_rest
 from bem.path.tension import LeastLoad
 
 # no load of a window is less: a turn of its generalised load is no turn of the load, and not located
-UNBOUNDED = PathTension("turn", EventNumbers(np.nan, np.nan, -np.inf, np.nan), NO_ERROR)
+NO_TURN_COUNTS = PathTension("turn", EventNumbers(np.nan, np.nan, -np.inf, np.nan), NO_ERROR)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +61,7 @@ def landed(path: Path, departure: Departure) -> tuple[Landing | None, int]:
     elastic = replace(path.system.elastic, far=departure.far)
     own = System(elastic, path.system.law, path.system.control)
     increments = replace(path.increments, fine=path.increments.way)
-    least_load = LeastLoad(UNBOUNDED)
+    least_load = LeastLoad(NO_TURN_COUNTS)
     path = replace(path, system=own, increments=increments, asked_loads=(), least_load=least_load)
     return if_solvable(_landing, path, departure), own.effort.evaluations + own.effort.local_evaluations
 
