@@ -14,7 +14,8 @@ Without adhesion a state is the minimum of a convex problem and has no history: 
 order, and the jumps are those of loading.
 
 On the coarse mesh TRACKING jumps are located to about 1e-3 rms heights, and widths of patches to about 1 %: starts for
-finer meshes (`solve`, `jumps`). A penetration above h_max, and a load that nothing carries, are unreachable.
+finer meshes (`solve`, `jumps`).  A jump that SECANTS leave unlocated ends the path: not_converged from there on.
+A penetration above h_max, and a load that nothing carries, are unreachable.
 
 Units: as in `problem` (dimensionless).
 """
@@ -259,7 +260,7 @@ def _zero(branch: Branch, start: Point, end: Point, of: Callable[[Point], float]
         last = 1 if number > 0.0 else -1
     raise PathError(
         f"the {cause} at {branch.kind} {start.value:.6g} to {end.value:.6g} is not located: {abs(number):.2g} is left "
-        f"after {SECANTS} secants; allowed: {within:.2g}, or targets that end before it, another control or resolution"
+        f"after {SECANTS} secants, more than {within:.2g}; allowed: targets before it, another control or resolution"
     )
 
 

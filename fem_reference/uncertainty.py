@@ -14,7 +14,7 @@ P / 2, P, or, if p < 0.5 and there are four meshes, both together; the fit of sm
 F = 1.25 if p is in its range and sigma < D, else 3: a statement of 95 %. Two meshes have U = 3 |q_2 - q_1|.
 
 Source: L. Eca, M. Hoekstra, J. Comput. Phys. 262 (2014) 104, doi:10.1016/j.jcp.2014.01.006, sec. 4, who have P = 2,
-four meshes at least, all alike, and the fit of smaller sigma before its p is looked at (the same on three meshes).
+at least four meshes that are alike, and choose the fit of smaller sigma first, whatever its p (the same on three).
 """
 
 from collections.abc import Sequence

@@ -49,10 +49,10 @@ ELASTIC = ("converged", "negative_stress_intensity", "interpenetration")  # at g
 
 def compare_codes(rows: Rows, name: str, ours: ArrayLike, theirs: ArrayLike, uncertainty: tuple[Any, Any], scale: float,
                   *, quantity: Quantity, ceiling: float = CEILING, times: float = TWICE,
-                  unknown: list[Any] | None = None, **options: Any) -> float:
+                  unknown: list[Any] | None = None, **options: Any) -> float | None:
     """Add a row of two codes, allowed some times the combined U and at most a ceiling, and return its share of U.
 
-    Where U alone is beyond the ceiling, a share of the scale, the row fails, or `unknown` gets its numbers instead.
+    Where U alone is beyond the ceiling, a share of the scale, the row fails, or `unknown` gets its numbers (None).
     """
     combined, share = float(np.max(np.hypot(*uncertainty))), CEILINGS.get(quantity, ceiling)
     given = {"of": Code.BEM, "by": Code.FEM, "quantity": quantity} | options
@@ -62,6 +62,7 @@ def compare_codes(rows: Rows, name: str, ours: ArrayLike, theirs: ArrayLike, unc
                      required=min(times * combined, share * scale), **given)
     elif unknown is not None:
         unknown.append([name, ours, theirs, combined])
+        return None
     else:
         message = f"not established: U {combined:.2g} is beyond {share * scale:.2g}, {share:g} of the scale"
         rows.not_converged(name, message, of=given["of"], by=given["by"], quantity=quantity)

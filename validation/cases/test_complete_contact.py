@@ -81,7 +81,7 @@ def test_compressible_layer(rows):
          np.searchsorted(sorted_pressures, levels[1:]) / sorted_pressures.size, ""),
     ):
         carbone.compare(name, value, reference, quantity=Quantity.POINTS, unit=unit,
-                        uncertainty=(1e-4 if unit == "" else 1e-12) * np.max(np.abs(reference)))
+                        uncertainty=1e-12 * np.max(np.abs(reference)) if unit else 10 / 200_000)  # ten crossings
 
 
 @pytest.mark.quick
@@ -129,7 +129,7 @@ def test_last_gaps_of_one_wave(rows, waves):
         westergaard.compare(name, error, 0.0, quantity=quantity, uncertainty=2e-16, required=4e-15,
                             because="twenty roundings: loads and contact fractions round to 2e-16 of one")
     work = sum(state.evaluations for state in (*by_load, *by_separation))
-    rows.count("evaluations", work, within=0.05, of=Code.BEM)
+    rows.count("evaluations", work, of=Code.BEM)
 
 
 @pytest.mark.quick

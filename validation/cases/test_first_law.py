@@ -107,7 +107,7 @@ def test_loop_on_a_layer(rows, control):
                  quantity=Quantity.ENERGY, kind="construction", required=1e-6,
                  because="14 nodes on branches where the load turns sharply", source="first law")
     rows.count("events", loop.events, within=0.0, of=Code.BEM)
-    rows.count("evaluations", sum(state.evaluations for state in result.states), within=0.05, of=Code.BEM)
+    rows.count("evaluations", sum(state.evaluations for state in result.states), within=0.1, of=Code.BEM)
 
 
 @pytest.mark.quick
@@ -124,7 +124,7 @@ def test_loop_and_separation_of_a_rough_profile(rows):
                  required=1e-9 * max(abs(loop.work) for loop in loops), because="nine digits of 14 nodes",
                  source="growth of U and energy released")
     rows.count("events", len(result.events), within=0.0, of=Code.BEM)
-    rows.count("evaluations", sum(state.evaluations for state in result.states), within=0.05, of=Code.BEM)
+    rows.count("evaluations", sum(state.evaluations for state in result.states), within=0.1, of=Code.BEM)
     height = posed("hysteresis").surface().max_height
     shown = {way: touching(state for state in result.states if state.branch == way) for way in ("loading", "unloading")}
     rows.curves("The area between the branches of a loop is the energy that its events release", "separation / um",

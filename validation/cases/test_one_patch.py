@@ -64,7 +64,7 @@ def test_contact_spreads_and_recedes(rows):
                   because="a jump is an extremum of the load: nine digits")
     exact.compare("patches of every state", values(result.targets, "n_patches"), 1.0, quantity=Quantity.COUNT,
                   kind="construction", required=0.5, because="a count")
-    rows.count("evaluations", sum(state.evaluations for state in result.states), within=0.05, of=Code.BEM)
+    rows.count("evaluations", sum(state.evaluations for state in result.states), of=Code.BEM)
     curve = np.linspace(0.03, 0.5, 600)
     rows.curves("Contact of a rippled wave", "mean pressure / kPa", "contact fraction",
                 {"boundary elements": (np.array([*UP, *DOWN]) / 1e3, values(result.targets, "contact_fraction")),
@@ -76,7 +76,7 @@ def test_jumps(rows):
     """Does every jump happen at its load, release its energy and touch its crests, within the errors it estimates?"""
     loads = (0.0, 1e4, 0.0, -1500.0)  # Pa
     result = solve_wave(COARSE, "mean_pressure", loads)
-    rows.count("evaluations", sum(state.evaluations for state in result.states), within=0.05, of=Code.BEM)
+    rows.count("evaluations", sum(state.evaluations for state in result.states), within=0.1, of=Code.BEM)
     up, widths = COARSE.loaded(*loads[:2])
     down, narrower = COARSE.unloaded(widths[-1], *loads[2:])
     expected, jumps = [*up, *down], jumps_of(result, COARSE)

@@ -104,7 +104,7 @@ def test_patch_that_stands(rows):
                    quantity=Quantity.COUNT, required=0.5, because="a count")
     motion.compare("contact fraction after", last.contact_fraction, float(np.sum(np.diff(rest))) / 0.01,
                    quantity=Quantity.AREA, required=1e-10, because="Newton ends the motion at rounding")
-    rows.count("evaluations", sum(state.evaluations for state in result.states), within=0.05, of=Code.BEM)
+    rows.count("evaluations", sum(state.evaluations for state in result.states), within=0.1, of=Code.BEM)
 
 
 @pytest.mark.quick
@@ -136,11 +136,13 @@ def test_windows(rows, monkeypatch):
     monkeypatch.setattr("bem.windows.windows.CORE_PATCHES", 8)
     parts = bem.solve(scene)
     first, second = (sorted(result.events, key=lambda event: (event.kind, event.position)) for result in (parts, whole))
+    assert min(state.n_patches for state in parts.targets) > 20, "the contact is followed in one piece"
     pieces = rows.between(Code.BEM, Code.IDENTITY, "the same contact in one piece", "construction")
     for name, unit, quantity in (("mean_pressure", "Pa", Quantity.PRESSURE), ("penetration", "m", Quantity.LENGTH)):
         value, other = (values(events, name) for events in (first, second))
         pieces.compare(f"{name.replace('_', ' ')} at events", value, other, unit=unit, quantity=quantity,
                        required=estimates(first, name) + estimates(second, name), because="errors that events state")
+    assert np.any(value != other), "no windows: they locate penetrations to 1e-3, the contact in one piece to 1e-9"
     for name, unit, quantity in (("contact_fraction", "", Quantity.AREA), ("mean_pressure", "Pa", Quantity.PRESSURE),
                                  ("contact_stiffness", "Pa/m", Quantity.STIFFNESS)):
         value = values(parts.targets, name)
@@ -149,4 +151,4 @@ def test_windows(rows, monkeypatch):
         known = np.array([reference(scene, state)[name] for state in parts.targets])
         rows.compare(f"{name.replace('_', ' ')} at targets: dense algebra", value, known, unit=unit, of=Code.BEM,
                      by=Code.DENSE, quantity=quantity, uncertainty=(estimates(parts.targets, name), 1e-12 * known))
-    rows.count("evaluations", sum(state.evaluations for state in parts.targets), of=Code.BEM, within=0.05)
+    rows.count("evaluations", sum(state.evaluations for state in parts.targets), of=Code.BEM, within=0.1)

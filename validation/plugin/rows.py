@@ -254,7 +254,7 @@ class Rows:
             raise TypeError(f"{name}: needs uncertainty=(of {of}, of {by}): the reference is not exact")
         sides = uncertainty if isinstance(uncertainty, tuple) else (0.0 if uncertainty is None else uncertainty, 0.0)
         if kind == "accuracy" and quantity == Quantity.COUNT and by != Code.USER and not any(map(np.any, sides)):
-            raise TypeError(f"{name}: a count or a yes and no has no uncertainty: kind='construction'")
+            raise TypeError(f"{name}: a count, or a yes or no, has no uncertainty: kind='construction'")
         return self._compared(
             name,
             value,
