@@ -93,6 +93,8 @@ class Balance:
     @cached_property
     def hessian(self) -> FloatArray:
         """Hessian of the potential under control, (2 L, 2 L)."""
+        if self.penetration_rate == 1.0:
+            return self.fixed_penetration_hessian
         share = (1 - self.penetration_rate) / self.state.load_rate
         return self.fixed_penetration_hessian - (share * self.load_gradient)[:, None] * self.load_gradient
 

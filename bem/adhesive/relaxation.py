@@ -3,8 +3,9 @@
 An event is resolved first where it happens and then everywhere: of more than 18 patches, those concerned and four
 neighbours each side move at fixed penetration in the frozen field of all others (small trust-region steps, cheap
 evaluations); then all edges descend together at fixed target.  A crest that touches ahead of a moving edge is a new
-contact at once (touching.py), interpenetration elsewhere is one in the equilibrium, from which edges fall again
-(bem/path/jump.py).  The energy that the avalanche releases is the difference of the potential.  Dimensionless.
+contact at once (touching.py).  Where the equilibrium interpenetrates elsewhere, a new contact begins there, and the
+descent goes on (bem/path/jump.py).  The energy that the avalanche releases is the difference of the potential.
+Dimensionless.
 """
 
 from __future__ import annotations
@@ -133,7 +134,7 @@ def fall(
 
 
 def _most_rounds(system: System) -> int:
-    """Return the limit of rounds of an avalanche: two touches of every crest, and equilibria that interpenetrate."""
+    """Return the limit of rounds of an avalanche: two touches of every crest."""
     return MAXIMUM_ITERATIONS + 2 * int(system.elastic.profile.crests[0].size)
 
 

@@ -13,7 +13,7 @@ from scipy.linalg import lapack
 from bem.adhesive.lowest_modes import lowest_modes
 from bem.geometry.arrays import FloatArray
 
-ON_SURFACE = 1e-4  # speed: of the radius, from which a step is scaled to it; the model then misses the square of it
+ON_SURFACE = 1e-4  # speed: of the radius, within which a step is scaled to it: the model is then off by 1e-8
 
 
 def trust_region_step(gradient: FloatArray, hessian: FloatArray, radius: float) -> FloatArray:

@@ -64,7 +64,7 @@ class EdgeFields:
 
     @cached_property
     def _matrices(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
-        """k_ie and c_ie with zeros on their diagonals, these diagonals, and sum_e +-k_ie^2; c is 0 without slopes."""
+        """k_ie and c_ie with zeros on their diagonals, these diagonals, and sum_e +-k_ie^2."""
         state = self.state
         return edges.edge_fields(
             state.patches.half_width,
@@ -83,6 +83,8 @@ class EdgeFields:
     @property
     def c(self) -> tuple[FloatArray, FloatArray]:
         """c_ie with zeros on its diagonal, (2 L, 2 L), and the diagonal, (2 L,)."""
+        if not self.state.slope_compliance.size:
+            raise ValueError("the state is evaluated without slopes of edges: use System.sloped")
         return self._matrices[1], self._matrices[3]
 
     @cached_property

@@ -37,8 +37,8 @@ def edge_fields(const double[::1] half_width, const int64_t[::1] modes, const do
                 const double[:, ::1] jacobian, const double[::1] s, const double[:, ::1] slopes):
     """Return k_ie and c_ie with zeros on their diagonals, these diagonals, and sum_e +-k_ie^2, - for left edges e.
 
-    Of L patches: half widths and coupled modes, (L,); K, (2 L,), dK_i/de, (2 L, 2 L), s, (2 L,), and what edges make of
-    slopes at edges, (2 L, 2 L), left edges first; of slopes that are not known, (0, 2 L), c is 0.
+    Of L patches: half widths and coupled modes, (L,); K, (2 L,), dK_i/de, (2 L, 2 L), s, (2 L,), and the slopes that
+    edges make at edges, (2 L, 2 L), left edges first.  Without slopes, (0, 2 L), c is 0, and not to be asked for.
     """
     cdef Py_ssize_t patches = half_width.shape[0], n = 2 * patches, i, j, other
     cdef bint known = slopes.shape[0] > 0

@@ -19,7 +19,7 @@ def at_rest(jumps: Jumps, start: Start) -> Relaxed:
     Parameters
     ----------
     jumps : Jumps
-        System, and accuracy on the way as that of the state; where Newton leads nowhere, edges jump from the start.
+        From the start, where Newton leads nowhere.  Their accuracy on the way is that of the state returned.
     start : Start
         Edges close to equilibrium.
     """
@@ -32,7 +32,7 @@ def at_rest(jumps: Jumps, start: Start) -> Relaxed:
         cause = Cause(None, closed, settled.state, local_tolerance=jumps.increments.coarse.tolerance)
         patches = settled.state.patches
     landed = jumps.landed(patches, start.penetration, value, cause)
-    if landed.balance is None:
+    if landed.balance is None or landed.status != "converged":
         return landed
     if landed.minimum is not None:
         behind = Start(landed.minimum.patches, landed.minimum.numbers.penetration, value)

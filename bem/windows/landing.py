@@ -22,7 +22,8 @@ from bem.path.points_with_edges import Equilibrium
 from bem.path.rest import at_rest
 from bem.path.tension import LeastLoad
 
-# no load of a window is less: a turn of its generalised load is no turn of the load, and not located
+WINDOW_STEP = 0.05  # rms heights: windows are joined after each
+# A window's load is no load of the contact: its turns are not located, because none is less than this load.
 NO_TURN_COUNTS = PathTension("turn", EventNumbers(np.nan, np.nan, -np.inf, np.nan), NO_ERROR)
 
 
@@ -93,10 +94,10 @@ def _at_start(
     before: Balance, after: Balance, changes: tuple[tuple[str, float], ...], departure: Departure
 ) -> list[Release]:
     """Return the events of a window that was not at rest: they belong to somewhere in the step before."""
-    width, released = abs(departure.value - departure.start), before.potential - after.potential
-    doubt = abs(released) + width * abs(before.state.load - after.state.load)
-    load = abs(before.stiffness) * width
-    error = EventNumbers(width, width, load, load * width)
+    released = before.potential - after.potential
+    doubt = abs(released) + WINDOW_STEP * abs(before.state.load - after.state.load)
+    load = abs(before.stiffness) * WINDOW_STEP
+    error = EventNumbers(WINDOW_STEP, WINDOW_STEP, load, load * WINDOW_STEP)
     events = path_events(changes, numbers_of(before, departure.start), error, released, doubt)
     return _jump(events, after.state.load - before.state.load)
 

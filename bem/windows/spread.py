@@ -8,9 +8,9 @@ windows are followed again over the step, in the field of the joined charges at 
 
 Events.  A window knows its events in its far field.  The imbalance of K at the joined edges, as a penetration, tells
 how far off the field was at the end of the step: it is the error of the place of the events.  Of windows followed again
-the largest imbalance counts, because the field of a jump reaches them at once, but is spread over the step.  By
-reciprocity a jump changes the load of the whole contact by as much as the generalised load of the window; between jumps
-the load of the whole is interpolated, by its rates at both ends of the step.
+the largest imbalance counts: the field of a jump reaches them at once, but they were followed as if it grew over the
+step.  By reciprocity a jump changes the load of the whole contact by as much as the generalised load of the window;
+between jumps the load of the whole is interpolated, by its rates at both ends of the step.
 """
 
 from __future__ import annotations
@@ -115,7 +115,7 @@ class Spreading:
                 return None
             missed = self._missed(state)
             largest = float(np.max(np.abs(missed)))
-            if largest >= most_missed:
+            if not largest < most_missed:
                 return None
             most_missed = largest
             rounds.append((state, missed))
@@ -148,11 +148,10 @@ class Spreading:
         followed: dict[int, tuple[Window, Landing]] = {}
         for k, landing in zip(windows, self._landings(departures(list(windows.values()))), strict=True):
             window = windows[k]
-            for more in WIDER:
-                again = wider(point.patches, k, more)
-                if landing is not None or again is None:
-                    break
-                window, (landing,) = again, self._landings(departures([again]))
+            for more in WIDER if landing is None else ():
+                wide = wider(point.patches, k, more)
+                if landing is None and wide is not None:
+                    window, (landing,) = wide, self._landings(departures([wide]))
             if landing is None:
                 return None
             followed[k] = window, landing
@@ -217,14 +216,14 @@ def events_of(first: Spread, last: Spread, releases: Sequence[tuple[Release, flo
         Releases in the windows, each with the error of its penetration by the far field.
     """
     change = last.value - first.value
-    direction = np.sign(change) or 1.0
+    direction = np.sign(change)
     in_order = sorted(releases, key=lambda entry: direction * entry[0].event.at.value)
     value = np.array([release.event.at.value for release, _ in in_order])
     width = np.array([release.event.error.value + shift for release, shift in in_order])
     jump = np.array([release.load_change for release, _ in in_order])
     rise, a, b = last.load - first.load - jump.sum(), change * first.stiffness, change * last.stiffness
     smooth = np.array([first.load, a, 3 * rise - 2 * a - b, a + b - 2 * rise])
-    part = (value - first.value) / change if change else np.ones(value.size)
+    part = (value - first.value) / change
     load = polynomial.polyval(part, smooth) + np.cumsum(jump) - jump
     bent = float(np.max(np.abs(polynomial.polyval(np.linspace(0, 1, 9), smooth - [first.load, rise, 0, 0]))))
     steepness = max(abs(first.stiffness), abs(last.stiffness))

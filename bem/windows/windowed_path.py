@@ -28,11 +28,11 @@ from bem.path.locating import Start
 from bem.path.path import Path
 from bem.path.points_with_edges import Equilibrium, Point
 from bem.path.rest import at_rest
+from bem.windows.landing import WINDOW_STEP
 from bem.windows.spread import Spread, Spreading
 
-WINDOW_STEP = 0.05  # rms heights: windows are joined after each
 MANY_PATCHES, FEWER = 100, 0.8  # speed: patches from which windows are followed; part below which they are not
-SHORTEST_WINDOW_STEP = WINDOW_STEP / 8  # below it the whole contact is followed
+PARTS_OF_STEP = 1.0, 0.5, 0.25, 0.125  # limit: tried in turn, then the whole contact
 
 AnyPoint = Point | Spread
 
@@ -194,10 +194,10 @@ class WindowedPath:
 
     def _stepped(self, point: Spread, goal: float) -> Iterator[AnyPoint]:
         """Yield the points of one step: the joined windows at its end, or the whole contact on the way there."""
-        direction, step = self.direction(point, goal), WINDOW_STEP
-        value = point.value
-        while step >= SHORTEST_WINDOW_STEP:
-            value = goal if abs(goal - point.value) <= step else point.value + direction * step
+        direction, way = self.direction(point, goal), abs(goal - point.value)
+        end = goal if way <= WINDOW_STEP else point.value + direction * WINDOW_STEP
+        for part in PARTS_OF_STEP:
+            value = end if part == 1.0 else point.value + part * (end - point.value)
             behind = self.spreading.stepped(point, value)
             if behind is not None:
                 self.effort.accepted += 1
@@ -208,11 +208,10 @@ class WindowedPath:
                 yield behind
                 return
             self.effort.rejected += 1
-            step = min(step, abs(goal - point.value)) / 2
         start = self._gathered(point)
         yield start
         if not isinstance(start, Failed):
-            yield from self.whole.advance(start, value)
+            yield from self.whole.advance(start, end)
 
     def _gathered(self, point: AnyPoint, fine: bool = False) -> Point:
         """Return joined windows as an equilibrium of the whole contact, with events; other points unchanged."""
