@@ -147,7 +147,10 @@ def test_a_correct_state_is_ok_by_a_wide_margin(state):
         hessian_asymmetry=2e-13,  # measured 5e-14
         mean_gap_error=1e-15,  # measured 3e-16
     )
-    assert state.certify(demands=demands).reasons == ()
+    found = state.certify(demands=demands)
+    stored, lengths = found.of_height(2e-6), (found.min_gap, found.mean_gap_error)
+    assert found.reasons == ()
+    assert (stored.min_gap, stored.mean_gap_error) == pytest.approx([2e-6 * length for length in lengths], rel=1e-15)
 
 
 @pytest.mark.parametrize("amount", [1e-6, -1e-6], ids=["outward", "inward"])

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bem.audit.gap_certificate import certify_gaps
+from bem.audit.gap_certificate import NEAR_IMAGE, _cotangent, certify_gaps
 from bem.elastic.layer import LayerEffect
 from bem.geometry.gaps import Gaps
 from bem.geometry.profile import Profile
@@ -149,3 +149,9 @@ def test_gaps_that_are_none_are_refused(half_width):
     given = dict.fromkeys(("deficit", "mean_pressure", "separation", "penetration"), 0.1)
     with pytest.raises(ValueError, match="at least one"):
         certify_gaps(two_waves(), gaps, tuple(np.ones(4) for _ in half), **given)
+
+
+def test_the_field_next_to_an_image_is_the_cotangent_less_its_pole():
+    """The series and the difference, on both sides of where one follows the other."""
+    y = NEAR_IMAGE * np.array([-2.0, -1.01, -0.99, -0.5, 0.5, 0.99, 1.01, 2.0])
+    assert _cotangent(y, [y]) == pytest.approx(0.5 / np.tan(y / 2) - 1 / y, rel=0, abs=1e-13)

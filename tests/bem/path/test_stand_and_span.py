@@ -78,6 +78,9 @@ def test_the_control_turns_on_a_piece_around_johnsons_fold(quantity):
     assert span.holds(patches, value)
     assert not span.holds(patches.moved(0.1 * span.first.unit), value)
     assert not span.holds(patches, value + 0.1 * span.rise)
+    for s, within in ((-0.3, False), (0.0, True), (1.0, True), (1.3, False)):
+        point = span.at(s)
+        assert span.holds(point.patches, point.value) == within
 
 
 def test_a_piece_fits_the_better_the_shorter_it_is():
